@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries whose robots are commanded from outside tick by tick: of the quasistatic world, and
-// co-simulated.
+// Carries whose robots are commanded from outside tick by tick: in the quasistatic world, or in a
+// world outside the core.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
@@ -42,12 +42,6 @@ void give(PerSide<ExternalCommand>& commands, const Do& l, const Do& r) {
   }
 }
 
-// From the next command on, a robot stops travelling, or travels.
-void set_stops(PerSide<ExternalCommand>& commands, bool l, bool r) {
-  commands[left].command.stop = l;
-  commands[right].command.stop = r;
-}
-
 void go_on(PerSide<ExternalCommand>& commands) {
   for (ExternalCommand& command : commands) {
     command.send = MessageKind::none;
@@ -61,6 +55,22 @@ RobotTeam<ExternalController> team_of(const Spec& spec, std::uint64_t seed,
                                       const PerSide<ExternalCommand>& commands) {
   return robot_team_of<ExternalController>(
       {ExternalController(&commands[left]), ExternalController(&commands[right])}, spec, seed);
+}
+
+template <class Carry>
+WorldObservation sight_of(const Carry& carry) {
+  const auto& at = carry.world().configuration();
+  WorldObservation sight;
+  for (const std::size_t side : {left, right}) {
+    sight.contacts[side] = sight.touched[side] = at.contacts[side];
+    sight.lift[side] = at.lift[side];
+    sight.palms[side] = sight.wrists[side] = at.palms[side].angle;
+    sight.motion[side] = static_cast<int>(carry.world().last().motion[side]);
+  }
+  sight.separation = at.separation;
+  sight.midpoint = carry.midpoint();
+  sight.rise = carry.world().contact_vector().dy;
+  return sight;
 }
 
 // What both robots see in the tick to come.
@@ -102,10 +112,31 @@ struct Begun {
   }
 };
 
+// A carry in a world outside the core: a Python object with `move` and `sight`.
+struct Outside {
+  nb::object world;
+  CoSimulation<RobotTeam<ExternalController>> carry;
+
+  Outside(const Spec& spec, std::uint64_t seed, const PerSide<ExternalCommand>& commands,
+          nb::object moved, double slack)
+      : world(std::move(moved)),
+        carry(spec, seed, team_of(spec, seed, commands), slack,
+              nb::cast<WorldObservation>(world.attr("sight")(true))) {}
+  bool done() const { return carry.done(); }
+  void tick() {
+    const Actuation<double> act = carry.step_controllers();
+    const PerSide<double>& v = carry.speeds();
+    world.attr("move")(Two{v[left], v[right]}, Two{act.angles[left], act.angles[right]});
+    carry.observe(nb::cast<WorldObservation>(world.attr("sight")()));
+  }
+};
+
 class Episode {
  public:
-  Episode(const Spec& spec, std::uint64_t seed, bool record) {
-    if (record) {
+  Episode(const Spec& spec, std::uint64_t seed, bool record, nb::object world, double slack) {
+    if (!world.is_none()) {
+      with_.emplace<Outside>(spec, seed, commands_, std::move(world), slack);
+    } else if (record) {
       with_.emplace<Begun<TraceRecorder>>(spec, seed, commands_);
     } else {
       with_.emplace<Begun<NoRecorder>>(spec, seed, commands_);
@@ -116,7 +147,11 @@ class Episode {
 
   template <class Visit>
   auto visit(Visit&& what) {
-    return with_.index() == 1 ? what(std::get<1>(with_)) : what(std::get<2>(with_));
+    switch (with_.index()) {
+      case 1: return what(std::get<1>(with_));
+      case 2: return what(std::get<2>(with_));
+      default: return what(std::get<3>(with_));
+    }
   }
 
   Now step(const Do& l, const Do& r, int ticks) {
@@ -137,10 +172,10 @@ class Episode {
     });
   }
 
-  void stop(bool l, bool r) { set_stops(commands_, l, r); }
-
-  std::pair<Seen, Seen> seen() {
-    return visit([&](auto& begun) { return seen_of(begun.carry); });
+  // From the next step on, a robot stops travelling, or travels.
+  void stop(bool l, bool r) {
+    commands_[left].command.stop = l;
+    commands_[right].command.stop = r;
   }
 
   Run run() {
@@ -157,148 +192,46 @@ class Episode {
 
  private:
   PerSide<ExternalCommand> commands_{};
-  std::variant<std::monostate, Begun<NoRecorder>, Begun<TraceRecorder>> with_;
-};
-
-class ExternalCoSimulation {
- public:
-  ExternalCoSimulation(const Spec& spec, std::uint64_t seed, const WorldObservation& first,
-                       double slack)
-      : cosimulation_(spec, seed, team_of(spec, seed, commands_), slack, first) {}
-  ExternalCoSimulation(const ExternalCoSimulation&) = delete;
-  ExternalCoSimulation& operator=(const ExternalCoSimulation&) = delete;
-
-  PerSide<ExternalCommand>& commands() { return commands_; }
-  CoSimulation<RobotTeam<ExternalController>>& cosimulation() { return cosimulation_; }
-  bool done() const { return cosimulation_.done(); }
-  std::pair<Seen, Seen> seen() const { return seen_of(cosimulation_); }
-
- private:
-  PerSide<ExternalCommand> commands_{};
-  CoSimulation<RobotTeam<ExternalController>> cosimulation_;
+  std::variant<std::monostate, Begun<NoRecorder>, Begun<TraceRecorder>, Outside> with_;
 };
 
 }  // namespace
 
 void bind_episode(nb::module_& m) {
-  nb::class_<Episode>(m, "Episode",
-                      "A carry in the quasistatic world whose robots are commanded from outside.")
-      .def(nb::init<const Spec&, std::uint64_t, bool>(), nb::arg("spec"), nb::arg("seed"),
-           nb::arg("record") = false)
+  nb::class_<Episode>(m, "Episode", "A carry whose robots are commanded from outside.")
+      .def(nb::init<const Spec&, std::uint64_t, bool, nb::object, double>(), nb::arg("spec"),
+           nb::arg("seed"), nb::arg("record") = false, nb::arg("world") = nb::none(),
+           nb::arg("slack") = 0.0,
+           "world: what moves the object, with move(speeds, palm angles) and sight(first); None: "
+           "the quasistatic world. slack: how far from the angle commanded [rad] a wrist counts as "
+           "turned.")
       .def_prop_ro(
           "outcome",
           [](Episode& e) { return e.visit([](auto& b) { return outcome_of(b.carry.metrics()); }); },
           "running, delivered, dropped or stalled.")
       .def_prop_ro("ticks",
                    [](Episode& e) { return e.visit([](auto& b) { return b.carry.ticks(); }); })
-      .def_prop_ro("contacts",
-                   [](Episode& e) {
-                     return e.visit([](auto& b) {
-                       const auto& p = b.carry.world().configuration().contacts;
-                       return Two{p[left], p[right]};
-                     });
-                   })
-      .def_prop_ro("lift",
-                   [](Episode& e) {
-                     return e.visit([](auto& b) {
-                       const auto& y = b.carry.world().configuration().lift;
-                       return Two{y[left], y[right]};
-                     });
-                   })
-      .def_prop_ro("palms",
-                   [](Episode& e) {
-                     return e.visit([](auto& b) {
-                       const auto& palms = b.carry.world().configuration().palms;
-                       return Two{palms[left].angle, palms[right].angle};
-                     });
-                   })
-      .def_prop_ro(
-          "motion",
-          [](Episode& e) {
-            return e.visit([](auto& b) {
-              const ContactMode motion = b.carry.world().last().motion;
-              return std::pair(static_cast<int>(motion[left]), static_cast<int>(motion[right]));
-            });
-          },
-          "Over the last tick: contacts slide down -1, stick 0, slide up +1.")
-      .def_prop_ro(
-          "separation",
-          [](Episode& e) {
-            return e.visit([](auto& b) { return b.carry.world().configuration().separation; });
-          })
-      .def_prop_ro(
-          "rise",
-          [](Episode& e) {
-            return e.visit([](auto& b) { return b.carry.world().contact_vector().dy; });
-          },
-          "Of the right contact vertex over the left one [m].")
-      .def_prop_ro("midpoint",
-                   [](Episode& e) { return e.visit([](auto& b) { return b.carry.midpoint(); }); })
       .def_prop_ro(
           "sent",
           [](Episode& e) {
             return e.visit([](auto& b) { return b.carry.team().link_totals.sent; });
           },
           "Messages so far.")
-      .def("observations", &Episode::seen,
-           "Of each robot (sign, palm turned, message that is there, program runs, it has just "
-           "begun "
-           "anew) in the tick to come.")
+      .def(
+          "sight", [](Episode& e) { return e.visit([](auto& b) { return sight_of(b.carry); }); },
+          "The present state of the world.")
+      .def(
+          "seen", [](Episode& e) { return e.visit([](auto& b) { return seen_of(b.carry); }); },
+          "Of each robot (sign, palm turned, message that is there, program runs, it has just "
+          "begun "
+          "anew) in the tick to come.")
       .def("step", &Episode::step, nb::arg("left"), nb::arg("right"), nb::arg("ticks") = 1,
            "So many ticks with (palm, move, message to send) of each robot. What is there to be "
            "read is read in the first of them, in which messages go out too. Returns (outcome, "
-           "ticks "
-           "and messages so far, midpoint [m], contacts [m]).")
+           "ticks and messages so far, midpoint [m], contacts [m]).")
       .def("stop", &Episode::stop, nb::arg("left"), nb::arg("right"),
            "Whether each robot rests, from the next step on, until it is called again.")
       .def("run", &Episode::run, "What became of it; takes the trace with it.");
-
-  nb::class_<ExternalCoSimulation>(m, "ExternalCoSimulation",
-                                   "A co-simulation whose robots are commanded from outside.")
-      .def(nb::init<const Spec&, std::uint64_t, const WorldObservation&, double>(), nb::arg("spec"),
-           nb::arg("seed"), nb::arg("first"), nb::arg("slack") = 0.0)
-      .def_prop_ro("done", &ExternalCoSimulation::done)
-      .def_prop_ro("outcome",
-                   [](ExternalCoSimulation& c) { return outcome_of(c.cosimulation().metrics()); })
-      .def_prop_ro("ticks", [](ExternalCoSimulation& c) { return c.cosimulation().ticks(); })
-      .def_prop_ro("sent",
-                   [](ExternalCoSimulation& c) { return c.cosimulation().team().link_totals.sent; })
-      .def("observations", &ExternalCoSimulation::seen)
-      .def(
-          "set_commands",
-          [](ExternalCoSimulation& c, const Do& l, const Do& r) { give(c.commands(), l, r); },
-          nb::arg("left"), nb::arg("right"),
-          "(palm, move, message to send) of each robot, from the next command on.")
-      .def(
-          "stop", [](ExternalCoSimulation& c, bool l, bool r) { set_stops(c.commands(), l, r); },
-          nb::arg("left"), nb::arg("right"),
-          "Whether each robot rests, from the next command on, until it is called again.")
-      .def(
-          "step_controllers",
-          [](ExternalCoSimulation& c) {
-            if (c.done()) throw std::runtime_error("the carry is over");
-            const Actuation<double> act = c.cosimulation().step_controllers();
-            go_on(c.commands());
-            const PerSide<double>& v = c.cosimulation().speeds();
-            return std::pair(Two{v[left], v[right]}, Two{act.angles[left], act.angles[right]});
-          },
-          "(Speeds [m/s] towards +x, palm angles [rad] at the end of the tick.)")
-      .def(
-          "observe",
-          [](ExternalCoSimulation& c, const WorldObservation& observation) {
-            c.cosimulation().observe(observation);
-          },
-          nb::arg("sight"))
-      .def(
-          "run",
-          [](ExternalCoSimulation& c) {
-            Run run = run_of(c.cosimulation());
-            run.hash = c.cosimulation().recorder().hash();
-            run.rows = c.cosimulation().recorder().take_rows();
-            run.sent_messages = c.cosimulation().recorder().take_sent_messages();
-            return run;
-          },
-          "What became of it; takes the trace with it.");
 }
 
 }  // namespace palmbots::bindings

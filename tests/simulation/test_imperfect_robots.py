@@ -14,7 +14,7 @@ from palmbots.drivers.driver import Drive, RawCommand
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.simulated import SimulatedDriver
 from palmbots.links.local_connection import listen
-from palmbots.simulation.driven_world import DrivenQuasistatic
+from palmbots.simulation.driven_world import QuasistaticWorld, as_built
 from palmbots.simulation.imperfect_robot import ImperfectRobot
 from palmbots.simulation.imperfections import Imperfections, load_imperfections
 from palmbots.simulation.live_world import LiveCarry, run_live_world
@@ -100,7 +100,7 @@ def test_the_driven_world_is_the_quasistatic_one() -> None:
     """Robots without noise, through wheels and palms that are moved from outside."""
     scene = pb.load_scene("paper", QUIET)
     perfect = PerfectStage(scene, "quasistatic", 0)
-    driven = DrivenQuasistatic(scene)
+    driven = QuasistaticWorld(scene)
     params = Imperfections(motor_acceleration_m_s2=0.5).of("left")
     robots = [ImperfectRobot(params, scene, side, 0) for side in ("left", "right")]  # type: ignore[arg-type]
     # Travel, away from the partner, at rest; the palm of the right robot turns up and down.
@@ -121,11 +121,11 @@ def test_the_driven_world_is_the_quasistatic_one() -> None:
                 rates = (wanted / RIM, wanted / RIM)
                 servo = math.radians(90) + angles[palm]
                 rims.append(one.move(RawCommand(rates, servo)))
-            driven.step((rims[0], rims[1]), (robots[0].palm_rad, robots[1].palm_rad))
-            assert driven.midpoint == pytest.approx(perfect.midpoint, abs=1e-9)
-            contacts = perfect._carry.contacts
+            driven.step(as_built((rims[0], rims[1])), (robots[0].palm_rad, robots[1].palm_rad))
+            assert driven.advance == pytest.approx(perfect.midpoint, abs=1e-9)
+            contacts = perfect._carry.sight().contacts
             assert driven.pressed == pytest.approx(contacts, abs=1e-9)
-            assert driven.palms == pytest.approx(perfect._carry.palms, abs=1e-12)
+            assert driven.wrists() == pytest.approx(perfect._carry.sight().palms, abs=1e-12)
     assert any(abs(p) > 0.005 for p in driven.pressed if p is not None)
 
 
@@ -135,10 +135,10 @@ def test_unequal_pivots_tilt_the_object_in_both_worlds(heights: tuple[float, flo
     scene = pb.load_scene("paper", QUIET)
     rise = heights[1] - heights[0]
     moved: Any = world_entry("mujoco").driven(scene, heights)  # type: ignore[misc]
-    planar = DrivenQuasistatic(scene, heights)
+    planar = QuasistaticWorld(scene, heights)
     assert planar.pressed == pytest.approx((0, 0), abs=1e-12)
-    assert moved.world.contacts == pytest.approx((0, 0), abs=5e-4)
-    (_, _, left), (_, _, right) = moved.world._vertices()
+    assert moved.contacts == pytest.approx((0, 0), abs=5e-4)
+    (_, _, left), (_, _, right) = moved._vertices()
     assert right - left == pytest.approx(rise, abs=2e-4)
     # The core sees the same object from the line between the pivots.
     along, across = planar._world.contact_vector
@@ -147,9 +147,9 @@ def test_unequal_pivots_tilt_the_object_in_both_worlds(heights: tuple[float, flo
     # While the robots approach each other, the same contact slides in both worlds, by as much.
     for _ in range(60):
         for world in (moved, planar):
-            world.step(((0.02, 0.02), (0.02, 0.02)), planar.palms)
-    assert max(abs(p) for p in moved.world.contacts) > 0.005
-    assert moved.world.contacts == pytest.approx(planar.pressed, abs=1.5e-3)
+            world.step(((0.02, 0.02), (-0.02, -0.02)), planar.wrists())
+    assert max(abs(p) for p in moved.contacts) > 0.005
+    assert moved.contacts == pytest.approx(planar.pressed, abs=1.5e-3)
 
 
 CROOKED = {
@@ -232,7 +232,7 @@ def test_the_stage_of_a_pair_has_its_own_noise_for_each_robot() -> None:
     for _ in range(50):
         for stage in stages:
             stage.step(command, command)
-    rolled = [stage._world.rolled_m for stage in stages]
+    rolled = [stage._world.rolled() for stage in stages]
     assert rolled[0] == rolled[1] != rolled[2]
     assert rolled[0][0] != rolled[0][1]
 

@@ -26,7 +26,6 @@ from palmbots._types import SIDES
 from palmbots._util.arguments import one_of, show
 from palmbots._util.optional_imports import missing_extra
 from palmbots.errors import PalmbotsError, SceneError
-from palmbots.learn.episode import Episode, StepResult, begin_episode
 from palmbots.learn.reward import RewardTerms, RewardWeights
 from palmbots.learn.spaces import (
     ACTION,
@@ -37,6 +36,7 @@ from palmbots.learn.spaces import (
     observation_size,
 )
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.episode import Episode, begin_episode
 from palmbots.simulation.result import Carry
 from palmbots.simulation.worlds import world_names
 
@@ -51,6 +51,8 @@ AGENTS = list(SIDES)
 _PETTINGZOO_PROBE = "options"  # its API tests call reset(options={"options": 1})
 _MAX_TICKS = 1000
 _STATE_SIZE = 8
+StepResult = tuple[str, int, int, float, tuple[float, float]]
+"""Outcome, ticks and messages so far, midpoint [m], contacts [m]."""
 _SEED_LIMIT = 2**53  # below it a seed survives loggers that store numbers as floats
 
 
@@ -237,9 +239,9 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         height of the right contact vertex above the left one [m], distance travelled and distance
         to go [m].
         """
-        at = self._current_episode()
-        travelled = at.midpoint * (1.0 if at.scene.task.direction == "forward" else -1.0)
-        to_go = at.scene.task.distance_m - travelled
+        task, at = self._current_episode().scene.task, self._current_episode().sight()
+        travelled = at.midpoint * (1.0 if task.direction == "forward" else -1.0)
+        to_go = task.distance_m - travelled
         return np.array([*at.contacts, *at.palms, at.separation, at.rise, travelled, to_go])
 
     def render(self) -> np.ndarray | None:

@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 
-from palmbots.learn.episode import Episode
 from palmbots.learn.spaces import MESSAGES, MOVES, PALMS, RobotAction
 from palmbots.scene.placement import Placement, place
+from palmbots.simulation.episode import Episode
 from palmbots.viz.side_view import Moment, Stage
 from palmbots.viz.side_view_scene import Message
 
@@ -36,11 +36,11 @@ class EpisodeView:
         ended = at.outcome != "running"
         moment = Moment(
             row=0,
-            time=at.ticks * at.scene.control.period_s,
+            time=at.time_s,
             case=("", ""),
             sign=(seen[0][0], seen[1][0]),
-            motion=at.motion,
-            contact=at.contacts,
+            motion=at.sight().motion,
+            contact=at.sight().contacts,
             message=message,
             ending=at.outcome if ended else None,
             good=at.outcome == "delivered",
@@ -49,14 +49,14 @@ class EpisodeView:
         return np.asarray(self._stage.frame(moment))
 
     def _placed(self) -> Placement:
-        at = self._episode
+        spec, at = self._episode.spec, self._episode.sight()
         return place(
-            at.spec,
+            spec,
             separation=[at.separation],
             midpoint=[at.midpoint],
             palm=[at.palms],
             contact=[at.contacts],
-            turn=[math.asin(at.rise / at.spec.width)],
+            turn=[math.asin(at.rise / spec.width)],
             lift=[at.lift],
         )
 

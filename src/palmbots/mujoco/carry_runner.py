@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 
 import palmbots._core as _core
+from palmbots.errors import SceneError
 from palmbots.mujoco.curved_world import world_of
-from palmbots.mujoco.driven_mujoco import DrivenMujoco
 from palmbots.mujoco.settings import DEFAULT, Engine
 from palmbots.mujoco.trace_columns import COLUMNS, Measured
 from palmbots.mujoco.world import SLACK, MujocoWorld
 from palmbots.scene.scene import Scene
-from palmbots.simulation.prepare import Prepared, prepare
-from palmbots.simulation.result import Carry, make_carry
+from palmbots.simulation.driven_world import Pair
+from palmbots.simulation.episode import Episode
+from palmbots.simulation.prepare import Prepared
 from palmbots.simulation.worlds import WorldEntry, WorldRun
 
 _PROGRESS_TICKS = 20  # between two calls of `on_progress`
@@ -57,130 +58,94 @@ def run(
     scene = prepared.scene
     world = world_of(scene, engine, measures=record or on_tick is not None)
     core = prepared.controller.for_core(prepared.spec)
-    crew = _core.CoSimulation(prepared.spec, core, seed, world.sight(first=True), SLACK)
-    recorder = MujocoRecorder(world, engine) if record else None
+    carried = CarriedWorld(world, engine, record)
+    crew = _core.CoSimulation(prepared.spec, core, seed, carried.sight(first=True), SLACK)
     if on_tick is not None:
         on_tick(world)
     distance = scene.task.distance_m
     while not crew.done:
         speeds, angles, *_ = crew.step_controllers()
         world.move(speeds, angles)
-        crew.observe(world.sight())
-        if recorder is not None:
-            recorder.record(world)
+        crew.observe(carried.sight())
         if on_tick is not None:
             on_tick(world)
         tick = round(world.time_s / scene.control.period_s)
         if on_progress is not None and tick % _PROGRESS_TICKS == 0:
             on_progress(min(1.0, abs(world.advance) / distance))
-    return _world_run(crew.run(), world, recorder)
+    return carried.run_of(crew.run())
 
 
-def _world_run(measured: Any, world: MujocoWorld, recorder: "MujocoRecorder | None") -> WorldRun:
-    """The result of a carry that has ended."""
-    return WorldRun(
-        measured,
-        contact_events=world.contact_events(measured.time_s),
-        warnings=tuple(world.warnings),
-        lateral_peak_m=world.lateral_peak,
-        trace={} if recorder is None else recorder.columns(world),
-        recording=None if recorder is None else recorder.states(),
-    )
+class CarriedWorld:
+    """A world in MuJoCo during a carry: a `palmbots.simulation.episode.MovedWorld` that records,
+    tick by tick, what only it measures."""
 
+    slack = SLACK
 
-class MujocoRecorder:
-    """Records, tick by tick, what only this world measures."""
-
-    def __init__(self, world: MujocoWorld, engine: Engine = DEFAULT) -> None:
+    def __init__(self, world: MujocoWorld, engine: Engine, record: bool) -> None:
         """`world` is at its start."""
-        self._engine = engine
+        self.world, self.move = world, world.move
+        self._engine, self._record = engine, record
         self._measured: list[Measured] = []
-        self._states = [world.state()]
+        self._states = [world.state()] if record else []
 
-    def record(self, world: MujocoWorld) -> None:
-        """Record the last tick."""
-        self._measured.append(world.measured)
-        self._states.append(world.state())
+    def sight(self, first: bool = False) -> _core.WorldObservation:
+        """Observe the present instant, and record it."""
+        sight = self.world.sight(first)
+        if self._record and not first:
+            self._measured.append(self.world.measured)
+            self._states.append(self.world.state())
+        return sight
 
-    def columns(self, world: MujocoWorld) -> dict[str, tuple[np.ndarray, dict[str, str]]]:
+    def run_of(self, measured: Any) -> WorldRun:
+        """The result of a carry that has ended."""
+        world = self.world
+        return WorldRun(
+            measured,
+            contact_events=world.contact_events(measured.time_s),
+            warnings=tuple(world.warnings),
+            lateral_peak_m=world.lateral_peak,
+            trace=self._columns() if self._record else {},
+            recording=MujocoRecord(np.array(self._states), self._engine) if self._record else None,
+        )
+
+    def _columns(self) -> dict[str, tuple[np.ndarray, dict[str, str]]]:
         """The variables of the trace. A row is the start of its tick; the last one is repeated."""
-        rows = [*self._measured, self._measured[-1] if self._measured else world.measured]
+        rows = [*self._measured, self._measured[-1] if self._measured else self.world.measured]
         return {
             name: (np.array([getattr(row, name) for row in rows]), attrs)
             for name, attrs in COLUMNS.items()
         }
 
-    def states(self) -> MujocoRecord:
-        """The states for videos."""
-        return MujocoRecord(np.array(self._states), self._engine)
+
+def episode(scene: Scene, seed: int, record: bool) -> Episode:
+    """A carry that is stepped from outside."""
+    world = world_of(scene, DEFAULT, measures=record)
+    return Episode(scene, seed, record, WORLD, CarriedWorld(world, DEFAULT, record))
 
 
-class MujocoEpisode:
-    """A carry that is stepped from outside, as in `palmbots.learn`."""
+def driven(scene: Scene, pivot_heights_m: Pair = (0.0, 0.0)) -> MujocoWorld:
+    """A world whose wheels are moved from outside. Nobody steers the robots: one whose wheels
+    differ drives a curve.
 
-    def __init__(self, scene: Scene, seed: int, record: bool) -> None:
-        self._prepared = prepare(scene, "none", WORLD)
-        self.scene, self.spec, self.seed = scene, self._prepared.spec, seed
-        self.world = world_of(scene, DEFAULT, measures=record)
-        self._sight = self.world.sight(first=True)
-        self._crew: Any = _core.ExternalCoSimulation(self.spec, seed, self._sight, SLACK)
-        self._recorder = MujocoRecorder(self.world) if record else None
-        self.seen = self._crew.observations
-
-    def stop(self, left: bool, right: bool) -> None:
-        """Let each robot rest, or travel, from now on."""
-        self._crew.stop(left, right)
-
-    def step(self, left: Any, right: Any, ticks: int) -> tuple[Any, ...]:
-        """Apply the actions for some ticks.
-
-        Returns outcome, number of ticks and messages so far, midpoint, contacts.
-        """
-        crew, world = self._crew, self.world
-        crew.set_commands(left, right)
-        for _ in range(ticks):
-            world.move(*crew.step_controllers())
-            self._sight = world.sight()
-            crew.observe(self._sight)
-            if self._recorder is not None:
-                self._recorder.record(world)
-            if crew.done:
-                break
-        sight = self._sight
-        return crew.outcome, crew.ticks, crew.sent, sight.midpoint, sight.contacts
-
-    @property
-    def outcome(self) -> str:
-        """``running``, ``delivered``, ``dropped`` or ``stalled``."""
-        return self._crew.outcome
-
-    @property
-    def ticks(self) -> int:
-        """Number of control periods so far."""
-        return self._crew.ticks
-
-    @property
-    def sent(self) -> int:
-        """Number of messages so far."""
-        return self._crew.sent
-
-    def __getattr__(self, name: str) -> Any:
-        """Everything else, such as ``contacts`` and ``palms``, is the last observation."""
-        return getattr(self.__dict__["_sight"], name)
-
-    def make_carry(self, controller: str) -> Carry:
-        """The carry, once it is over."""
-        result = _world_run(self._crew.run(), self.world, self._recorder)
-        is_recorded = self._recorder is not None
-        return make_carry(self._prepared.renamed(controller), self.seed, result, record=is_recorded)
+    Raises:
+        SceneError: the path is curved.
+    """
+    if scene.task.path.is_curved:
+        raise SceneError(
+            "task.path.kind: robots that nobody steers cannot follow a curved path; "
+            "allowed: straight"
+        )
+    world = MujocoWorld(scene, measures=False, pivot_heights_m=pivot_heights_m)
+    world.sight(first=True)
+    return world
 
 
 WORLD = WorldEntry(
     "mujoco",
     "three-dimensional, with mass, wheels and soft contacts",
     run=run,
-    episode=MujocoEpisode,
-    driven=DrivenMujoco,
+    episode=episode,
+    driven=driven,
     supports_curved=True,
     is_stepped=True,
     trace_variables=COLUMNS,

@@ -108,6 +108,15 @@ class MujocoWorld:
                 "and object that differ less"
             )
 
+    def step(
+        self,
+        rims: tuple[tuple[float, float], tuple[float, float]],
+        angles: tuple[float, float],
+    ) -> None:
+        """`turn_wheels` and `sight`: one control period of a world that is driven from outside."""
+        self.turn_wheels(rims, angles)
+        self.sight()
+
     # --- observing ------------------------------------------------------------------------------
 
     def sight(self, first: bool = False) -> _core.WorldObservation:
@@ -164,6 +173,15 @@ class MujocoWorld:
         self._mj.mj_setState(self.model, self.data, state, kind)
         self._mj.mj_forward(self.model, self.data)
         self._set = list(self._steep)
+
+    @property
+    def pressed(self) -> tuple[float | None, float | None]:
+        """Contact coordinate [m] at which each palm is pressed; None: too lightly."""
+        left, right = (
+            at if is_closed else None
+            for at, is_closed in zip(self.touched, self.is_pressed, strict=True)
+        )
+        return left, right
 
     @property
     def wrists_set(self) -> tuple[float, float]:

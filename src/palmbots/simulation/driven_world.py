@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Worlds whose wheels and palms are moved from outside (`DrivenWorld`), and the quasistatic one.
 
-The caller simulates the robots: motors, sensors and programs. Wheels are numbered
-left, right as seen by a person who looks towards the partner; forward is towards the partner.
+The caller simulates the robots: motors, sensors and programs. Wheels are those on the port and the
+starboard side of a robot that looks towards +x, and roll forward towards +x.
 """
 
 import math
@@ -17,18 +17,19 @@ from palmbots.scene.unequal_pivots import raise_right_pivot
 Pair = tuple[float, float]
 """Left robot, right robot."""
 Wheels = tuple[Pair, Pair]
-"""The left and right wheel of the left robot, and those of the right one."""
+"""The port and starboard wheel of the left robot, and those of the right one."""
+
+
+def as_built(wheels: Wheels) -> Wheels:
+    """Between these wheels and the left and right ones, forward, of a person who looks towards the
+    partner. The right robot looks towards −x."""
+    (left, right), (other_left, other_right) = wheels
+    return (left, right), (-other_right, -other_left)
 
 
 class DrivenWorld(Protocol):
     """An object on two palms, moved tick by tick."""
 
-    rolled_m: Wheels
-    """What each wheel has rolled forward so far."""
-    palms: Pair
-    """The angles of the palms over the horizontal [rad]."""
-    midpoint: float
-    """Displacement of the midpoint of the pivots towards +x [m]."""
     end: str
     """Why the object is no longer held; empty if it is."""
 
@@ -37,8 +38,22 @@ class DrivenWorld(Protocol):
         """Contact coordinate [m] at which each palm is pressed; None: too lightly."""
         ...
 
-    def step(self, rims_m_s: Wheels, palms_rad: Pair) -> None:
-        """One control period with these speeds of the wheel rims; the palms turn to these angles.
+    @property
+    def advance(self) -> float:
+        """Displacement of the midpoint of the pivots towards +x [m]."""
+        ...
+
+    def rolled(self) -> Wheels:
+        """How far each wheel has rolled [m], from any start."""
+        ...
+
+    def wrists(self) -> Pair:
+        """The angles of the palms over the horizontal [rad]."""
+        ...
+
+    def step(self, rims: Wheels, angles: Pair) -> None:
+        """One control period with these speeds of the wheel rims [m/s]; the palms turn to these
+        angles [rad].
 
         Raises:
             PalmbotsError: the simulation failed.
@@ -46,7 +61,7 @@ class DrivenWorld(Protocol):
         ...
 
 
-class DrivenQuasistatic:
+class QuasistaticWorld:
     """The planar world. A robot has the mean speed of its wheels; it does not turn."""
 
     def __init__(self, scene: Scene, pivot_heights_m: Pair = (0.0, 0.0)) -> None:
@@ -56,9 +71,8 @@ class DrivenQuasistatic:
         self._world = _core.World(spec)
         self._period_s = scene.control.period_s
         self._inertia = _core.InertiaFilter(spec)
-        self.rolled_m: Wheels = ((0.0, 0.0), (0.0, 0.0))
-        self.palms: Pair = self._as_seen(self._world.palms)
-        self.midpoint = 0.0
+        self._rolled: Wheels = ((0.0, 0.0), (0.0, 0.0))
+        self.advance = 0.0
         self.end = self._world.check()
 
     @property
@@ -66,22 +80,25 @@ class DrivenQuasistatic:
         """Contact coordinate [m] at which each palm is pressed."""
         return self._world.contacts
 
-    def step(self, rims_m_s: Wheels, palms_rad: Pair) -> None:
+    def rolled(self) -> Wheels:
+        """How far each wheel has rolled [m]."""
+        return self._rolled
+
+    def wrists(self) -> Pair:
+        """The angles of the palms over the horizontal, not over the line between the pivots."""
+        left, right = self._world.palms
+        return left - self._tilt, right + self._tilt
+
+    def step(self, rims: Wheels, angles: Pair) -> None:
         """One control period; see `DrivenWorld`."""
         if self.end:
             raise PalmbotsError("world: the object is no longer held")
-        left, right = (0.5 * sum(wheels) for wheels in rims_m_s)
-        together = left - right  # forward is towards the partner
-        change = -(left + right) * self._period_s * math.cos(self._tilt)
-        palms = palms_rad[0] + self._tilt, palms_rad[1] - self._tilt
-        self.end = self._world.advance(change, palms, self._inertia.step(together))[0]
-        self.palms = self._as_seen(self._world.palms)
-        self.midpoint += 0.5 * together * self._period_s
-        (a, b), (c, d) = self.rolled_m
-        (va, vb), (vc, vd) = rims_m_s
+        left, right = (0.5 * sum(wheels) for wheels in rims)
         t = self._period_s
-        self.rolled_m = ((a + va * t, b + vb * t), (c + vc * t, d + vd * t))
-
-    def _as_seen(self, palms: Pair) -> Pair:
-        """Angles over the horizontal of angles over the line between the pivots."""
-        return palms[0] - self._tilt, palms[1] + self._tilt
+        change = (right - left) * t * math.cos(self._tilt)
+        palms = angles[0] + self._tilt, angles[1] - self._tilt
+        self.end = self._world.advance(change, palms, self._inertia.step(left + right))[0]
+        self.advance += 0.5 * (left + right) * t
+        (a, b), (c, d) = self._rolled
+        (va, vb), (vc, vd) = rims
+        self._rolled = ((a + va * t, b + vb * t), (c + vc * t, d + vd * t))

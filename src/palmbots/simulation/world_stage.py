@@ -13,7 +13,8 @@ from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.simulation.driven_world import DrivenWorld
+from palmbots.simulation.driven_world import DrivenWorld, as_built
+from palmbots.simulation.episode import begin_episode
 from palmbots.simulation.imperfect_robot import REST, ImperfectRobot
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.simulation.worlds import world_entry
@@ -73,11 +74,7 @@ class PerfectStage:
     """The robots of the scene."""
 
     def __init__(self, scene: Scene, world: str, seed: int) -> None:
-        episode: Any = world_entry(world).episode
-        if episode is None:
-            raise PalmbotsError(f"world: {world} cannot be stepped from outside")
-        self._carry = episode(load_scene(scene, _ENDLESS), seed, record=False)
-        self._seen = self._carry.seen
+        self._carry = begin_episode(load_scene(scene, _ENDLESS), world, seed)
         self.midpoint = 0.0
         self.contacts: tuple[float, float] = (0.0, 0.0)
 
@@ -96,7 +93,8 @@ class PerfectStage:
 
     def frames(self) -> tuple[Any, Any]:
         """Sign, whether the palm is turned, and the distance."""
-        left, right = ([sign, turned, abs(self.midpoint)] for sign, turned, *_ in self._seen())
+        seen = self._carry.seen()
+        left, right = ([sign, turned, abs(self.midpoint)] for sign, turned, *_ in seen)
         return left, right
 
     def command_in(self, frame: Any) -> tuple[int, int, bool]:
@@ -172,6 +170,7 @@ class ImperfectStage(RawStage):
         params = [imperfections.of(side) for side in SIDES]
         left, right = (one.pivot_height_m for one in params)
         self._world: DrivenWorld = driven(scene, (left, right))
+        self._start = as_built(self._world.rolled())
         super().__init__(imperfections)
         self.contacts: tuple[float, float] = (0.0, 0.0)
         self._robots = [
@@ -181,7 +180,7 @@ class ImperfectStage(RawStage):
     @property
     def midpoint(self) -> float:
         """Displacement of the midpoint of the robots [m]."""
-        return self._world.midpoint
+        return self._world.advance
 
     @property
     def outcome(self) -> str:
@@ -191,8 +190,10 @@ class ImperfectStage(RawStage):
     def readings(self) -> tuple[RawReading, RawReading]:
         """What the hardware of each robot reads."""
         world = self._world
-        rows = zip(self._robots, world.rolled_m, world.pressed, world.palms, strict=True)
-        left, right = (robot.reading(rolled, p, palm) for robot, rolled, p, palm in rows)
+        rolled = zip(as_built(world.rolled()), self._start, strict=True)
+        rims = [(now[0] - start[0], now[1] - start[1]) for now, start in rolled]
+        rows = zip(self._robots, rims, world.pressed, world.wrists(), strict=True)
+        left, right = (robot.reading(rim, p, palm) for robot, rim, p, palm in rows)
         return left, right
 
     def frames(self) -> tuple[Any, Any]:
@@ -204,7 +205,7 @@ class ImperfectStage(RawStage):
         """One control period."""
         one, other = self._robots
         rims = (one.move(left), other.move(right))
-        self._world.step(rims, (one.palm_rad, other.palm_rad))
+        self._world.step(as_built(rims), (one.palm_rad, other.palm_rad))
         # A palm that is pressed too lightly keeps its last contact.
         (p, q), (was, was_other) = self._world.pressed, self.contacts
         self.contacts = (was if p is None else p, was_other if q is None else q)

@@ -45,8 +45,8 @@ class WorldEntry:
     run: Callable[..., WorldRun]
     """``run(prepared, seed, precision, record, on_tick, on_progress)`` runs one carry."""
     episode: Callable[..., Any] | None = None
-    """``episode(scene, seed, record)`` begins a carry that is stepped from outside, as in
-    `palmbots.learn`; None: this world has none."""
+    """``episode(scene, seed, record)`` begins a carry whose robots are commanded from outside, a
+    `palmbots.simulation.episode.Episode`; None: this world has none."""
     driven: Callable[..., DrivenWorld] | None = None
     """``driven(scene, pivot_heights_m)`` begins a carry whose wheels and palms are moved from
     outside; None: this world has none."""
