@@ -2,8 +2,7 @@
 // The shipped core, compiled to WebAssembly (site/core/core.cpp).
 import address from "../generated/core.wasm?url";
 import { type Scene, filledIn, tables } from "./tables";
-import { builtInScene, entriesOf, keyAt } from "./scene";
-import { get, short } from "./scene_values";
+import { builtInScene, entriesOf, get, keyAt, short } from "./scene_values";
 import { refuse } from "./scene_shape";
 
 interface Exports {

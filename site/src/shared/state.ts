@@ -3,8 +3,8 @@
 // views add. Everything drawn is computed from it.
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Core, Fork, PolicyRow, Recorded } from "./core";
-import { builtInScene, checkPage, sceneOf } from "./scene";
-import { type Overrides, get, ofSide } from "./scene_values";
+import { checkPage, sceneOf } from "./scene";
+import { type Overrides, builtInScene, get, ofSide } from "./scene_values";
 import { checkShape } from "./scene_shape";
 import { type Json, SENDERS, SIDES, type Scene, tables } from "./tables";
 import { Player } from "./player";
