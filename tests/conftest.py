@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -129,3 +130,11 @@ def pytest_configure(config: pytest.Config) -> None:
 def soak_seed(pytestconfig: pytest.Config) -> int:
     """The seed of the tests in tests/soak: another one in each round of `make soak`."""
     return int(pytestconfig.getoption("--soak-seed") or 0)
+
+
+@pytest.fixture
+def here(capsys: pytest.CaptureFixture[str]) -> Any:
+    """`palmbots`, run in this process: a `commands.Run`."""
+    from commands import runner  # here, because few tests need all commands
+
+    return runner(capsys)

@@ -12,7 +12,7 @@ from typing import Any, get_args
 import pytest
 from typer.main import get_command
 
-from commands import FUNCTIONS, Run, assert_refused, runner
+from commands import FUNCTIONS, Run, assert_refused
 from palmbots.cli.main import build_app
 from palmbots.control.registry import shipped_names
 from palmbots.errors import PalmbotsError
@@ -32,12 +32,6 @@ COMMON = {  # a wrong value of an option that several commands have, and what is
 }  # fmt: skip
 NEEDED = {"export": ("--urdf", "a"), "world": ("--lockstep",)}
 """Options without which some of a command's options are not looked at."""
-
-
-@pytest.fixture
-def here(capsys: pytest.CaptureFixture[str]) -> Run:
-    """`palmbots`, run in this process."""
-    return runner(capsys)
 
 
 def options(

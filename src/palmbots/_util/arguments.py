@@ -6,6 +6,8 @@ Every refusal is a `PalmbotsError` of one line: the key, the value, and what is 
 
 import difflib
 import operator
+from collections.abc import Mapping
+from typing import Any
 
 from palmbots._util.toml_writer import toml_value
 from palmbots.errors import PalmbotsError, one_line
@@ -23,6 +25,13 @@ def show(value: object) -> str:
         text = f"<{type(value).__name__}>"
     text = one_line(text)
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
+
+
+def with_lists(value: Any) -> Any:
+    """The value with lists in place of NumPy's arrays, in tables, too."""
+    if isinstance(value, Mapping):
+        return {key: with_lists(inner) for key, inner in value.items()}
+    return value.tolist() if getattr(value, "ndim", 0) else value
 
 
 def one_of(key: str, value: object, legal: tuple[str, ...]) -> None:

@@ -69,7 +69,7 @@ class Option:
             raise PalmbotsError(
                 f"{name}: value is {shown}; allowed: {scale * low:g} to {scale * high:g}"
             )
-        return value
+        return float(value)  # also of NumPy's single precision
 
 
 class _Declaration:

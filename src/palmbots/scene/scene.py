@@ -15,7 +15,7 @@ from pydantic import BaseModel, BeforeValidator, ValidationError, model_validato
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Overrides, Side
-from palmbots._util.arguments import show
+from palmbots._util.arguments import show, with_lists
 from palmbots._util.toml_writer import toml_text
 from palmbots.errors import SceneError
 from palmbots.scene.error_messages import validation_error
@@ -235,6 +235,6 @@ def _beside(name: str, data: dict[str, Any]) -> dict[str, Any]:
 
 def _validated(called: str, data: dict[str, Any]) -> Scene:
     try:
-        return Scene.model_validate(data)
+        return Scene.model_validate(with_lists(data))
     except ValidationError as error:
         raise validation_error(called, error, Scene) from None

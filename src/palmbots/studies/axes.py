@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, ValidationError, model_validator
 
-from palmbots._util.arguments import show
+from palmbots._util.arguments import show, with_lists
 from palmbots.scene.fields import Range, field_error, whole
 from palmbots.scene.section import Section
 from palmbots.scene.variations import ENTRY
@@ -113,6 +113,7 @@ def _span(name: str, table: Mapping[Any, Any]) -> Span:
 
 def _levels(name: str, value: object) -> Levels:
     allowed = f"a list of 1 to {_MAX_LEVELS} values, or a range {{from, to}}"
+    value = with_lists(value)
     if not isinstance(value, list | tuple):
         raise field_error(value, "is neither a list nor a range", allowed, name)
     if not 1 <= len(value) <= _MAX_LEVELS:

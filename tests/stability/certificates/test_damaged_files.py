@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from commands import Run, runner
+from commands import Run
 from palmbots.stability.certificates.prover import certify
 
 # What an exception of Python, or a repr, would show.
@@ -25,12 +25,6 @@ VALUES = [
     "\u0663", "\ud800", "a\nb", "\x1b[31m", "x" * 10_000, "corners", "\u201c<NoneType>\u201d",
     [], [[]], ["1", "0"], ["corners"] * 4, {}, {"left": 1},
 ]  # fmt: skip
-
-
-@pytest.fixture
-def here(capsys: pytest.CaptureFixture[str]) -> Run:
-    """`palmbots`, run in this process."""
-    return runner(capsys)
 
 
 @pytest.fixture(scope="module")

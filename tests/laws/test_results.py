@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every result of the public interface has a short text, and a table for notebooks.
+"""Every result has a short text, the same as a table for notebooks, and JSON that fits its schema
+exactly. With ``--json`` every command prints one such object and nothing else.
 
-The classes come from the public interface itself: all that a public function returns.
+The kinds of results are all that public functions return, and all that commands declare.
 """
 
 import html
@@ -16,12 +17,17 @@ from types import FunctionType
 from typing import Any
 
 import pytest
+from jsonschema import Draft202012Validator
+from typer.main import get_command
 
 import palmbots as pb
+from commands import FUNCTIONS, Run
+from dds_loopback import dds_environment
 from palmbots._util.result_schema import result_schema
 from palmbots._util.results import Result
 from palmbots.cli.declared_commands import commands_of, declared_commands, results_of
-from palmbots.cli.json_schemas import with_scene
+from palmbots.cli.json_schemas import schema_of, with_scene
+from palmbots.cli.main import build_app
 from palmbots.control import bounds_of
 from palmbots.learn import EpisodeResult
 from palmbots.mujoco.drift_budget import DriftBudget
@@ -80,7 +86,7 @@ def all_results(of: type = Result) -> set[type]:
 
 
 def printed_alone() -> set[str]:
-    """The results that only commands have; tests/cli/test_json_contract.py tests them."""
+    """The results that only commands have."""
     of_commands = {
         kind.__name__
         for name in declared_commands()
@@ -223,3 +229,93 @@ def test_schema_fits_the_result_exactly(name: str, examples: Callable[[str], Any
     result = examples(name)
     schema = with_scene(result_schema(type(result)))
     assert_fits_exactly(schema, json.loads(json.dumps(result.summary(), allow_nan=False)))
+
+
+ROOT = Path(__file__).parents[2]
+NEAR = ("--set", "task.distance_m=0.2")
+
+# Command and arguments; all succeed.
+CALLS: list[tuple[str, tuple[str, ...]]] = [
+    ("carry", ("--seed", "3")),
+    ("carry", ("--world", "mujoco", *NEAR)),
+    ("analyze", ()),
+    ("design", ("--resolution-deg", "5", "--set", "task.distance_m=0.1")),
+    ("certify", ()),
+    (
+        "drop-rate",
+        ("--set", "robot.noise_m_s=0.03", "--effort", "20", "--relative-error-percent", "100"),
+    ),
+    ("noise-limit", ("--relative-error-percent", "10", *NEAR)),
+    ("bound", NEAR),
+    ("compare", ("--values", "0,0.2", "-n", "2", *NEAR)),
+    ("study", ("STUDY", "--out", "DIR")),
+    ("check", ("CERTIFICATE",)),
+    ("replay", ("LOG",)),
+    ("export", ("--mjcf", "MJCF")),
+    ("derive", ("--controllers", "none")),
+    ("derive", ("--policy", str(ROOT / "examples" / "policies" / "table-1.toml"))),
+    ("scenes", ()),
+    ("objects", ()),
+    ("controllers", ()),
+    ("keys", ()),
+    ("init", ("scene", "SCENE")),
+    ("init", ("pair", "PAIR")),
+    ("view", ("LOG", "--layout", "LAYOUT")),
+    ("ros2", ("PAIR", "--side", "left", "--seconds", "0.1")),
+    ("schema", ("log",)),
+]
+
+
+# These take long and are tried once, in tests/mujoco (test_validation, test_speed_limits), or need
+# other processes (tests/processes), or the files of a pair (tests/cli/test_firmware_commands.py).
+ELSEWHERE = {
+    "validate", "speed-limits", "up", "world", "robot", "station", "doctor", "calibrate",
+    "firmware", "flash",
+}  # fmt: skip
+CALLS += [(one.name, ()) for one in FUNCTIONS if one.name not in {*dict(CALLS), *ELSEWHERE}]
+
+
+@pytest.fixture
+def files(here: Run, tmp_path: Path) -> dict[str, str]:
+    """Files that commands read and write, by the word in the contract."""
+    names = {
+        "STUDY": "study.toml", "DIR": "results", "CERTIFICATE": "box.json", "LOG": "log/carry.mcap",
+        "MJCF": "scene.xml", "SCENE": "scene.toml", "PAIR": "pair.toml", "LAYOUT": "layout.json",
+    }  # fmt: skip
+    return {word: str(tmp_path / name) for word, name in names.items()}
+
+
+@pytest.mark.parametrize(("command", "arguments"), CALLS, ids=[row[0] for row in CALLS])
+def test_json_of_a_command_is_one_object_that_fits_its_schema_exactly(
+    command: str,
+    arguments: tuple[str, ...],
+    here: Run,
+    files: dict[str, str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    if "STUDY" in arguments:
+        Path(files["STUDY"]).write_text(
+            'controllers = ["none"]\n[set]\n"task.distance_m" = 0.2\n[vary]\n'
+            '"robot.noise_m_s" = [0.02]\n[seeds]\ncount = 2\n'
+        )
+    if "CERTIFICATE" in arguments:
+        here("certify", "-o", files["CERTIFICATE"])
+    if "LOG" in arguments:
+        here("carry", *NEAR, "--animation", "none", "--out", str(Path(files["LOG"]).parent))
+    if command == "ros2":
+        here("init", "pair", files["PAIR"])
+        for name, value in dds_environment().items():
+            monkeypatch.setenv(name, value)
+    result = here(command, *(files.get(word, word) for word in arguments), "--json")
+    assert result.returncode == 0, result
+    assert result.stdout.count("\n") == 1
+    table = json.loads(result.stdout)
+    if command == "schema":
+        Draft202012Validator(schema_of(command)).validate(table)
+    else:
+        assert_fits_exactly(schema_of(command), table)
+
+
+def test_every_command_is_in_the_contract() -> None:
+    group: Any = get_command(build_app())
+    assert {command for command, _ in CALLS} | ELSEWHERE == set(group.commands)
