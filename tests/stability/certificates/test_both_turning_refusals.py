@@ -132,8 +132,8 @@ def test_forged_witnesses_of_a_jam_are_refused(tmp_path: Path) -> None:
         ("angle_deg", {"left": "5", "right": "5"}, "not certainly wedged"),
         ("claim", "jam opening", "not certainly wedged"),
         ("fails", "first", '"wedged"'),
-        ("friction", {"left": "5", "right": "5"}, "not a point of the box"),
-        ("angle_deg", {"left": "16", "right": "15"}, "not a point of the box"),
+        ("friction", {"left": "5", "right": "5"}, "not a point of the parameter box"),
+        ("angle_deg", {"left": "16", "right": "15"}, "not a point of the parameter box"),
         ("claim", "jam", "jam closing"),
     ):
         changed = copy.deepcopy(data)
