@@ -29,12 +29,12 @@ from rich.table import Table
 
 from palmbots._types import Side
 from palmbots.control.registry import shipped_names
+from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air, SimulatedPair
 
 RESULTS = Path(__file__).parent / "results"
 TABLE = Path(__file__).parent.parent / "tests" / "fixtures" / "live_faults.toml"
 CONTROLLERS = shipped_names("robots")
-UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 SCENE = {"task.distance_m": 1.0}
 BEGIN_TICKS = 200
 LIMIT_TICKS = 4000

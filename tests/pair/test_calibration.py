@@ -10,12 +10,12 @@ import pytest
 import palmbots as pb
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.pair.calibration import STEPS, Finding, calibrate, values_of
+from palmbots.pair.launcher import UP
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from simulated_person import TASK, Bench, SimulatedPerson
 
 SIDES: tuple[Any, ...] = ("left", "right")
-UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 
 
 def hidden(seed: int) -> dict[str, Any]:

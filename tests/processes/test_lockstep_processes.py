@@ -33,20 +33,15 @@ OTHERS = {
 SHORT = {"task.distance_m": 0.9}  # long enough for all faults
 PERIODS = {"robot.left.period_s": 0.03, "robot.right.period_s": 0.02}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
-    "resilient": ("resilient", {}),
-    "resilient, everything": ("resilient", SHORT | EVERYTHING),
-    "resilient, directions, replays, clocks, lost counter": ("resilient", OTHERS),
-    "distributed, directions, replays, lost counter": ("distributed", OTHERS),
-    "shared-sign, everything": ("shared-sign", SHORT | EVERYTHING),
     "resilient, a period per robot, everything": ("resilient", SHORT | EVERYTHING | PERIODS),
-    "centralized, a period per robot": ("centralized", SHORT | PERIODS),
-    "silent": ("silent", SHORT | EVERYTHING),
-    "distributed": ("distributed", SHORT),
+    "resilient, directions, replays, clocks, lost counter": ("resilient", OTHERS),
+    "silent, everything": ("silent", SHORT | EVERYTHING),
     "distributed, losses": ("distributed", SHORT | {"radio.loss": 0.02}),
     "centralized, everything": ("centralized", SHORT | EVERYTHING),
     "policy": ("examples/policies/table-1.toml", SHORT),
     "class in Python": ("CLASS", SHORT),
 }
+"""Each kind of program once: tests/robot compares all controllers inside one process."""
 
 
 def palmbots(command: Sequence[str], folder: Path) -> tuple[int, str, str]:
@@ -66,15 +61,7 @@ def own_class(tmp_path_factory: pytest.TempPathFactory) -> str:
     return f"{file}:Patient"
 
 
-# Of these `make test` compares the programs inside one process (tests/robot).
-LONG = {
-    "resilient", "distributed", "distributed, directions, replays, lost counter",
-    "centralized, a period per robot",
-}  # fmt: skip
-EACH = [pytest.param(case, marks=pytest.mark.soak if case in LONG else ()) for case in CASES]
-
-
-@pytest.mark.parametrize("case", EACH)
+@pytest.mark.parametrize("case", CASES)
 def test_processes_carry_as_one_program(case: str, own_class: str, tmp_path: Path) -> None:
     controller, overrides = CASES[case]
     controller = controller.replace("CLASS", own_class)
@@ -95,24 +82,6 @@ def test_processes_carry_in_the_dynamic_world_as_one_program() -> None:
     _, expected, _ = palmbots(["carry", "--controller", "resilient", *arguments], ROOT)
     _, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)
     assert (printed, errors) == (expected, "")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (["--controller", "none"], "--controller: none has no programs; allowed: "),
-        (["--controller", "optimal"], "--controller: optimal reads the state of the world; "),
-        (["--rate", "2"], "--rate has no effect with --lockstep; allowed: without it"),
-        (["--link", "loss=0.1"], "--link has no effect with --lockstep; allowed: without it"),
-        (["--world", "moon"], '--world: value is "moon"; '),
-        (["--set", "radio.lose=1"], "--set radio.lose: 1 is the value of an unknown key; "),
-    ],
-)
-def test_refused_before_any_process_starts(arguments: list[str], line: str) -> None:
-    status, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)
-    assert (status, printed) == (2, "")
-    assert errors.startswith(f"palmbots: {line}")
-    assert errors.count("\n") == 1
 
 
 def test_a_killed_robot_ends_everything_with_one_line(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from palmbots.drivers.driver import Drive, RawCommand
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.simulated import SimulatedDriver
 from palmbots.links.local_connection import listen
+from palmbots.pair.launcher import UP
 from palmbots.simulation.driven_world import QuasistaticWorld, as_built
 from palmbots.simulation.imperfect_robot import ImperfectRobot
 from palmbots.simulation.imperfections import Imperfections, load_imperfections
@@ -24,7 +25,6 @@ from palmbots.station.simulated_pair import Air, SimulatedPair
 
 QUIET = {"robot.noise_m_s": 0.0, "task.inertia": True}
 RIM = 0.04
-UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 
 
 def robot(**values: Any) -> ImperfectRobot:

@@ -9,6 +9,7 @@ import pytest
 import palmbots as pb
 from palmbots.control.registry import shipped_names
 from palmbots.drivers.driver import Reading
+from palmbots.pair.launcher import UP
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import StoredState, write_state
 from palmbots.robot import live_robot, state_keeper
@@ -18,7 +19,6 @@ from palmbots.wire import Endpoint, Operate, State, decode
 
 CARRYING = ("carrying", "holding")
 CONTROLLERS = shipped_names("robots")
-UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
@@ -91,6 +91,19 @@ def test_a_carrying_robot_states_its_mode_all_the_time(controller: str, tmp_path
             robot.count(0) > count + 1
             for robot, count in zip(pair.robots.values(), before, strict=True)
         )
+
+
+def test_the_watchdog_of_a_motor_board_stops_the_wheels(tmp_path: Path) -> None:
+    """Its program is held up: the wheels turn for as long as the watchdog lasts, and no longer."""
+    pair = SimulatedPair(tmp_path, "silent", Air(), UP)
+    pair.start()
+    pair.run(50)
+    pair.frozen = {"left"}
+    limit = round(pair.scene.control.watchdog_s / pair.period_s)
+    pair.run(limit)
+    assert not pair.commands["left"][2]
+    pair.run(1)
+    assert pair.commands["left"][1:] == (0, True)
 
 
 def test_an_e_stop_is_obeyed_without_a_session(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from palmbots.links.packet_statistics import PacketStatistics
+from palmbots.pair.launcher import UP
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.station.carry_script import carry_once
 from palmbots.station.correction_watch import CorrectionWatch
@@ -15,7 +16,6 @@ from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.station.station import PERIOD_S, OtherStation, Station
 from palmbots.wire import Endpoint, Operate, Packet, encode
 
-UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 CARRYING = ("carrying", "holding")
 STEP = round(PERIOD_S / 0.01)
 

@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 
 import palmbots._core as _core
+from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air, SimulatedPair
-
-UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 
 
 @pytest.mark.parametrize("logs", [False, True])

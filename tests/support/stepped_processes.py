@@ -24,7 +24,7 @@ from json_output import read_json
 from pair_programs import new_pair, started
 from palmbots.links.impairment import ImpairedPackets, Impairment
 from palmbots.links.local_connection import Connection, ConnectionLost, listen
-from palmbots.pair.launcher import free_addresses, own_file
+from palmbots.pair.launcher import UP, free_addresses, own_file
 from palmbots.pair.pair_file import ENDS, load_pair
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.wire import Status, decode
@@ -91,7 +91,7 @@ class SteppedProcesses:
         }
         chosen: dict[str, object] = {
             **given, "pair.number": 4711, "pair.controller": controller,
-            "limits.after_reboot": "rejoin", "limits.partner_lost": "controller",
+            **UP,
             "limits.time_limit_s": 120.0, "hardware.stopping_s": stopping_limit_s(self.scene),
         }  # fmt: skip
         self.file = new_pair(folder, chosen, "scene.toml")

@@ -17,13 +17,13 @@ from palmbots.logs import run_log_writer
 from palmbots.logs.run_channels import LineEvent
 from palmbots.logs.run_log_reader import is_run_log, read_run_log
 from palmbots.logs.run_log_writer import RunLogWriter
+from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.views.log_alignment import Traffic, align, fit
 from palmbots.views.run_figures import carry_of
 from palmbots.views.run_replay import read_run, replay_run, verify
 from palmbots.wire import decode
 
-UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 CONTROLLERS = shipped_names("robots")
 
 

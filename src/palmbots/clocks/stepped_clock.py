@@ -26,7 +26,7 @@ from palmbots.links.local_connection import connect
 from palmbots.wire import Role
 
 _VARIABLE = "PALMBOTS_STEPS"
-_WITHIN_S = 5.0
+_WITHIN_S = 60.0  # only a program that hangs takes so long
 _POLL_S = 0.0005
 
 

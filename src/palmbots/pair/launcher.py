@@ -22,6 +22,8 @@ from palmbots.scene.scene import Scene
 from palmbots.wire import Role
 
 _BAD_INPUT = 2
+UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
+"""What ``palmbots up`` sets in a pair file: the controllers, not the robots, answer losses."""
 _POLL_S = 0.02
 _END_WITHIN_S = 5.0
 
@@ -128,8 +130,7 @@ class LiveCarryProcesses:
         return {
             **{f"link.{end}": address for end, address in self.proxy.addresses.items()},
             "pair.log_folder": self._log_folder,
-            "limits.after_reboot": "rejoin",
-            "limits.partner_lost": "controller",
+            **UP,
             "limits.time_limit_s": self._scene.timeout_s,
             "limits.max_speed_m_s": max(self._scene.robot_of(s).max_speed_m_s for s in SIDES),
             "hardware.stopping_s": stopping_limit_s(self._scene),
