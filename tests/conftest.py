@@ -62,6 +62,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("palmbots")
     group.addoption("--failures-to", metavar="FILE", help="append the report of each failure")
     group.addoption("--until", metavar="TIME", type=float, help="start no test after this time")
+    group.addoption("--rewrite", action="store_true", help="write tests/transcripts anew")
     group.addoption("--soak-seed", type=int, default=0, help="seed of the tests in tests/soak")
 
 

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shipped distributed algorithm, two robots at a time: whole conversations, and all possible
-runs in an abstract world. tests/paper/test_table2.py checks Table 2 itself.
+"""The shipped distributed algorithm, two robots at a time: all possible runs in an abstract world.
+
+tests/paper/test_table2.py checks Table 2 itself; tests/transcripts has whole conversations.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from itertools import groupby
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import pytest
@@ -18,139 +17,12 @@ from abstract_world import (
     NONE,
     SHALLOW,
     STEEP,
-    TILT_DOWN,
     TILT_UP,
     Contacts,
     distributed_table,
     moved,
     sign,
 )
-
-NAMES = {TILT_UP: "TiltUp", TILT_DOWN: "TiltDown", ACK: "Ack"}
-
-
-@dataclass
-class Duet:
-    """Two robots with a radio, palms that take `turn` ticks and messages that take `delay`
-    ticks."""
-
-    p: list[int]
-    delay: int = 5
-    turn: int = 4
-    state: list[int] = field(default_factory=lambda: [IDLE, IDLE])
-    palm: list[int] = field(default_factory=lambda: [STEEP, STEEP])
-    left: list[int] = field(default_factory=lambda: [0, 0])
-    inbox: list[list[tuple[int, int]]] = field(default_factory=lambda: [[], []])
-    letters: list[str] = field(default_factory=list)
-    cases: list[str] = field(default_factory=lambda: ["", ""])
-
-    def run(self, ticks: int = 200, bumps: Sequence[tuple[int, int, int]] = ()) -> None:
-        """Bumps are (tick, robot, cells)."""
-        for tick in range(ticks):
-            for when, robot, cells in bumps:
-                if when == tick:
-                    self.p[robot] += cells
-            self.tick(tick)
-
-    def tick(self, tick: int) -> None:
-        steps = []
-        for s in (0, 1):
-            due = self.inbox[s] and self.inbox[s][0][0] <= tick
-            letter = self.inbox[s][0][1] if due else NONE
-            seen = (sign(self.p[s]), letter, self.left[s] == 0)
-            step = distributed_table()[self.state[s], seen]
-            if step.read:
-                self.inbox[s].pop(0)
-            self.state[s] = step.state
-            self.left[s] = self.turn if step.palm != self.palm[s] else max(0, self.left[s] - 1)
-            self.palm[s] = step.palm
-            self.cases[s] += step.name
-            steps.append(step)
-        for s in (0, 1):
-            if steps[s].send != NONE:
-                self.inbox[1 - s].append((tick + self.delay, steps[s].send))
-                self.letters.append(f"{'LR'[s]}:{NAMES[steps[s].send]}")
-        for s in (0, 1):
-            if steps[s].move in (AWAY, CLOSER):
-                closing = steps[s].move == CLOSER
-                # Between palms alike, the contact of the robot that moves slides.
-                q = list(moved((self.p[0], self.p[1]), (self.palm[0], self.palm[1]), closing))
-                self.p = list(q[s if len(q) == 2 else 0])
-
-    def story(self) -> tuple[str, str, str]:
-        """Messages in order of sending, and the cases of each robot in order."""
-        values = ["".join(name for name, _ in groupby(c.replace(" ", ""))) for c in self.cases]
-        return " ".join(self.letters), values[0], values[1]
-
-    def rests(self) -> bool:
-        return self.p == [0, 0] and self.state == [IDLE, IDLE] and self.inbox == [[], []]
-
-
-ASSISTED = "R:TiltUp L:Ack R:TiltDown"
-BOTH = "L:TiltUp R:TiltUp L:Ack R:Ack L:TiltDown R:TiltDown"
-
-# Start, bumps (tick, robot, cells), and the expected messages and cases of both robots.
-STORIES: dict[str, tuple[list[int], list[tuple[int, int, int]], tuple[str, str, str]]] = {
-    "nothing to do": ([0, 0], [], ("", "", "")),
-    "(a) with (c)": ([0, 3], [], (ASSISTED, "c", "a")),
-    "(b) and (b)": ([3, 3], [], (BOTH, "ab", "ab")),
-    "(b) and (b), unequal": ([1, 4], [], (BOTH, "ab", "ab")),
-    "(d)": ([-3, 0], [], ("", "d", "")),
-    "(d) and (d)": ([-3, -2], [], ("", "d", "d")),
-    "negative first: (d), then (c)": ([-9, 0], [(7, 1, 3)], (ASSISTED, "dc", "a")),
-    "positive first: (c), then (d)": ([0, 6], [(12, 0, -3)], (ASSISTED, "cd", "a")),
-    "both at once: (d), then (c)": ([-3, 3], [], (ASSISTED, "dc", "a")),
-    "crossing requests": (
-        [0, 3],
-        [(3, 0, 3)],
-        ("R:TiltUp L:TiltUp L:Ack R:Ack R:TiltDown L:TiltDown", "ab", "ab"),
-    ),
-    "a request that comes too late to cross": (
-        [0, 3],
-        [(6, 0, 3)],
-        (ASSISTED + " L:TiltUp R:Ack L:TiltDown", "ca", "ac"),
-    ),
-    "(a) twice": ([0, 3], [(60, 1, 2)], (f"{ASSISTED} {ASSISTED}", "cc", "aa")),
-}
-
-
-def runs_merged(cases: str) -> str:
-    """Consecutive equal cases count once."""
-    return "".join(name for name, _ in groupby(cases))
-
-
-@pytest.mark.parametrize("name", STORIES)
-def test_conversations_of_the_paper(name: str) -> None:
-    start, bumps, (letters, left, right) = STORIES[name]
-    duet = Duet(list(start))
-    duet.run(bumps=bumps)
-    assert duet.story() == (letters, runs_merged(left), runs_merged(right))
-    assert duet.rests()
-
-
-@pytest.mark.parametrize("delay", [1, 2, 7, 20])
-@pytest.mark.parametrize("turn", [0, 1, 9])
-@pytest.mark.parametrize("name", ["(a) with (c)", "(b) and (b)", "(d)", "(d) and (d)"])
-def test_timing_does_not_change_a_conversation(name: str, delay: int, turn: int) -> None:
-    start, bumps, (letters, left, right) = STORIES[name]
-    duet = Duet(list(start), delay=delay, turn=turn)
-    duet.run(400, bumps)
-    assert sorted(duet.letters) == sorted(letters.split())
-    assert duet.story()[1:] == (runs_merged(left), runs_merged(right))
-    assert duet.state == [IDLE, IDLE]
-    assert duet.inbox == [[], []]
-
-
-@pytest.mark.parametrize("name", STORIES)
-def test_mirrored_conversations(name: str) -> None:
-    start, bumps, _ = STORIES[name]
-    there, back = Duet(list(start)), Duet(list(reversed(start)))
-    there.run(bumps=bumps)
-    back.run(bumps=[(tick, 1 - robot, cells) for tick, robot, cells in bumps])
-    assert there.cases == back.cases[::-1]
-    assert there.p == back.p[::-1]
-    exchanged = [text.translate(str.maketrans("LR", "RL")) for text in back.letters]
-    assert sorted(there.letters) == sorted(exchanged)
 
 
 class State(NamedTuple):
