@@ -95,8 +95,6 @@ def test_compare_sweeps_a_key_of_whole_numbers(here: Run) -> None:
         *("--carries", "2", "--controllers", "distributed"),
     )
     assert [row["value"] for row in json.loads(result.stdout)["rows"]] == [0, 1]
-    half = here("compare", "--sweep", "faults.random_reboots", "--values", "0.5")
-    assert_refused(half, "0.5", "a whole number")
 
 
 def test_single_carry_has_no_interval_of_means(here: Run, tmp_path: Path) -> None:
