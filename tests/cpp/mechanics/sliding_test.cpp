@@ -85,6 +85,28 @@ void drive_rate_is_a_derivative() {
   }
 }
 
+// One contact slides, or the robots move, until the contacts are as far apart as the object is wide.
+void one_contact_slides_or_the_robots_move() {
+  std::mt19937 chance(4);
+  for (int again = 0; again < 2000; ++again) {
+    const State s = random_state(chance);
+    const double width = std::sqrt(square(s)) * 1.01;
+    for (const std::size_t side : {left, right}) {
+      const SlideSolution<double> found =
+          solve_slide(s.separation, palms_of(s), side, s.contacts[other(side)], s.offset, width);
+      State slid = s;
+      slid.contacts[side] = found.contact;
+      const Vector v = between_contacts(slid);
+      CHECK(std::abs(std::hypot(v.x, v.y) - width) < 1e-12);
+      CHECK(std::abs(found.contact_vector.dx - v.x) < 1e-12);
+      CHECK(std::abs(found.contact_vector.dy - v.y) < 1e-12);
+    }
+    State moved = s;
+    moved.separation = closing_separation(configuration_of(s), s.offset, width);
+    CHECK(std::abs(std::sqrt(square(moved)) - width) < 1e-12 && between_contacts(moved).x > 0);
+  }
+}
+
 // Sliding both contacts closes the loop with the object in the wanted direction.
 void both_contacts_slide() {
   std::mt19937 chance(2);
@@ -118,6 +140,7 @@ void parallel_palms_share_the_slide() {
 
 int main() {
   drive_rate_is_a_derivative();
+  one_contact_slides_or_the_robots_move();
   both_contacts_slide();
   parallel_palms_share_the_slide();
 }
