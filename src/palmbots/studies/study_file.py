@@ -21,7 +21,7 @@ from palmbots._util.arguments import show, whole_number
 from palmbots.control.registry import ControllerEntry, refuse_reference, resolve
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.error_messages import validation_message
-from palmbots.scene.fields import Range, field_error, from_list, whole
+from palmbots.scene.fields import OneOf, Range, field_error, from_list, whole
 from palmbots.scene.files import built_in_scenes, read_table
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.section import Section
@@ -37,19 +37,10 @@ _MAX_CARRIES = 10**9
 _LOOKS_LIKE_A_SCENE = "{called} this looks like a scene; a study names it with scene = {scene}"
 
 
-def _one_of(*legal: str) -> BeforeValidator:
-    def check(value: object) -> object:
-        if value not in legal:
-            raise field_error(value, "is not known", ", ".join(legal))
-        return value
-
-    return BeforeValidator(check)
-
-
 class Design(Section):
     """[design] How the points are chosen."""
 
-    kind: Annotated[str, _one_of(*DESIGNS)] = GRID
+    kind: Annotated[str, BeforeValidator(OneOf(tuple(DESIGNS)))] = GRID
     """grid: every combination. random, sobol, halton, latin-hypercube: `points` of them.
     sobol-indices: Saltelli's points for Sobol indices, `points` × (keys + 2) of them."""
     points: Annotated[int, BeforeValidator(whole(1, 1_000_000))] | None = None
