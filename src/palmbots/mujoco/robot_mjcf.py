@@ -2,7 +2,8 @@
 """The MJCF model of one robot: body on two wheels and a caster, arm, palm, and their motors.
 
 Outward is away from the partner. The wheels are outward of the middle of the body and the caster is
-inward, below the load. The sizes are those of `geometry`. Bodies state their mass and inertia.
+inward, below the load. The visible shapes are those of `palmbots.viz.solids`; bodies state their
+mass and inertia.
 """
 
 import math
