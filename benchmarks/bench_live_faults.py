@@ -27,7 +27,6 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from palmbots._types import Side
 from palmbots.control.registry import shipped_names
 from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air, SimulatedPair
@@ -42,12 +41,11 @@ WATCH_TICKS = 1000
 E_STOPS = 200
 
 
-def cut(pair: SimulatedPair, whom: Any) -> None:
-    """Nothing from the first reaches the second."""
-    pair.air.cut(tuple(whom))
+def nothing(pair: SimulatedPair, whom: Any) -> None:
+    """The radio or a clock alone is bad."""
 
 
-def station_gone(pair: SimulatedPair, whom: str) -> None:
+def gone(pair: SimulatedPair, whom: str) -> None:
     """Nothing from the station reaches a robot."""
     pair.air.cut((whom, "left"), (whom, "right"))
 
@@ -57,35 +55,18 @@ def connected(pair: SimulatedPair, whom: Any) -> None:
     pair.air.cut()
 
 
-def station_back(pair: SimulatedPair, whom: str) -> None:
-    """The station starts again."""
-    pair.air.cut()
-    pair.restart_station()
-
-
-def suspended(pair: SimulatedPair, whom: Side) -> None:
-    """The program of a robot is held up."""
-    pair.frozen = {whom}
-
-
-def resumed(pair: SimulatedPair, whom: Side) -> None:
-    """It goes on; held up for longer than the watchdog's time, it starts again."""
-    pair.frozen = set()
-
-
-def nothing(pair: SimulatedPair, whom: Any) -> None:
-    """The radio or a clock alone is bad."""
-
-
-Act = Callable[[SimulatedPair, Any], None]
+Act = Callable[[SimulatedPair, Any], object]
 KINDS: dict[str, tuple[Act, Act]] = {
     "radio": (nothing, nothing),
     "clock": (nothing, nothing),
-    "cut": (cut, connected),
+    "cut": (lambda pair, whom: pair.air.cut(tuple(whom)), connected),
     "robot-off": (SimulatedPair.power_off, SimulatedPair.boot),
-    "robot-held-up": (suspended, resumed),
-    "station-off": (station_gone, station_back),
-    "station-held-up": (station_gone, connected),
+    "robot-held-up": (
+        lambda pair, whom: pair.frozen.add(whom),
+        lambda pair, whom: pair.frozen.discard(whom),
+    ),
+    "station-off": (gone, lambda pair, whom: (pair.air.cut(), pair.restart_station())),
+    "station-held-up": (gone, connected),
 }
 """What begins a fault and what ends it. The world cannot fail here: it is part of this program."""
 FAULTS = {

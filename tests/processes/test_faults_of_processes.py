@@ -48,7 +48,7 @@ def held_up(pair: SteppedProcesses, fault: Fault) -> None:
 
 KINDS: dict[str, Callable[[SteppedProcesses, Fault], None]] = {
     "radio": nothing, "clock": nothing, "cut": cut, "robot-off": off, "station-off": off,
-    "robot-held-up": held_up, "station-held-up": held_up,
+    "robot-held-up": held_up, "station-held-up": held_up, "world-held-up": held_up,
 }  # fmt: skip
 """Without a world the test has no result: test_lost_processes.py has a fault of it."""
 

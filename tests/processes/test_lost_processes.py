@@ -84,15 +84,6 @@ def test_a_killed_world_voids_the_carry_and_another_one_can_begin(pair: SteppedP
     assert pair.finish()["outcome"] == "delivered", pair.report()
 
 
-def test_a_suspended_world_is_a_driver_that_does_not_answer(pair: SteppedProcesses) -> None:
-    carrying(pair)
-    pair.suspend("world")
-    pair.run(5.0)
-    pair.resume("world")
-    ends_with(pair, "driver")
-    assert says(pair, r"left: fault \(driver\)"), pair.report()
-
-
 def test_after_a_reboot_of_both_robots_the_carry_is_no_longer(pair: SteppedProcesses) -> None:
     carrying(pair)
     pair.run(2.0)

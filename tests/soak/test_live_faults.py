@@ -160,6 +160,7 @@ _OFF, _HELD_UP = (_send(signal.SIGKILL), _nothing), (_send(signal.SIGSTOP), _sen
 KINDS: dict[str, tuple[Act, Act]] = {
     "radio": (_nothing, _nothing), "cut": _CUT, "robot-off": _OFF, "station-off": _OFF,
     "world-off": _OFF, "robot-held-up": _HELD_UP, "station-held-up": _HELD_UP,
+    "world-held-up": _HELD_UP,
 }  # fmt: skip
 """What begins a fault and what ends it. All processes have the clock of the machine."""
 
