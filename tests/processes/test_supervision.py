@@ -40,9 +40,8 @@ def is_there(number: int) -> bool:
 
 def test_everything_ends_when_up_is_killed(up: Up) -> None:
     started = all_of(up)
-    time.sleep(1.0)  # their programs are loaded: before, nothing watches
     up.kill()
-    wait_until(lambda: not any(map(is_there, started.values())), 20)
+    wait_until(lambda: not any(map(is_there, started.values())))
 
 
 def test_a_killed_robot_starts_again_and_a_killed_world_ends_everything(up: Up) -> None:
@@ -61,10 +60,8 @@ def test_a_killed_robot_starts_again_and_a_killed_world_ends_everything(up: Up) 
 def test_a_robot_that_stays_suspended_does_not_hold_up_the_end(up: Up) -> None:
     started = all_of(up)
     os.kill(started["right"], signal.SIGSTOP)
-    begin_s = time.monotonic()
     os.kill(up.pid, signal.SIGTERM)
     up.communicate(timeout=60)
-    assert time.monotonic() - begin_s < 30
     assert not any(map(is_there, started.values()))
 
 

@@ -22,6 +22,7 @@ from palmbots.simulation.live_world import LiveCarry, run_live_world
 from palmbots.simulation.world_stage import ImperfectStage, PerfectStage
 from palmbots.simulation.worlds import world_entry
 from palmbots.station.simulated_pair import Air, SimulatedPair
+from waiting import wait_until
 
 QUIET = {"robot.noise_m_s": 0.0, "task.inertia": True}
 RIM = 0.04
@@ -196,28 +197,30 @@ def test_over_real_sockets_readings_are_those_of_the_hardware(tmp_path: Path) ->
     assert all(one is not None and one.battery_v == 7.7 for one in start)
     assert drivers[0].clock_rate == pytest.approx(1.05)
     palm = math.radians(15)
-    until = time.monotonic() + 0.5
-    while time.monotonic() < until:
-        for driver in drivers:
+
+    def have_arrived() -> bool:
+        found = []
+        for driver, before in zip(drivers, start, strict=True):
             driver.write(Drive(0, 0, False, True, palm, 0.06))
-            assert driver.read() is not None
-        time.sleep(0.001)
-    now = [driver.read() for driver in drivers]
-    for before, after in zip(start, now, strict=True):
-        assert before is not None
-        assert after is not None
-        assert after.distance_m - before.distance_m > 0.05
-        assert after.palm_at_target
+            after = driver.read()
+            assert before is not None and after is not None
+            found.append(after.distance_m - before.distance_m > 0.05 and after.palm_at_target)
+        return all(found)
+
+    wait_until(have_arrived)
     raw = [driver.read_raw() for driver in drivers]
     assert raw[0] is not None and raw[0].wheel_counts is not None and raw[0].wheel_counts[0] > 0
     assert raw[1] is not None and raw[1].wheel_counts is not None and raw[1].wheel_counts[0] < 0
     # Nobody writes any more: the motor board stops the wheels.
-    time.sleep(0.1)
-    before, after = drivers[0].read(), None
-    time.sleep(0.1)
-    after = drivers[0].read()
-    assert before is not None and after is not None
-    assert before.distance_m == after.distance_m
+
+    def rests() -> bool:
+        before = drivers[0].read()
+        time.sleep(0.1)
+        after = drivers[0].read()
+        assert before is not None and after is not None
+        return before.distance_m == after.distance_m
+
+    wait_until(rests)
     for driver in drivers:
         driver.close()
     world.thread.join(60)
