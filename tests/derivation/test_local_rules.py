@@ -317,15 +317,3 @@ def test_json_contains_the_derivation(capsys: pytest.CaptureFixture[str]) -> Non
     assert (table_2["weakest_permission"], resilient["weakest_permission"]) == (None, "begun")
     assert sum(d["motions"] for d in table_2["departures"] if d["permitted_by"] is None) == 8
     assert all(d["run"] for d in table_2["departures"])
-
-
-@pytest.mark.parametrize("words", [("--policy", "x"), ("--controllers", "distributed,x")])
-def test_unknown_arguments_are_refused(
-    words: tuple[str, str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run(["derive", *words]) == cli.BAD_INPUT
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    assert words[0] in captured.err
-    assert "allowed" in captured.err

@@ -85,45 +85,6 @@ def test_as_a_station_would_follow_it_every_start_reaches_the_goal() -> None:
         assert done == places, path
 
 
-# Text, and what the message must contain besides the name of the file.
-FAULTS = [
-    ("x = [", "not valid TOML"),
-    ("", "rows is missing"),
-    ("rows = 3", "rows is 3; allowed: a table with the nine rows"),
-    ("about = 'x'\n" + TABLE_1, 'unknown key "about"; allowed: description, rows'),
-    (TABLE_1.replace('"Table 1 of the paper"', "1"), "description is 1"),
-    (TABLE_1.replace('"+-" =', '"+~" ='), 'rows: unknown key "+~"; allowed: "++", "+0"'),
-    (re.sub(r'"--" =.*', "", TABLE_1), 'rows has no "--"; needed: all of'),
-    (re.sub(r'"--" =.*', '"--" = 5', TABLE_1), 'rows."--" is 5; allowed: { palms ='),
-    (re.sub(r'("--" = {)', r"\1 wheels = 1,", TABLE_1), 'rows."--": unknown key "wheels"'),
-    (re.sub(r'("--" = .*), drives.*', r"\1 }", TABLE_1), 'rows."--".drives is missing'),
-    (with_row("--", "flat steep", "hold hold"), 'rows."--".palms is ["flat", "steep"]'),
-    (with_row("--", "steep", "hold hold"), 'rows."--".palms is ["steep"]; allowed: two of'),
-    (with_row("--", "steep steep", "left hold"), 'rows."--".drives is ["left", "hold"]'),
-    (with_row("--", "steep steep", "away closer"), "cancels out"),
-    (TABLE_1 + TABLE_1[TABLE_1.index('"++"') :], "not valid TOML"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("text", "says"), FAULTS)
-def test_faults_are_one_clear_line(
-    text: str, says: str, file: Callable[[str], Path], capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = file(text)
-    for words in (["derive", "--policy", str(path)], ["carry", "--controller", str(path)]):
-        assert cli.run(words) == cli.BAD_INPUT
-        captured = capsys.readouterr()
-        assert captured.out == ""
-        assert captured.err.count("\n") == 1
-        assert str(path) in captured.err
-        assert says in captured.err
-
-
-def test_missing_file(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["derive", "--policy", "nowhere.toml"]) == cli.BAD_INPUT
-    assert "nowhere.toml: no such file" in capsys.readouterr().err
-
-
 # Policies from which no algorithm follows: the row that a message names, and the reason.
 REFUSED = [
     ("+0", "steep steep", "away hold", "row (+, 0)", "away from 0"),

@@ -20,7 +20,6 @@ from palmbots.scene.fields import OneOf, Range, from_list, is_switch, whole
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.studies.study_file import Study, load_plan
 
-
 READ_FIRST = ("task.path.file",)
 """Keys that are read before the model looks at its fields."""
 

@@ -318,9 +318,6 @@ def test_command_prints_contacts_and_motions(capsys: pytest.CaptureFixture[str])
     assert "opening: left BR ST, right SL\n" in result
     assert "If only the two contact vertices touched the palms:" in result
 
-    assert cli.run(["contact-modes", "--theta-left-deg", "-3"]) == cli.BAD_INPUT
-    assert capsys.readouterr().err.count("\n") == 1
-
 
 def test_two_contacts_move_as_in_the_quasistatic_world() -> None:
     """A small step of the exact motion, driving or turning one palm, is one of the outcomes."""

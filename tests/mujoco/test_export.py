@@ -130,23 +130,6 @@ def test_the_command_writes_both(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert '<robot name="palmbot_right">' in robot.read_text()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ([], "--mjcf FILE, --urdf FILE or both"),
-        (["--urdf", "x.urdf", "--robot", "middle"], "allowed: left, right"),
-        (["--urdf", "same", "--mjcf", "same"], "another file"),
-        (["--mjcf", "/no/such/folder/scene.xml"], "/no/such/folder/scene.xml: cannot be written"),
-    ],
-)
-def test_bad_input_is_one_line(
-    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run(["export", *arguments]) == 2
-    ran = capsys.readouterr()
-    assert ran.out == "" and ran.err.count("\n") == 1 and message in ran.err
-
-
 def test_wrist_reaches_every_angle_of_a_valid_scene() -> None:
     alone: Any = mj.MjModel.from_xml_string(robot_urdf(SCENE, "left"))
     low, high = alone.joint("palm_joint").range

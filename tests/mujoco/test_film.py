@@ -151,22 +151,6 @@ def test_gif_is_written_without_ffmpeg(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--video", "--out", "x"], "needs --world mujoco"),
-        (["--world", "mujoco", "--video"], "--video needs --out DIR"),
-        (["--view"], "needs --world mujoco"),
-    ],
-)
-def test_options_without_their_requirement_are_refused(
-    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run(["carry", *arguments]) == 2
-    ran = capsys.readouterr()
-    assert ran.out == "" and ran.err.count("\n") == 1 and message in ran.err
-
-
-@pytest.mark.parametrize(
     ("option", "environment", "message"),
     [
         ("--video", {"MUJOCO_GL": "disable"}, "video: cannot render: "),

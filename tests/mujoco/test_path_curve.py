@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import fresnel
 
-from palmbots.cli import main as cli
 from palmbots.mujoco.path_curve import Curve, curve_of
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import load_scene
@@ -169,33 +168,3 @@ def test_file_of_waypoints_is_stored_as_points(tmp_path: File) -> None:
     assert load_scene(beside).task.path == scene.task.path
     file.unlink()
     assert load_scene(scene.model_dump()) == scene
-
-
-@pytest.mark.parametrize(
-    "command", ["carry", "compare", "analyze", "certify", "design", "drop-rate"]
-)
-def test_planar_world_refuses_a_curved_path_in_one_line(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run([command, "--set", "task.path.kind=arc"]) == 2
-    printed = capsys.readouterr()
-    assert printed.out == "" and printed.err.count("\n") == 1
-    assert "allowed: straight, or carry --world mujoco" in printed.err
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        'scene = "paper"\n[set]\ntask.path.kind = "arc"\n[vary]\nrobot.noise_m_s = [0.01, 0.02]\n',
-        'scene = "paper"\n[vary]\ntask.path.kind = ["straight", "arc"]\n',
-    ],
-)
-def test_study_of_curved_paths_is_refused_before_writing(
-    text: str, tmp_path: File, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "curves.toml").write_text(text + "[seeds]\ncount = 2\n")
-    out = tmp_path / "results"
-    assert cli.run(["study", str(tmp_path / "curves.toml"), "--out", str(out)]) == 2
-    printed = capsys.readouterr()
-    assert printed.err.count("\n") == 1 and "is a curved path" in printed.err
-    assert not out.exists()

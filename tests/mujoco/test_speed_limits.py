@@ -92,18 +92,3 @@ def test_the_command_reports_and_draws(
     assert cli.run(["speed-limits", *short]) == 0
     printed = capsys.readouterr().out
     assert "closed form" in printed and "0.24 m/s" in printed
-
-
-def test_bad_input_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["speed-limits", "--carries", "0"]) == 2
-    ran = capsys.readouterr()
-    assert ran.out == "" and ran.err.count("\n") == 1 and "allowed: 1 to 1000" in ran.err
-
-
-def test_scene_in_which_the_object_is_not_held_is_refused(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    assert cli.run(["speed-limits", "--carries", "1", "--set", "palm.pivot_offset_m=1"]) == 2
-    ran = capsys.readouterr()
-    assert ran.out == "" and ran.err.count("\n") == 1
-    assert "the palms do not hold the object; expected a scene in which they do" in ran.err

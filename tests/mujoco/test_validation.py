@@ -167,23 +167,6 @@ def test_the_command_reports_and_draws(tmp_path: Path, capsys: pytest.CaptureFix
     assert picture.width > 1000 and len(picture.convert("RGB").getcolors(1 << 20) or ()) > 50
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--states", "0"], "states: value is 0; allowed: 1 to 720"),
-        (["--carries", "0"], "carries: value is 0; allowed: 1 to 1000"),
-        (["--controller", "nobody"], "nobody"),
-        (["--set", "bumps.rate_per_m=1"], "mujoco.ridges"),
-    ],
-)
-def test_bad_input_is_one_line(
-    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run(["validate", *arguments]) == 2
-    ran = capsys.readouterr()
-    assert ran.out == "" and ran.err.count("\n") == 1 and message in ran.err
-
-
 class Holding:
     """A controller that never corrects."""
 

@@ -16,7 +16,6 @@ import palmbots as pb
 import palmbots._core as _core
 from commands import runner
 from palmbots._util.confidence_intervals import student_t95
-from palmbots.cli import main as cli
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DROPPED, run_seeds
@@ -194,25 +193,3 @@ def test_command_prints_rate_and_levels(capsys: pytest.CaptureFixture[str]) -> N
     again = run("drop-rate", *keys)
     assert again.returncode == 0
     assert f"drop rate {summary['drop_rate']:.2g}, " in again.stdout
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("--relative-error-percent", "0.5"), "allowed: 1 to 100"),
-        (("--effort", "3"), "effort"),
-        (("--seed", "-1"), "seed"),
-        (("-c", "nobody"), "controller"),
-        (("--set", "robot.noise_m_s=0", "--effort", "50"), "carries dropped, with"),
-        (("-c", "resilient", "--set", "radio.latency_s=2"), "allowed"),
-    ],
-)
-def test_bad_input_is_one_line(
-    arguments: tuple[str, ...], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run(["drop-rate", *arguments]) == 2
-    result = capsys.readouterr()
-    assert result.out == ""
-    assert result.err.count("\n") == 1
-    assert message in result.err
-    assert "allowed" in result.err

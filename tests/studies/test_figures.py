@@ -332,10 +332,6 @@ def test_command_writes_the_figure_and_prints_the_table(
     assert "wrote s.study/study.png" in out
     assert "12 carries" in out
     assert Path("s.study/study.png").read_bytes().startswith(b"\x89PNG")
-    Path("n.toml").write_text("[seeds]\ncount = 3\n")
-    assert cli.run(["study", "n.toml", "--plot"]) == 2
-    assert "--plot needs a study that varies at least one key" in capsys.readouterr().err
-    assert not Path("n.study").exists()  # refused before anything is carried
 
 
 def test_table_of_a_random_design_has_few_digits(

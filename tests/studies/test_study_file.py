@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Study files: their meaning, and the one-line error message for an invalid one."""
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from palmbots.cli import main as cli
 from palmbots.studies.points import Points, design_points
 from palmbots.studies.study_file import built_in_studies, load_plan
-from study_fixtures import refused, study
 
 
 def points(**table: Any) -> Points:
@@ -63,82 +60,6 @@ def test_identity_changes_with_everything_that_matters(change: dict[str, Any]) -
     """So that a folder is refused where any of it has changed; a remark is no part of it."""
     assert points(**WHOLE | change).identity != points(**WHOLE).identity
     assert points(**WHOLE, about="a remark").identity == points(**WHOLE).identity
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("vary = [", ["bad.toml", "not valid TOML"]),
-        ("about = 3", ["bad.toml", "about: 3 is not a string; allowed: a string"]),
-        ("[vary]\nradio.loss = [0, 2]", ["bad.toml: point 1", "radio.loss"]),
-    ],
-)
-def test_invalid_file_is_reported_in_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, words: list[str]
-) -> None:
-    (tmp_path / "bad.toml").write_text(text)
-    refused(study("bad.toml", cwd=tmp_path), *words)
-    assert {path.name for path in tmp_path.iterdir()} == {"bad.toml"}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["nowhere"], ["nowhere", "built-in studies"]),
-        (["."], ["folder"]),
-        ([], ["FILE"]),
-        (["STUDY", "--chunk-size", "0"], ["--chunk-size: value is 0; allowed: 1 to 10000000"]),
-        (["STUDY", "--threads", "0"], ["threads: value is 0; allowed: 1 to 1024"]),
-        (["STUDY", "-n", "0"], ["carries: value is 0; allowed: 1 to"]),
-        (["STUDY", "--out", "/proc/nothing"], ["/proc/nothing", "cannot be written"]),
-    ],
-)
-def test_invalid_arguments_are_refused(
-    arguments: list[str],
-    words: list[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    (tmp_path / "study.toml").write_text('scene = "paper"\n')
-    monkeypatch.chdir(tmp_path)
-    assert cli.run(["study", *("study.toml" if a == "STUDY" else a for a in arguments)]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.count("\n") == 1
-    for word in words:
-        assert word in said.err
-
-
-@pytest.mark.parametrize(
-    ("missing", "arguments", "extra"),
-    [
-        ("zarr", [], "study"),
-        ("distributed", ["--local-cluster", "1"], "cluster"),
-        ("scipy.stats.qmc", [], "study"),
-        ("SALib.sample.sobol", [], "study"),
-    ],
-)
-def test_missing_package_is_reported(
-    missing: str,
-    arguments: list[str],
-    extra: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    kind = {"scipy.stats.qmc": "sobol", "SALib.sample.sobol": "sobol-indices"}.get(missing)
-    text = f'[design]\nkind = "{kind}"\npoints = 2\n' if kind else ""
-    file = tmp_path / "study.toml"
-    vary = "[vary]\nrobot.noise_m_s = { from = 0.01, to = 0.02 }\n"
-    file.write_text(vary + text if kind else 'scene = "paper"\n')
-    monkeypatch.setitem(sys.modules, missing, None)
-    out = tmp_path / "out"
-    assert cli.run(["study", str(file), "--out", str(out), *arguments]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert f"{extra}: the package {missing.split('.')[0]} is missing; run: " in said
-    assert not out.exists()
 
 
 @pytest.mark.parametrize("name", built_in_studies())

@@ -224,10 +224,6 @@ def test_command_names_what_fails(tmp_path: Path, capsys: pytest.CaptureFixture[
     words.append("--set=object.com_m=[0.1089, 0.0765]")
     assert run(["certify", "--claims", "property 0 turning", *words]) == 1
     assert "both palms turning: the right palm cannot hold" in capsys.readouterr().out
-    assert run(["certify", "--claims", "property 0, jam"]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert "no jam" in error
 
 
 def test_design_certifies_what_holds_at_its_angles(
