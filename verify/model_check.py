@@ -182,9 +182,11 @@ def explore(run: Run, megabytes: int = 6000) -> Finding:
     place.mkdir(parents=True)
     environment = os.environ | {k: str(v) for k, v in run.parameters.items()}
     pan = str(folder / run.search)
-    depth = [] if run.search == "shortest" else [f"-m{run.depth or 5000000}"]
+    # Spin clears all this memory first. A search that does not fit is not complete.
+    entries, steps = (20, 500_000) if run.quick else (24, 5_000_000)
+    depth = [] if run.search == "shortest" else [f"-m{run.depth or steps}"]
     claim = [] if run.formula is None else ["-N", run.formula]
-    command = [pan, *flags, *claim, "-w24", *depth]
+    command = [pan, *flags, *claim, f"-w{entries}", *depth]
     limit = ["prlimit", f"--as={megabytes * 2**20}"]
     done = subprocess.run(
         [*limit, *command], cwd=place, env=environment, capture_output=True, text=True

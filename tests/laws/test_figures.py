@@ -171,7 +171,9 @@ def test_colours_are_those_of_the_style(drawn: list[tuple[str, Any, Figure]]) ->
             grey = shown[1:3] == shown[3:5] == shown[5:7]
             assert grey or shown in allowed, (name, shown)
         for artist in figure.findobj():
-            values = artist.get_array() if isinstance(artist, ScalarMappable) else None
+            if not isinstance(artist, ScalarMappable):
+                continue
+            values = artist.get_array()
             if values is not None and values.ndim < 3:  # else it is a picture
                 used = artist.get_cmap()
                 own = {to_hex(used(k)).upper() for k in range(used.N)}

@@ -69,9 +69,10 @@ def events(carry: pb.simulation.Carry) -> Iterator[tuple[float, int, str]]:
                 text = words.get(value, f"case {value}" if str(value).strip() else "no case")
                 if track is not turns or value:
                     yield rows["time"][k], s, text
+    entry = carry.controller_entry
     said: dict[str, str] = {}
     for message in carry.message_log:
-        if said.get(message.sender) == message.kind and carry.controller_entry.is_periodic:
+        if said.get(message.sender) == message.kind and entry is not None and entry.is_periodic:
             continue
         said[message.sender] = message.kind
         sender, receiver = (SIDES.index(name) for name in (message.sender, message.receiver))
