@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from palmbots import viz as viz
     from palmbots import wire as wire
     from palmbots._version import __version__ as __version__
+    from palmbots.control.controller_list import controllers as controllers
+    from palmbots.derivation.deriving import derive_policy as derive_policy
     from palmbots.errors import PalmbotsError as PalmbotsError
     from palmbots.errors import SceneError as SceneError
     from palmbots.logs.mcap_reader import read_log as read_log
@@ -32,8 +34,13 @@ if TYPE_CHECKING:
     from palmbots.mechanics.contact_modes import contact_modes_batch as contact_modes_batch
     from palmbots.mechanics.contact_modes import feasible_contact_modes as feasible_contact_modes
     from palmbots.mechanics.contact_points import contacts as contacts
+    from palmbots.mujoco.carry_files import save_carry as save_carry
+    from palmbots.mujoco.export import export as export
     from palmbots.mujoco.validation.validation import validate as validate
     from palmbots.optimum.drop_bound import bound as bound
+    from palmbots.scene.lists import keys as keys
+    from palmbots.scene.lists import objects as objects
+    from palmbots.scene.lists import scenes as scenes
     from palmbots.scene.object_library import object_names as object_names
     from palmbots.scene.scene import Scene as Scene
     from palmbots.scene.scene import load_scene as load_scene

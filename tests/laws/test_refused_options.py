@@ -12,7 +12,8 @@ from typing import Any, get_args
 import pytest
 from typer.main import get_command
 
-from commands import FUNCTIONS, Run, assert_refused
+from commands import FUNCTIONS, Run, assert_refused, required
+from palmbots.cli.declared_commands import Declared, writer_of
 from palmbots.cli.main import build_app
 from palmbots.control.registry import shipped_names
 from palmbots.errors import PalmbotsError
@@ -96,7 +97,8 @@ def test_values_outside_the_declared_limits_are_refused(here: Run) -> None:
     for command, key, option in LIMITED:
         function, least, most = command.load(), option.least, option.most
         assert least is not None and most is not None
-        scale, step = 100 if option.percent else 1, 1 if isinstance(least, int) else 1e-4
+        scale = 100 if option.percent else 1
+        step = 1 if isinstance(least, int) else 1e-4 * max(1, most)
         shown = str if isinstance(least, int) else "{:g}".format
         usual = f"--{key.replace('_', '-')}{'-percent' * option.percent}"
         name = (option.names.split() or [usual])[0]
@@ -105,7 +107,7 @@ def test_values_outside_the_declared_limits_are_refused(here: Run) -> None:
         for value in (least - step, most + step):
             typed = shown(scale * value)
             limits = f"allowed: {shown(scale * least)} to {shown(scale * most)}"
-            done = here(command.name, name, typed)
+            done = here(command.name, *required(command), name, typed)
             assert_refused(done, f"palmbots: {name}: value is {typed}; {limits}\n")
             with pytest.raises(PalmbotsError) as error:
                 function(**needed, **{key: value})
@@ -140,21 +142,28 @@ def test_empty_output_name_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
+def folder_option(one: Declared) -> str | None:
+    """The option of a command that names the folder to write its result to."""
+    writer = writer_of(one)
+    place = None if writer is None else next(iter(writer.options.values()))
+    if place is not None and place.metavar == "DIR":
+        return place.names or "--out"
+    return "--out" if one.declaration.figure else None
+
+
 # Command with an output, and the function that does the work.
 WORK = {
     **{
-        (one.name, "--out"): (one.module, one.function_name)
+        (one.name, *required(one), option): (one.module, one.function_name)
         for one in FUNCTIONS
-        if one.declaration.figure
+        if (option := folder_option(one)) is not None
     },
     ("carry", "--out"): ("palmbots.simulation.single", "carry"),
-    ("design", "--out"): ("palmbots.stability.palm_angles", "design"),
-    ("analyze", "--figures"): ("palmbots.stability.analysis", "analyze"),
 }
 PROOF = ("palmbots.stability.certificates.prover", "certify")
 
 
-def forbid_work(command: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
+def forbid_work(command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
     def work(*_: object, **__: object) -> None:
         pytest.fail("worked before the output was checked")
 
@@ -164,7 +173,7 @@ def forbid_work(command: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.mark.parametrize("command", WORK, ids=" ".join)
 def test_impossible_folder_is_refused_before_the_work(
-    command: tuple[str, str], here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    command: tuple[str, ...], here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A misspelt --out must not cost hours of carries."""
     forbid_work(command, monkeypatch)

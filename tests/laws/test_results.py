@@ -152,6 +152,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "CheckResult": checked,
     "Clearance": lambda folder: analysis().clearance,
     "Comparison": lambda folder: pb.compare(values=[0.1], carries=2, overrides=SHORT),
+    "ControllerList": lambda folder: pb.controllers(),
     "ContactModes": lambda folder: pb.contact_modes("paper"),
     "ContactModesBatch": lambda folder: states(),
     "Cost": lambda folder: Cost(
@@ -175,8 +176,11 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
         relative_half_width=1.0, effort=50, overrides={"robot.noise_m_s": 0.03, **SHORT}
     ),
     "EpisodeResult": lambda folder: EpisodeResult("delivered", 412, 3.75),
+    "Exported": lambda folder: pb.export(mjcf=folder / "pair.xml", urdf=folder / "left.urdf"),
+    "KeyList": lambda folder: pb.keys("start"),
     "Log": lambda folder: pb.read_log(logged(folder)),
     "NoiseLimit": lambda folder: noise_limit(),
+    "ObjectList": lambda folder: pb.objects(),
     "ReplayResult": lambda folder: pb.replay(logged(folder)),
     "RunReplay": lambda folder: RunReplay(
         (
@@ -185,6 +189,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
         ),
         (ClockFit("station-000002.mcap", 0.25, 1.0, 0.004, 480),),
     ),
+    "SceneList": lambda folder: pb.scenes(),
     "SpeedLimits": lambda folder: speed_limits(),
     "StudyResult": study,
     "Validation": lambda folder: pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1),
@@ -272,7 +277,7 @@ ELSEWHERE = {
     "validate", "speed-limits", "up", "world", "robot", "station", "doctor", "calibrate",
     "firmware", "flash",
 }  # fmt: skip
-CALLS += [(one.name, ()) for one in FUNCTIONS if one.name not in {*dict(CALLS), *ELSEWHERE}]
+CALLS += [(one.group, ()) for one in FUNCTIONS if one.group not in {*dict(CALLS), *ELSEWHERE}]
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 
 from json_output import read_json
 from palmbots.cli import main as cli
-from palmbots.cli.declared_commands import commands_of, declared_commands
+from palmbots.cli.declared_commands import REQUIRED, Declared, commands_of, declared_commands
 
 Run = Callable[..., CompletedProcess[str]]
 """``run("carry", "--json")``: the exit status, stdout and stderr of ``palmbots carry --json``."""
@@ -21,6 +21,11 @@ FUNCTIONS = [
     if not one.module.startswith("palmbots.cli.")
 ]
 """The commands around public functions."""
+
+
+def required(one: Declared) -> list[str]:
+    """Words in place of the arguments without which a command cannot run."""
+    return [key for key, given in one.parameters.items() if given.default is REQUIRED]
 
 
 def runner(capsys: pytest.CaptureFixture[str]) -> Run:

@@ -67,7 +67,7 @@ class Option:
         if not scale * low <= value <= scale * high:
             shown = f"{value:g}" if isinstance(value, float) else show(value)
             raise PalmbotsError(
-                f"{name}: value is {shown}; allowed: {scale * low:g} to {scale * high:g}"
+                f"{name}: value is {shown}; allowed: {scale * low:.10g} to {scale * high:.10g}"
             )
         return float(value)  # also of NumPy's single precision
 
@@ -101,8 +101,8 @@ class _Declaration:
 class command(_Declaration):  # used as a decorator
     """Declare a command around the function below.
 
-    A function that returns an ``int`` runs processes or a screen: it prints what it has to, and
-    returns the exit status. All its parameters are options.
+    A function that returns an ``int`` runs processes or a screen. All its parameters are options;
+    it prints what it has to, and returns the exit status.
 
     Args:
         name: of the command; empty: the function's. Two words: a command within a group.
@@ -120,6 +120,7 @@ class command(_Declaration):  # used as a decorator
     def __init__(
         self,
         name: str = "",
+        /,
         *,
         order: int,
         example: str,
@@ -146,6 +147,6 @@ class writes(_Declaration):  # used as a decorator
         options: the options, by parameter.
     """
 
-    def __init__(self, name: str, *, progress: str = "", **options: Option) -> None:
+    def __init__(self, name: str, /, *, progress: str = "", **options: Option) -> None:
         super().__init__(name, options)
         self.progress = progress

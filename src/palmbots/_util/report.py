@@ -9,10 +9,11 @@ import html
 import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from palmbots._types import BySide
-from palmbots._util.text import format_number, millimetres
+from palmbots._util.text import data_size, format_number, millimetres
 
 Mark = Literal["", "bold", "good", "bad", "warning", "quiet"]
 
@@ -81,6 +82,11 @@ def warn_word(text: str) -> Marked:
 def warning(text: str) -> Line:
     """The line of a warning."""
     return Line(warn_word("warning: "), text)
+
+
+def written_file(path: Path) -> Line:
+    """The line on a file that was written, with its size."""
+    return Line(f"wrote {path}  {data_size(path.stat().st_size)}", is_whole=True)
 
 
 @dataclass(frozen=True)

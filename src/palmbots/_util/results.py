@@ -3,13 +3,15 @@
 
 import os
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
 from palmbots._util.arguments import one_of
 from palmbots._util.named_registry import Registry
 from palmbots._util.plain_values import keys_of, plain
-from palmbots._util.report import Item, Table, as_html, as_text, label_of, quantity
+from palmbots._util.report import Item, Table, as_html, as_text, label_of, quantity, written_file
 from palmbots.errors import PalmbotsError
 
 FIGURES: Registry[Callable[..., Any]] = Registry("figure")
@@ -56,7 +58,7 @@ class Result:
 
     def headline(self) -> str:
         """The line that states the result."""
-        return str(next(iter(self.lines())))
+        return as_text(self.lines()).partition("\n")[0]
 
     def __repr__(self) -> str:
         return as_text(self.lines())
@@ -98,3 +100,14 @@ class Result:
             PalmbotsError: this kind of result has no such figure, or the file cannot be written.
         """
         WRITERS.get("figure")(path, self.plot(figure, **options))
+
+
+@dataclass(frozen=True, repr=False)
+class Files(Result):
+    """Files that were written."""
+
+    files: tuple[Path, ...]
+
+    def lines(self) -> Iterator[Item]:
+        """Their names and sizes."""
+        yield from map(written_file, self.files)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
+from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
 from palmbots.boards.settings_page import PAGE_ADDRESS, PAGE_SIZE, role_in
 from palmbots.errors import PalmbotsError
@@ -31,16 +32,23 @@ def find_drives(places: tuple[str, ...] = _PLACES) -> list[Path]:
     return sorted(found)
 
 
+@command(
+    order=216,
+    example="palmbots flash images/left.hex",
+    image=Option(is_argument=True),
+    drive=Option(metavar="DIR"),
+    again=Option(),
+)
 def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Path:
-    """Copy an image to a board.
+    """Copy an image to a board that is connected by USB.
 
-    A robot that is flashed forgets how often it has booted, so its image is refused if it has been
-    flashed: with it the robot would use old epochs again, and old packets would count as new.
+    An image that has been flashed already is refused: a flashed board forgets how often it has
+    booted, and would accept old packets as new.
 
     Args:
-        image: a file of `palmbots firmware`.
-        drive: the folder of the board's drive; None: the only board that is connected.
-        again: flash an image that has been flashed already, for example because that failed.
+        image: a .hex of palmbots firmware.
+        drive: the board's drive, if more than one is connected.
+        again: flash an image again that no board has run. A copy may have failed.
 
     Returns:
         The file on the drive.

@@ -10,6 +10,7 @@ from typing import Any
 
 from palmbots._types import SIDES
 from palmbots._util.atomic_files import folder, write_whole
+from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
 from palmbots.boards.pair_settings import BOOTS_PER_IMAGE, BoardPair, board_pair
 from palmbots.boards.settings_page import PAGE_ADDRESS, PAGE_SIZE
@@ -42,11 +43,27 @@ def image_with(name: str, page: bytes) -> str:
     return text.getvalue()
 
 
-def write_images(pair_file: str | os.PathLike[str], out: Path) -> list[Path]:
-    """Write ``left.hex``, ``right.hex`` and ``dongle.hex`` for the boards of a pair.
+@command(
+    "firmware",
+    order=214,
+    example="palmbots firmware pair.toml --out images",
+    pair_file=Option(is_argument=True, metavar="PAIR"),
+    out=Option(metavar="DIR"),
+)
+def write_images(
+    pair_file: str | os.PathLike[str], out: str | os.PathLike[str] = "firmware"
+) -> list[Path]:
+    """Make images for boards that are the robots of a pair.
 
-    The images hold the key, so only their owner can read them. Each counts boots of its own: flash
-    each into one board, once. Files of an earlier call are replaced.
+    left.hex and right.hex are the robots, dongle.hex is the radio of the station. No compiler is
+    needed. Each image counts boots of its own: flash it into one board, once.
+
+    Args:
+        pair_file: the pair.toml of both robots.
+        out: folder for the images. Those of an earlier call are replaced.
+
+    Note:
+        The images hold the key, so only their owner can read them.
 
     Returns:
         The files.
@@ -57,7 +74,7 @@ def write_images(pair_file: str | os.PathLike[str], out: Path) -> list[Path]:
     pair = load_pair(pair_file)
     boards = board_pair(pair)
     program("robot")  # a missing package is reported before anything is written
-    folder(out)
+    out = folder(out)
     written = []
     for side in SIDES:
         file = pair.state_file(side)

@@ -10,7 +10,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from palmbots._util.arguments import show
 from palmbots._util.plain_values import plain
 from palmbots.cli._streams import say
 from palmbots.cli._warnings import print_held_warnings, warn
@@ -21,17 +20,6 @@ if TYPE_CHECKING:
     from palmbots._util.results import Result
     from palmbots.control.registry import ControllerEntry
     from palmbots.scene.scene import Scene
-
-
-def check_rate(rate: float) -> float:
-    """The rate, if it is one.
-
-    Raises:
-        PalmbotsError: it is too small or too large.
-    """
-    if not 0.01 <= rate <= 100:
-        raise PalmbotsError(f"rate: value is {show(rate)}; allowed: a number from 0.01 to 100")
-    return rate
 
 
 class Interrupted(PalmbotsError):
@@ -168,53 +156,13 @@ def print_result(
     if as_json:
         print_json(result)
     else:
+        from palmbots._util.report import written_file
         from palmbots.cli.console import print_report
 
-        print_report([*result.lines(), *after], about, written)
+        print_report([*result.lines(), *after, *map(written_file, written)], about)
 
 
 def print_json(result: Any) -> None:
     """Print one JSON object on stdout: a table, or what JSON has of a dataclass."""
     print_held_warnings()
     print(json.dumps(plain(result), allow_nan=False))
-
-
-def number_list(option: str, text: str) -> list[float]:
-    """The numbers of an option such as ``--values 0.1,0.2``."""
-    from palmbots._util.arguments import show
-
-    def number(part: str) -> float:
-        try:
-            return int(part)  # a key for whole numbers rejects 1.0
-        except ValueError:
-            return float(part)
-
-    try:
-        return [number(part) for part in text.split(",")]
-    except ValueError:
-        raise PalmbotsError(
-            f"{option}: value is {show(text)}; allowed: numbers separated by commas, as in 0.1,0.2"
-        ) from None
-
-
-def interval_or_word(option: str, words: Sequence[str], text: str) -> Any:
-    """An option that is a word, or the two ends of an interval, as in ``--region -0.05,0.05``."""
-    if text in words:
-        return text
-    try:
-        low, high = (float(part) for part in text.split(","))
-    except ValueError:
-        raise PalmbotsError(
-            f"{option}: value is {show(text)}; allowed: {', '.join(words)}, or two numbers "
-            "separated by a comma, as in -0.05,0.05"
-        ) from None
-    return low, high
-
-
-def set_aside_certificate(path: Path) -> None:
-    """Rename an older certificate that could be mistaken for the result of this run."""
-    from palmbots._util.atomic_files import set_aside
-
-    kept = set_aside(path)
-    if kept is not None:
-        warn(f"nothing is proved; {path} is from an earlier run and was renamed to {kept}")

@@ -3,8 +3,7 @@
 
 import re
 import sys
-from collections.abc import Collection, Iterable, Sequence
-from pathlib import Path
+from collections.abc import Collection, Iterable
 from typing import Any, TextIO, cast
 
 from rich.console import Console
@@ -14,7 +13,6 @@ from rich.text import Text
 
 from palmbots._util.report import Item, Line, Mark, Marked, quiet
 from palmbots._util.report import Table as TableOfTexts
-from palmbots._util.text import data_size
 from palmbots.cli._warnings import print_held_warnings
 
 GOOD, BAD, QUIET = "bold green", "bold red", "dim"
@@ -54,18 +52,12 @@ def report_console() -> Console:
     return console
 
 
-def print_report(
-    items: Iterable[Item],
-    about: str = "",
-    written: Sequence[Path] = (),
-    console: Console | None = None,
-) -> None:
-    """Print the lines of a result, and the files that were written.
+def print_report(items: Iterable[Item], about: str = "", console: Console | None = None) -> None:
+    """Print the lines of a result.
 
     Args:
         items: the lines.
         about: of what the result is, such as the name of a scene.
-        written: the files.
         console: where to print; None: on stdout.
     """
     console = console or report_console()
@@ -79,7 +71,6 @@ def print_report(
             console.print(Text(" " * line.indent).append_text(text), soft_wrap=True)
         else:
             console.print(indented(text, line.indent))
-    print_written_files(console, written)
 
 
 def _about(items: list[Item], about: str) -> list[Item]:
@@ -141,10 +132,3 @@ def plain_table(*heads: str, right: Collection[str] = (), gap: int = 3) -> Table
 def indented(text: str | Text, columns: int = 2) -> Padding:
     """A text whose lines are all indented, also those that result from wrapping."""
     return Padding(text if isinstance(text, Text) else Text(text), (0, 0, 0, columns))
-
-
-def print_written_files(console: Console, written: Sequence[Path]) -> None:
-    """Print the files that a command wrote, with their sizes."""
-    for path in written:
-        size = data_size(path.stat().st_size)
-        console.print(f"wrote {path}  {size}", soft_wrap=True)

@@ -9,6 +9,7 @@ work. So the declarations (`palmbots._util.command`) are read as text: a line th
 import ast
 import importlib
 import inspect
+import itertools
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -26,6 +27,8 @@ _NAME = re.compile(r'@\w+\(\s*"([^"]+)"')
 _ORDER = re.compile(r"\border=(\d+)")
 _FUNCTION = re.compile(r"^def (\w+)\(", re.MULTILINE)
 
+_GROUPS = {"init": "Write a file to start from."}
+
 REQUIRED: Any = inspect.Parameter.empty
 """In place of a default: the parameter has none."""
 
@@ -36,6 +39,8 @@ class Parameter:
 
     annotation: str
     default: Any
+    meaning: str = ""
+    """Of a key of ``**options``: its docstring. Without a value, the function does not get it."""
 
 
 @dataclass(frozen=True)
@@ -74,9 +79,8 @@ class Declared:
 
     @property
     def summary(self) -> str:
-        """The first line of its docstring; of a group, that of its module."""
-        text = self.source if " " in self.name else self.text
-        return text.split(_QUOTES, 2)[1].partition("\n")[0]
+        """The first line of its docstring, or what its group is for."""
+        return _GROUPS.get(self.group) or self.text.split(_QUOTES, 2)[1].partition("\n")[0]
 
     @cached_property
     def _node(self) -> ast.FunctionDef:
@@ -107,15 +111,47 @@ class Declared:
         plain = [*given.posonlyargs, *given.args]
         defaults = [*[None] * (len(plain) - len(given.defaults)), *given.defaults]
         pairs = zip([*plain, *given.kwonlyargs], [*defaults, *given.kw_defaults], strict=True)
-        return {
-            one.arg: Parameter(ast.unparse(one.annotation or ast.Name("str")), self._value(default))
+        found = {
+            one.arg: Parameter(self._kind(one.annotation), self._value(default))
             for one, default in pairs
+        }
+        gathered = given.kwarg
+        if gathered is None or gathered.arg not in self.options:
+            return found
+        # They stand behind the option that the declaration names before them.
+        before = [*found][: len(plain)]
+        before += itertools.takewhile(lambda key: key != gathered.arg, self.options)
+        place = [*found].index(before[-1]) + 1
+        rows = [*found.items()]
+        return dict([*rows[:place], *self._gathered(gathered).items(), *rows[place:]])
+
+    def _gathered(self, argument: ast.arg) -> dict[str, Parameter]:
+        """The keys of a typed dictionary of the module, as in ``**grid: Unpack[GridOptions]``."""
+        name = ast.unparse(argument.annotation or ast.Name("str"))[len("Unpack[") : -1]
+        found = re.search(rf"^class {name}\(TypedDict.*?(?=^\S)", self.source, re.M | re.S)
+        assert found is not None, name
+        (node,) = ast.parse(found[0]).body
+        assert isinstance(node, ast.ClassDef)
+        return {
+            field.target.id: Parameter(ast.unparse(field.annotation), None, str(text.value.value))
+            for field, text in itertools.pairwise(node.body)
+            if isinstance(field, ast.AnnAssign)
+            and isinstance(field.target, ast.Name)
+            and isinstance(text, ast.Expr)
+            and isinstance(text.value, ast.Constant)
+            and not ast.unparse(field.annotation).startswith("Sequence")  # nobody types a polygon
         }
 
     @property
     def returned(self) -> str:
         """What the function returns."""
         return ast.unparse(self._node.returns or ast.Name("Any"))
+
+    def _kind(self, annotation: ast.expr | None) -> str:
+        """An annotation; in place of an alias of the module what it stands for."""
+        text = ast.unparse(annotation or ast.Name("str"))
+        found = re.search(rf"^{re.escape(text)}: TypeAlias = (.*)$", self.source, re.MULTILINE)
+        return found[1] if found else text
 
     def _value(self, default: ast.expr | None) -> Any:
         """A default: a literal, or a constant of the module."""
@@ -160,13 +196,17 @@ def writer_of(one: Declared) -> Declared | None:
 
 def results_of(one: Declared) -> list[Any]:
     """The kinds of results that a command prints with ``--json``."""
+    from palmbots._util.results import Files
+
     places = [place.partition(":") for place in one.declaration.results]
     if places:
         return [getattr(importlib.import_module(module), kind) for module, _, kind in places]
     if one.returned == "int":
         return []
+    if one.returned in ("Path", "list[Path]"):
+        return [Files]
     scope = vars(importlib.import_module(one.module))
-    return [eval(one.returned, dict(scope))]
+    return [eval(kind, dict(scope)) for kind in one.returned.split(" | ")]
 
 
 def _commands(found: Iterable[Declared]) -> list[Declared]:

@@ -10,101 +10,45 @@ imported when the command runs.
 import contextlib
 import inspect
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
-from os import PathLike
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any
 
-import typer
-
-from palmbots._types import Interval, Side
-from palmbots._util.arguments import one_of
 from palmbots._util.command import Option
 from palmbots.cli._progress import progress, staged_progress
 from palmbots.cli._run import (
     check_output,
     controller_of,
-    interval_or_word,
     load,
-    number_list,
     print_result,
 )
 from palmbots.cli._warnings import warn
 from palmbots.cli.declared_commands import Declared, writer_of
-from palmbots.cli.options import DONE, FAILED, SHARED, input_path, output_path
+from palmbots.cli.options import DONE, FAILED
+from palmbots.cli.parameter_options import Given, as_typed, option_of, options_of, shared_option
 from palmbots.errors import PalmbotsError
 
 _SECTION = re.compile(r"^(Args|Note|Raises|Returns):$", re.MULTILINE)
 
 
-class _SceneLike: ...
-
-
-class _ControllerLike: ...
-
-
-class _Types(dict[str, Any]):
-    """What the names in annotations mean here; another name is a text."""
-
-    def __missing__(self, name: str) -> Any:
-        return str
-
-
-_TYPES = _Types(
-    {kind.__name__: kind for kind in (bool, float, int, list, str, tuple, PathLike, Path, Sequence)}
-    | {"Interval": Interval, "Literal": Literal, "Side": Side, "Overrides": list[str] | None}
-    | {"SceneLike": _SceneLike, "ControllerLike": _ControllerLike}
-)
-
-
-@dataclass(frozen=True)
-class _Kind:
-    """How a parameter is typed, and what the function gets of it."""
-
-    parsed: Any
-    """The type that Typer parses."""
-    read: Callable[[Any], Any] | None = None
-    """Makes the argument of the function, where it differs."""
-    is_path: bool = False
-    is_scene: bool = False
-    is_controller: bool = False
-    """The name of a controller, or of several."""
-
-
-@dataclass(frozen=True)
-class _Given:
-    """An option of a command that is a parameter of its function."""
-
-    option: Option
-    name: str
-    """As typed, with dashes."""
-    kind: _Kind
-    annotation: Any
-    """Of the option, for Typer."""
-    default: Any
-
-
 def typer_function(one: Declared) -> Callable[..., int]:
     """The function of which Typer takes arguments, options and help."""
-    given = _options_of(one)
-    writer = writer_of(one)
-    written = {} if writer is None else _options_of(writer, 1)
+    given = options_of(one)
+    writer = None if one.returned == "int" else writer_of(one)
+    written = {} if writer is None else options_of(writer, 1)
     shown: dict[str, tuple[Any, Any]] = {}
     for key, option in given.items():
         shown[key] = option.annotation, option.default
         if option.kind.is_controller:
-            shown["unproved"] = _shared("unproved", "bool", False)
+            shown["unproved"] = shared_option("unproved", "bool", False)
     if any(option.kind.is_scene for option in given.values()) and "scene" not in one.options:
-        shown.setdefault("overrides", _shared("overrides", "Overrides", None))
+        shown.setdefault("overrides", shared_option("overrides", "Overrides", None))
     shown |= {key: (option.annotation, option.default) for key, option in written.items()}
     if one.declaration.figure:
         help = f"Write {one.declaration.figure} to this folder."
-        place = _option("out", Option(help=help, metavar="DIR"), "Path | None", None)
+        place = option_of("out", Option(help=help, metavar="DIR"), "Path | None", None)
         shown["out"] = place.annotation, None
-    shown.setdefault("as_json", _shared("as_json", "bool", False))
+    shown.setdefault("as_json", shared_option("as_json", "bool", False))
 
     def run(**chosen: Any) -> int:
         if one.returned == "int":
@@ -130,14 +74,14 @@ def help_of(one: Declared) -> str:
     text = _SECTION.split(one.docstring)[0].strip()
     failure = one.declaration.failure
     failed = f"\n\nExit status 1: {failure[1]}." if failure[0] else ""
-    return text.replace("`", "") + failed
+    return as_typed(one, text) + failed
 
 
 def _run(
     one: Declared,
-    given: dict[str, _Given],
+    given: dict[str, Given],
     writer: Declared | None,
-    written: dict[str, _Given],
+    written: dict[str, Given],
     chosen: dict[str, Any],
 ) -> int:
     as_json, changes = chosen.pop("as_json"), chosen.pop("overrides", None)
@@ -145,10 +89,11 @@ def _run(
     figure, failure = one.declaration.figure, one.declaration.failure[0]
     out = chosen.pop("out") if figure else None
     check_output(out)
-    to_write = {key: chosen.pop(key) for key in written}
+    to_write = _arguments(written, {key: chosen.pop(key) for key in written})
     _check_place(written, to_write)
-    to_write = _arguments(written, to_write)
     arguments = _arguments({key: given[key] for key in chosen}, chosen)
+    from palmbots._util.results import Files  # here, as all that --help does not need
+
     about = _about(given, arguments)
     for key, option in given.items():
         value = arguments.get(key)
@@ -157,31 +102,42 @@ def _run(
         elif option.kind.is_controller and value is not None:
             arguments[key] = _controllers(value, unproved=unproved, quiet=as_json)
     with _callbacks(one, as_json) as called:
-        result = one.load()(**arguments, **called)
-    items: list[Any] = list(getattr(result, "files", ()))
-    if out is not None:
-        from palmbots._util.atomic_files import folder
-
-        items.append(folder(out) / figure)
-        result.save_figure(items[-1])
-    place = next(iter(to_write.values()), None)
-    if writer is not None and place is not None:
+        for key, parameter in one.parameters.items():
+            if parameter.meaning and arguments[key] is None:
+                del arguments[key]
+        result = _result(one.load()(**arguments, **called))
+    items: list[Any] = []
+    if writer is not None and next(iter(to_write.values())) is not None:
         with _callbacks(writer, as_json) as called:
-            items += writer.load()(result, *to_write.values(), **called)
+            items = writer.load()(result, *to_write.values(), **called)
     print_result(
         result,
         as_json=as_json,
-        about=about,
+        about="" if isinstance(result, Files) else about,
         written=[item for item in items if isinstance(item, Path)],
         after=[item for item in items if not isinstance(item, Path)],
+        out=out,
+        file=figure,
     )
     return DONE if not failure or getattr(result, failure) else FAILED
 
 
-def _about(given: dict[str, _Given], arguments: dict[str, Any]) -> str:
+def _result(found: Any) -> Any:
+    """What a function returns; the names of files that it wrote are a result, too."""
+    from palmbots._util.results import Files, Result
+
+    if isinstance(found, Result):
+        return found
+    return Files((found,) if isinstance(found, Path) else tuple(found))
+
+
+def _about(given: dict[str, Given], arguments: dict[str, Any]) -> str:
     """What the result is about: the files, or the name of the scene."""
-    files = [str(arguments[key]) for key, option in given.items() if option.option.is_file]
-    return " ".join(files) or arguments.get("scene") or ""
+    files = [arguments[key] for key, option in given.items() if option.option.is_file]
+    if not files:
+        return arguments.get("scene") or ""
+    names = files[0] if isinstance(files[0], list) else files
+    return str(names[0]) if len(names) == 1 else ""
 
 
 def _controllers(names: Any, *, unproved: bool, quiet: bool) -> Any:
@@ -194,15 +150,15 @@ def _controllers(names: Any, *, unproved: bool, quiet: bool) -> Any:
     ]
 
 
-def _check_place(written: dict[str, _Given], chosen: dict[str, Any]) -> None:
+def _check_place(written: dict[str, Given], chosen: dict[str, Any]) -> None:
     """Check, before the work, that the result can be written.
 
     Raises:
         PalmbotsError: it cannot, or there is an option of what is written, but no place for it.
     """
-    place, *others = written.values() or [None]
-    if place is None:
+    if not written:
         return
+    place, *others = written.values()
     path, *values = chosen.values()
     if path is None:
         for option, value in zip(others, values, strict=True):
@@ -231,7 +187,7 @@ def _callbacks(one: Declared, quiet: bool) -> Iterator[dict[str, Any]]:
         yield found
 
 
-def _arguments(given: dict[str, _Given], chosen: dict[str, Any]) -> dict[str, Any]:
+def _arguments(given: dict[str, Given], chosen: dict[str, Any]) -> dict[str, Any]:
     """What the function gets of what was typed."""
     found: dict[str, Any] = {}
     for key, one in given.items():
@@ -239,89 +195,5 @@ def _arguments(given: dict[str, _Given], chosen: dict[str, Any]) -> dict[str, An
         value = one.option.checked(one.name, chosen[key], scale)
         if value is not None and one.kind.read is not None:
             value = one.kind.read(value)
-        found[key] = value / scale if one.option.percent else value
+        found[key] = value / scale if value is not None and one.option.percent else value
     return found
-
-
-def _options_of(one: Declared, skip: int = 0) -> dict[str, _Given]:
-    """The parameters that become options."""
-    is_whole = skip > 0 or one.returned == "int"
-    found: dict[str, _Given] = {}
-    for key, parameter in [*one.parameters.items()][skip:]:
-        option = one.options.get(key, SHARED.get(key, Option() if is_whole else None))
-        if option is not None and not key.startswith("on_"):
-            if not option.help:
-                option = replace(option, help=_argument_help(one, key))
-            found[key] = _option(key, option, parameter.annotation, parameter.default)
-    return found
-
-
-def _shared(key: str, annotation: str, default: Any) -> tuple[Any, Any]:
-    option = _option(key, SHARED[key], annotation, default)
-    return option.annotation, option.default
-
-
-def _option(key: str, option: Option, annotation: str, default: Any) -> _Given:
-    """The option that a parameter becomes."""
-    name = f"--{key.replace('_', '-')}{'-percent' if option.percent else ''}"
-    names = option.names.split() or [name]
-    kind = _kind(eval(annotation, {}, _TYPES), option, names[0])
-    if option.percent:
-        default = 100 * default
-    if option.is_argument or option.is_file:
-        names = [option.metavar or key.upper()]
-        parser = input_path if kind.is_path else None
-        made: Any = typer.Argument(parser=parser, metavar=names[0], help=option.help)
-    else:
-        made = typer.Option(
-            *names,
-            metavar=option.metavar or ("LOW HIGH" if kind.parsed == Interval else None),
-            help=option.help,
-            hidden=option.is_hidden,
-            show_default="[default:" not in option.help,
-            parser=output_path if kind.is_path else None,
-        )
-    parsed = kind.parsed | None if default is None else kind.parsed
-    return _Given(option, names[0], kind, Annotated[parsed, made], default)
-
-
-def _kind(hint: Any, option: Option, name: str) -> _Kind:
-    """How a parameter with this annotation is typed."""
-    inner = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
-    kinds = [kind for kind in inner if kind is not type(None)]
-    first, last = kinds[0], kinds[-1]
-    if first in (_SceneLike, _ControllerLike):
-        return _Kind(str, is_scene=first is _SceneLike, is_controller=first is _ControllerLike)
-    if last is Path or get_origin(last) is PathLike:
-        return _Kind(Path, is_path=True)
-    if get_origin(last) is Literal:
-        words = get_args(last)
-        if len(kinds) > 1:
-            return _Kind(str, partial(interval_or_word, name, words))
-        return _Kind(str, partial(_word, name, words))
-    if get_origin(last) is Sequence:
-        (item,) = get_args(last)
-        of_item = _kind(item, option, name)
-        if option.is_argument:
-            return _Kind(list[of_item.parsed], is_path=of_item.is_path)
-        read = partial(number_list, name) if item is float else _names
-        return _Kind(str, read, is_controller=of_item.is_controller)
-    return _Kind(last)
-
-
-def _word(name: str, words: tuple[str, ...], value: str) -> str:
-    one_of(name, value, words)
-    return value
-
-
-def _names(text: str) -> list[str]:
-    return [name.strip() for name in text.split(",")]
-
-
-def _argument_help(one: Declared, key: str) -> str:
-    """The first sentence on a parameter in ``Args:``, as help of an option."""
-    found = re.search(rf"^    {key}: (.*(?:\n {{8}}.*)*)", one.docstring, re.MULTILINE)
-    assert found is not None, f"{one.name}: the docstring has no line on {key}"
-    first = re.split(r"\.(?:\s|$)", " ".join(found[1].split()), maxsplit=1)[0]
-    first = re.sub(r"; None: (.*)", r" [default: \1]", first).replace("`", "")
-    return f"{first[0].upper()}{first[1:]}."

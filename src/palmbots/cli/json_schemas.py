@@ -4,9 +4,35 @@
 import json
 from typing import Any
 
+from palmbots._util.command import Option, command
+from palmbots.cli._run import print_json
 from palmbots.cli.declared_commands import commands_of, declared_commands, results_of
+from palmbots.cli.options import DONE
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+
+@command(
+    order=180,
+    example="palmbots schema scene",
+    results=("palmbots.cli.answers:SchemaTable",),
+    name=Option(is_argument=True),
+)
+def schema(name: str, *, as_json: bool = False) -> int:
+    """Print the JSON Schema of scenes, logs or --json.
+
+    The schemas have the form of draft 2020-12. --json prints the same in one line.
+
+    Args:
+        name: ``scene``, log, or a command that has --json.
+        as_json: in one line.
+    """
+    found = schema_of(name)
+    if as_json:
+        print_json(found)
+    else:
+        print(json.dumps(found, indent=2, ensure_ascii=False))
+    return DONE
 
 
 def schema_names() -> list[str]:

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs one command: collects the commands, parses the arguments, and refuses bad input.
 
-A command is a function with a declaration (`palmbots._util.command`). Most are public functions,
-of which `palmbots.cli.function_commands` makes commands. Those of `palmbots.cli.commands` run
-processes or screens, or write several files: they take their options from Typer themselves, and
-return the exit status.
+A command is a function with a declaration (`palmbots._util.command`), of which
+`palmbots.cli.function_commands` makes a command. Most are public functions. Those of
+`palmbots.cli.commands` run processes or screens, and return the exit status.
 
 Every command has ``--json`` (one object on stdout and nothing else). The exit status is 0 when the
 command did its job, 1 when the subject of the command failed, 2 for bad input, which is answered
@@ -24,7 +23,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
 from palmbots._util.end_signal import end_with_starter
-from palmbots.cli import INTERRUPTION_LINE, commands
+from palmbots.cli import INTERRUPTION_LINE
 from palmbots.cli._exception_hooks import install_exception_hooks
 from palmbots.cli._run import Interrupted
 from palmbots.cli._streams import discard_unwritable, say
@@ -117,7 +116,7 @@ class _Group(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if args[0] in self.commands:  # also when the shell completes what follows
-            made: Any = get_command(build_app(args[0]))
+            made: Any = get_command(build_app(args[0], listed=True))
             self.commands[args[0]] = made.commands[args[0]]
         return super().resolve_command(ctx, args)
 
@@ -161,8 +160,7 @@ def _add(app: typer.Typer, name: str) -> None:
         app.add_typer(group, name=name)
         app = group
     for one in found:
-        is_own = one.module.startswith(commands.__name__)
-        function = one.load() if is_own else typer_function(one)
+        function = typer_function(one)
         last = one.name.rpartition(" ")[2]
         app.command(last, cls=_Command, epilog=f"Example: {one.declaration.example}")(function)
 

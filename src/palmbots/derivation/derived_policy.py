@@ -79,6 +79,11 @@ class DerivedPolicy(Result):
         }
         return VerificationRow(one.holds, one.states, one.worst_turns, charts)
 
+    @property
+    def holds(self) -> bool:
+        """Whether an algorithm follows and passes its check."""
+        return self.found is not None and self.found.holds
+
     def lines(self) -> Iterator[Item]:
         """The rules, and what the check of their algorithm has found."""
         yield Line(

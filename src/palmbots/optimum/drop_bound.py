@@ -125,7 +125,7 @@ _MEANING = {"corrections": "corrections only", "stopping": "robots may stop"}
     example="palmbots bound --speeds stopping",
     progress="solving",
     figure="bound.png",
-    speeds=Option(metavar="NAME", help="corrections or stopping."),
+    speeds=Option(metavar="NAME"),
     drop_rate=Option(percent=True, least=0.001, most=0.5),
 )
 def bound(
@@ -141,13 +141,13 @@ def bound(
     The result is the greatest noise at which any controller can drop as few as 1 % of carries, and
     the least drop rate at the scene's own noise.
 
-    With ``corrections`` as speeds, the robots keep their nominal speed and add opposite
-    corrections. With ``stopping`` they may also stop.
+    With `speeds` corrections the robots keep their nominal speed and add opposite corrections. With
+    `speeds` stopping they may also stop.
 
     Args:
         scene: as in `palmbots.carry`.
-        speeds: the admissible speeds. ``corrections``: nominal speed with equal and opposite
-            corrections. ``stopping``: each robot from its correction backwards to nominal speed
+        speeds: ``corrections`` or ``stopping``. Corrections: nominal speed with equal and opposite
+            corrections. Stopping: each robot from its correction backwards to nominal speed
             plus correction.
         drop_rate: share of carries that drop at the limit.
         overrides: scene keys to set.

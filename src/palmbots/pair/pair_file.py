@@ -20,6 +20,7 @@ from pydantic import BeforeValidator, ValidationError
 from palmbots._types import SIDES, Side
 from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import check_file, folder, write_whole
+from palmbots._util.command import Option, command
 from palmbots.drivers.hardware import Hardware
 from palmbots.errors import PalmbotsError
 from palmbots.pair.board_keys import BoardTable
@@ -229,6 +230,12 @@ def pair_keys() -> tuple[SceneKey, ...]:
     return tuple(key for name, model in tables for key in section_keys(model, name))
 
 
+@command(
+    "init pair",
+    order=190,
+    example="palmbots init pair pair.toml",
+    file=Option(is_argument=True, metavar="FILE"),
+)
 def init_pair(
     file: str | os.PathLike[str],
     *,
@@ -237,9 +244,16 @@ def init_pair(
     address: str = "127.0.0.1:7400",
     values: Mapping[str, object] | None = None,
 ) -> list[Path]:
-    """Write a new ``pair.toml``, a random key and the boot counters of both robots and the station.
+    """Write the settings of a pair of robots, a random key and boot counters.
 
-    Existing files are never overwritten. `values` are further keys, as in ``{"link.left": …}``.
+    Existing files are never overwritten.
+
+    Args:
+        file: new TOML file.
+        scene: its key ``pair.scene``.
+        controller: its key ``pair.controller``.
+        address: its key ``driver.address``.
+        values: further keys, as in ``{"link.left": …}``.
 
     Returns:
         The files that were written.

@@ -9,17 +9,22 @@ the key table of the docs use these lists.
 
 import ast
 import inspect
+import os
 import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, BeforeValidator
 
 from palmbots._types import SIDES
+from palmbots._util.atomic_files import write_whole
+from palmbots._util.command import Option, command
 from palmbots._util.toml_writer import toml_value
+from palmbots.errors import PalmbotsError
 from palmbots.scene.core_keys import Optionally
 from palmbots.scene.fields import is_switch
 from palmbots.scene.scene import Scene
@@ -131,6 +136,30 @@ def _first_sentence(text: str) -> str:
         comment.append(line.lstrip("# "))
     sentence = " ".join(comment).split(". ")[0]
     return sentence if sentence.endswith(".") else f"{sentence}."
+
+
+@command(
+    "init scene",
+    order=190,
+    example="palmbots init scene my.toml",
+    path=Option(is_argument=True, metavar="FILE"),
+)
+def init_scene(path: str | os.PathLike[str]) -> Path:
+    """Write the default scene with the unit and meaning of every key.
+
+    An existing file is never overwritten.
+
+    Args:
+        path: new TOML file.
+
+    Raises:
+        PalmbotsError: the name does not end in .toml, the file exists, or it cannot be written.
+    """
+    file = Path(path)
+    if not file.name.endswith(".toml"):
+        raise PalmbotsError(f"FILE: value is {file}; allowed: a name that ends in .toml")
+    write_whole(file, default_scene_toml(), new=True)
+    return file
 
 
 def default_scene_toml() -> str:

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from palmbots.stability.analysis import Margins as Margins
     from palmbots.stability.analysis import PropertyReport as PropertyReport
     from palmbots.stability.angle_grid import QUANTITIES as QUANTITIES
-    from palmbots.stability.angle_grid import GridOptions as GridOptions
     from palmbots.stability.angle_grid import Quantity as Quantity
     from palmbots.stability.certificates.checker.verify import CheckResult as CheckResult
     from palmbots.stability.certificates.obligations import CLAIMS as CLAIMS
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     from palmbots.stability.lateral_tipping import Sideways as Sideways
     from palmbots.stability.margins import Wedging as Wedging
     from palmbots.stability.palm_angles import PAPER_DEG as PAPER_DEG
+    from palmbots.stability.palm_angles import GridOptions as GridOptions
     from palmbots.stability.palm_angles import with_angles as with_angles
     from palmbots.stability.problem import StabilityProblem as StabilityProblem
     from palmbots.stability.problem import stability_problem as stability_problem

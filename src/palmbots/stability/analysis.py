@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from palmbots._types import SIDES, BySide, Interval, Overrides, Side
+from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene, SceneLike, load_scene
@@ -202,15 +203,23 @@ class Analysis(Result):
         return super().plot(figure, **options)
 
 
+@command(
+    order=30,
+    example="palmbots analyze --set palm.friction=0.4 --figures out",
+    region_m=Option(),
+)
 def analyze(
     scene: SceneLike = "paper", *, region_m: Interval | None = None, overrides: Overrides = None
 ) -> Analysis:
-    """Evaluate whether, where and by how much the properties hold for a scene.
+    """Report whether the properties hold, and their margins.
+
+    The report also states what limits them and the ranges of COM, friction, slope and acceleration
+    in which they hold.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
-        region_m: contact coordinates (low, high) for which the properties have to hold, on either
-            palm; None: the whole palm, as in the paper.
+        region_m: contact coordinates to consider; None: whole palms. The properties have to hold
+            for them on either palm.
         overrides: scene keys to set.
 
     Raises:

@@ -9,7 +9,7 @@ Source: docs/theory/stability.md; paper, section 5.1.
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypedDict
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,19 +46,6 @@ _LARGEST_TOLERANCE = 10.0
 _ROUNDING_DEG = 1e-9
 
 Grid = NDArray[np.float64]
-
-
-class GridOptions(TypedDict, total=False):
-    """The grid of angles, as `palmbots.design` takes it."""
-
-    min_angle_difference_deg: float
-    """Smallest difference of the two angles; 5 by default, assumed for all objects."""
-    min_clearance_deg: float
-    """Smallest clearance of the outline from the palms; 0.25 by default."""
-    angle_range_deg: Interval
-    """Range of both angles; (-5, 50) by default."""
-    resolution_deg: float | None
-    """Resolution of the grid; None, the default: 0.1 for ``com``, 0.5 for all others."""
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from palmbots._util.report import Item, Line, Table, bold, good, quiet, warn_word
+from palmbots._util.report import Item, Line, Table, bold, good, quiet, warn_word, warning
 from palmbots._util.text import millimetres
 from palmbots.stability.analysis_lines import friction_note
 from palmbots.stability.angle_grid import NOISE, QUANTITIES
@@ -43,6 +43,7 @@ def design_lines(design: "Design") -> Iterator[Item]:
         yield warn_word(f"certificate: {certificate.verdict} ({certificate.undecided})")
     settings = " ".join(f"--set {key}={angle:g}" for key, angle in design.angle_keys.items())
     yield Line(f"to use these angles: {settings}", is_whole=True)
+    yield from map(warning, design.warnings)
 
 
 def _comparison(design: "Design", name: str) -> Iterator[Item]:

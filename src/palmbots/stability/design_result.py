@@ -122,6 +122,11 @@ class Design(Result):
         return None if self.noise_limit is None else self.noise_limit.interval
 
     @property
+    def is_certified(self) -> bool:
+        """Whether the certificate proves the tolerance."""
+        return self.certificate.holds
+
+    @property
     def angle_keys(self) -> dict[str, float]:
         """The scene keys to set, as in ``pb.carry("paper", overrides=best.angle_keys)``."""
         return angle_keys(self.scene, (self.shallow_deg, self.steep_deg))

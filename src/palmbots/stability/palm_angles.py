@@ -15,12 +15,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Literal, TypeAlias, Unpack, cast
+from typing import Any, Literal, TypeAlias, TypedDict, Unpack, cast
 
 import numpy as np
 
 from palmbots._types import SIDES, Interval, Overrides
 from palmbots._util.arguments import one_of, seed_of, show, two_numbers
+from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
 from palmbots.control.registry import (
     ControllerEntry,
@@ -38,7 +39,6 @@ from palmbots.stability.angle_grid import (
     QUANTITIES,
     AngleGrid,
     GridLimits,
-    GridOptions,
     Objective,
     Quantity,
     Uncertainty,
@@ -57,21 +57,40 @@ PAPER_DEG = (5.0, 15.0)
 """The paper's palm angles (shallow, steep), for comparison."""
 
 Range: TypeAlias = Interval | None
-Region: TypeAlias = Interval | Literal["implied", "palm"]
 Progress: TypeAlias = Callable[[float], None] | None
 
-_DEFAULTS = GridOptions(
-    min_angle_difference_deg=5.0,
-    min_clearance_deg=0.25,
-    angle_range_deg=(-5, 50),
-    resolution_deg=None,
-)
 _PRECISE, _COARSE = 0.015, 0.03
 """Relative half-width of the interval of σ*, where it is the objective and where it is a
 by-product."""
 _TYPICAL_SLOPE = 4.0
 
 
+class GridOptions(TypedDict, total=False):
+    """The grid of angles, as `palmbots.design` takes it."""
+
+    min_angle_difference_deg: float
+    """Smallest difference of the two angles; None: 5. It is assumed for all objects."""
+    min_clearance_deg: float
+    """Smallest clearance between outline and palms; None: 0.25."""
+    angle_range_deg: Interval
+    """Limits of both angles; None: -5 to 50."""
+    resolution_deg: float | None
+    """Spacing of the angle grid; None: 0.1 for com, otherwise 0.5."""
+
+
+@command(
+    order=60,
+    example="palmbots design --friction 0.3 0.4 --region palm --out out",
+    progress="designing",
+    failure=("is_certified", "the tolerance could not be certified"),
+    maximize=Option(metavar="NAME"),
+    friction=Option(),
+    common_friction=Option("--common-friction/--independent-friction"),
+    com_y_m=Option(),
+    slope_deg=Option(),
+    region_m=Option("--region", metavar="implied|palm|LOW,HIGH"),
+    grid=Option(),
+)
 def design(
     scene: SceneLike = "paper",
     *,
@@ -81,32 +100,34 @@ def design(
     common_friction: bool = False,
     com_y_m: Range = None,
     slope_deg: Range = None,
-    region_m: Region = "implied",
+    region_m: Interval | Literal["implied", "palm"] = "implied",
     seed: int = 0,
     overrides: Overrides = None,
     on_progress: Progress = None,
     **grid: Unpack[GridOptions],
 ) -> Design:
-    """Find the palm angles, the same for both palms, that tolerate the most.
+    """Find and certify the most noise-tolerant palm angles.
+
+    `maximize` selects the error of another quantity instead of the noise.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
-        maximize: ``noise``, the speed noise at which 1 % of carries drop the object (σ*), or the
-            quantity whose error is tolerated, one of `QUANTITIES`.
+        maximize: ``noise``, or a tolerance: com, friction, slope, acceleration, region or angle.
+            ``noise`` is the speed noise at which 1 % of carries drop the object (σ*); a tolerance
+            is the error of one of `QUANTITIES`.
         controller: the shipped controller whose σ* is measured; None: no σ*. ``noise`` needs one.
-        friction: interval of the coefficients; None: the scene's.
-        common_friction: True: both palms have the same coefficient, which may be any of the
-            interval; False: each palm has its own.
-        com_y_m: interval of the COM's height; None: the scene's.
-        slope_deg: interval of the floor's slope, uphill in the direction of travel > 0, from -45
-            to 45; None: the scene's.
-        region_m: the contacts for which the properties have to hold: those that the scene implies
-            at each pair of angles, the whole palm, or (low, high).
+        friction: friction coefficient; None: as in the scene.
+        common_friction: use one friction for both palms, or one for each. With one for both, it
+            may be any of the interval.
+        com_y_m: height of the COM above the contacts; None: as in the scene.
+        slope_deg: slope of the floor, uphill > 0; None: as in the scene. Uphill is meant in the
+            direction of travel; the limits are -45 and 45.
+        region_m: contact coordinates: what the scene implies, the whole palm, or an interval [m].
+            The properties have to hold for them; the scene implies others at each pair of angles.
         seed: random seed of the carries.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
-        grid: ``min_angle_difference_deg``, ``min_clearance_deg``, ``angle_range_deg`` and
-            ``resolution_deg``, as `palmbots.stability.GridOptions` describes them.
+        grid: as `palmbots.stability.GridOptions` describes it.
 
     Raises:
         SceneError: the scene cannot be read or is not valid.
@@ -200,18 +221,16 @@ def _entry(controller: ControllerLike | None, objective: Objective) -> Controlle
 
 
 def _limits(given: GridOptions, objective: Objective, own_deg: Interval | None) -> GridLimits:
-    unknown = set(given) - set(_DEFAULTS)
-    if unknown:
-        raise TypeError(f"design() got an unexpected keyword argument {min(unknown)!r}")
-    options: Any = {**_DEFAULTS, **given}
-    resolution = options["resolution_deg"]
-    if resolution is None:
-        resolution = 0.1 if objective == "com" else 0.5
+    for name in given:
+        one_of("design", name, tuple(GridOptions.__annotations__))
+    resolution_deg = given.get("resolution_deg")
+    if resolution_deg is None:
+        resolution_deg = 0.1 if objective == "com" else 0.5
     return GridLimits(
-        options["angle_range_deg"],
-        resolution,
-        options["min_angle_difference_deg"],
-        options["min_clearance_deg"],
+        given.get("angle_range_deg", (-5.0, 50.0)),
+        resolution_deg,
+        given.get("min_angle_difference_deg", 5.0),
+        given.get("min_clearance_deg", 0.25),
         own_deg or () if objective == NOISE else (),
     )
 

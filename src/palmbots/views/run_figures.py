@@ -6,7 +6,8 @@ is that of the start plus what the odometry of both robots adds.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,10 @@ import numpy as np
 import palmbots._core as _core
 from palmbots._types import SIDES, BySide, Side
 from palmbots._util.atomic_files import folder
+from palmbots._util.command import Option, writes
 from palmbots._version import __version__
 from palmbots.errors import PalmbotsError
+from palmbots.logs.replaying import ReplayResult
 from palmbots.logs.run_log_reader import RunLog
 from palmbots.pair.drive_table import drive_table
 from palmbots.scene.scene import Scene, load_scene
@@ -33,15 +36,32 @@ WORLD = "robots"
 """The world of such a carry."""
 
 
-def save_figures(logs: Sequence[RunLog], replay: RunReplay, out: Path) -> list[Path]:
+@writes("replay", out=Option(metavar="DIR"))
+def save_figures(
+    replay: RunReplay | ReplayResult,
+    out: str | PathLike[str],
+    *,
+    on_warning: Callable[[str], None],
+) -> list[Path]:
     """Write ``carry.png``, and ``message_sequence.png`` if the robots exchanged messages.
 
+    Args:
+        replay: what was verified.
+        out: write figures of a run of real robots to this folder.
+        on_warning: called with a line if the logs show no carry of both robots.
+
     Raises:
-        PalmbotsError: the logs show no carry of both robots, or a file cannot be written.
+        PalmbotsError: a file cannot be written, or the logs are not those of robots.
     """
     from palmbots.viz import carry_figure, sequence_chart
 
-    carry = carry_of(logs, replay.clocks)
+    if isinstance(replay, ReplayResult):
+        raise PalmbotsError("--out: draws runs of robots; allowed: for logs of robots")
+    try:
+        carry = carry_of(replay.run, replay.clocks)
+    except PalmbotsError as error:  # what was verified counts all the same
+        on_warning(f"no figures: {error}")
+        return []
     target = folder(out)
     written = [target / "carry.png"]
     carry_figure.save(carry, written[0])

@@ -5,20 +5,23 @@ The program is built from the scene, the controller and the settings in the log.
 and packet is compared, to the last bit.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots._util.plain_values import derived
+from palmbots._util.command import Option, command
+from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table, verdict
 from palmbots._util.results import Result
 from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import recover
 from palmbots.errors import PalmbotsError
-from palmbots.logs.run_log_reader import RunLog, read_run_log
+from palmbots.logs.replaying import ReplayResult, replay
+from palmbots.logs.run_log_reader import RunLog, is_run_log, read_run_log
 from palmbots.robot.robot_log import READING
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
@@ -49,6 +52,8 @@ class RunReplay(Result):
     logs: tuple[Verified, ...]
     clocks: tuple[ClockFit, ...]
     """For each log but the first how its clock relates to that of the first."""
+    run: tuple[RunLog, ...] = field(default=(), metadata=NOT_IN_JSON)
+    """What the logs contain."""
 
     @derived
     def identical(self) -> bool:
@@ -83,6 +88,31 @@ def _clock(clock: ClockFit) -> str:
     return f"{clock.offset_s:+.3f} ± {clock.uncertainty_s:.3f} s, rate {ppm:+.0f} ppm"
 
 
+@command(
+    "replay",
+    order=130,
+    example="palmbots replay out/carry.mcap",
+    failure=("identical", "something differs from the log"),
+    logs=Option(is_argument=True, is_file=True, metavar="LOG..."),
+)
+def replay_logs(logs: Sequence[str | PathLike[str]]) -> ReplayResult | RunReplay:
+    """Run a logged carry again and compare every bit.
+
+    Logs of robots and of a station are verified: each robot's program gets what it had logged, and
+    has to decide the same. Their clocks are aligned by the packets that they exchanged.
+
+    Args:
+        logs: MCAP logs, or folders with them.
+
+    Raises:
+        PalmbotsError: a log cannot be read or run again, or the logs are of different pairs.
+    """
+    paths = [Path(log) for log in logs]
+    if len(paths) == 1 and not paths[0].is_dir() and not is_run_log(paths[0]):
+        return replay(paths[0])
+    return replay_run(read_run(paths))
+
+
 def replay_run(logs: list[RunLog]) -> RunReplay:
     """Verify the logs of one run, and align their clocks.
 
@@ -93,7 +123,7 @@ def replay_run(logs: list[RunLog]) -> RunReplay:
     if len(pairs) > 1:
         numbers = ", ".join(str(pair) for pair in sorted(pairs))
         raise PalmbotsError(f"logs: are of the pairs {numbers}; allowed: logs of one pair")
-    return RunReplay(tuple(verify(log) for log in logs), align(logs))
+    return RunReplay(tuple(verify(log) for log in logs), align(logs), tuple(logs))
 
 
 def read_run(paths: list[Path]) -> list[RunLog]:

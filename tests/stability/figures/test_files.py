@@ -53,11 +53,11 @@ def test_command_draws_the_chosen_state(tmp_path: Path) -> None:
     words = ["analyze", "--format", "svg", "--figures"]
     assert run([*words, str(folders[0]), "--p-left-m", "-0.03", "--p-right-m", "0.02"]) == 0
     found = pb.analyze("paper")
-    save_all(found, folders[1], kind="svg", p_m=(-0.03, 0.02))
+    save_all(found, folders[1], kind="svg", p_left_m=-0.03, p_right_m=0.02)
     names = [f"figure{k}.svg" for k in range(2, 8)]
     files = [[(place / name).read_bytes() for name in names] for place in folders]
     assert files[0] == files[1]
-    save_all(found, folders[1], kind="svg", p_m=(-0.03, 0.0))
+    save_all(found, folders[1], kind="svg", p_left_m=-0.03)
     differs = [
         old != (folders[1] / name).read_bytes() for name, old in zip(names, files[1], strict=True)
     ]

@@ -3,13 +3,12 @@
 
 import sys
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from palmbots._util.command import command
+from palmbots._util.command import Option, command
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE, FAILED, JsonOption, LogOption, NoLogOption
+from palmbots.cli.options import DONE, FAILED
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -23,34 +22,23 @@ _LAST_LINES = 10
     order=207,
     example="palmbots station pair.toml",
     results=("palmbots.station.station_loop:StationEnd",),
+    for_screen=Option(is_hidden=True),
+    wait_s=Option(is_hidden=True),
+    lockstep=Option(help="Decide for both robots, tick by tick with the world."),
 )
 def station(
-    pair: Annotated[str, typer.Argument(metavar="PAIR", help="The pair.toml of both robots.")],
-    auto: Annotated[
-        bool, typer.Option("--auto", help="Arm, start, wait until both robots are done, and end.")
-    ] = False,
-    attach: Annotated[
-        bool, typer.Option("--attach", help="Only a screen, for a station that already runs.")
-    ] = False,
-    watch: Annotated[
-        bool, typer.Option("--watch", help="As --attach, but only to look: no orders are taken.")
-    ] = False,
-    no_screen: Annotated[
-        bool, typer.Option("--no-screen", help="Only the station; screens attach to it.")
-    ] = False,
-    plain: Annotated[
-        bool,
-        typer.Option("--plain", help="Lines, not a screen; the default if stdout is no terminal."),
-    ] = False,
-    for_screen: Annotated[bool, typer.Option("--for-screen", hidden=True)] = False,
-    wait_s: Annotated[float, typer.Option("--wait-s", hidden=True)] = 1.0,
-    lockstep: Annotated[
-        bool,
-        typer.Option("--lockstep", help="Decide for both robots, tick by tick with the world."),
-    ] = False,
-    log: LogOption = None,
-    no_log: NoLogOption = False,
-    as_json: JsonOption = False,
+    pair: str,
+    auto: bool = False,
+    attach: bool = False,
+    watch: bool = False,
+    no_screen: bool = False,
+    plain: bool = False,
+    for_screen: bool = False,
+    wait_s: float = 1.0,
+    lockstep: bool = False,
+    log: Path | None = None,
+    no_log: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Operate two robots: arm, start, stop, release.
 
@@ -58,6 +46,14 @@ def station(
     Escape is the e-stop. The station is no safety device.
 
     Exit status 1: with --auto, if the robots did not carry to the end.
+
+    Args:
+        auto: arm, start, wait until both robots are done, and end.
+        attach: only a screen, for a station that already runs.
+        watch: as --attach, but only to look: no orders are taken.
+        no_screen: only the station; screens attach to it.
+        for_screen: a screen has started it.
+        wait_s: how long to wait for a station that starts at the same time.
     """
     from palmbots.pair.pair_file import load_pair, station_address
 

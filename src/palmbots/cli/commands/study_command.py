@@ -5,15 +5,13 @@ import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from palmbots._util.command import command
+from palmbots._util.command import Option, command
 from palmbots.cli._progress import staged_progress
 from palmbots.cli._run import check_output, interruption_line, print_result
 from palmbots.cli._warnings import print_held_warnings, warn
-from palmbots.cli.options import DONE, JsonOption, UnprovedOption, output_option
+from palmbots.cli.options import DONE
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -27,46 +25,40 @@ if TYPE_CHECKING:
         "palmbots.studies.study_runner:StudyResult",
         "palmbots.studies.cost_estimate:Cost",
     ),
+    source=Option(is_argument=True, metavar="FILE"),
+    out=Option(metavar="DIR"),
+    carries=Option("--carries -n"),
+    scheduler=Option(metavar="ADDRESS"),
+    local_cluster=Option(metavar="N"),
 )
 def study(
-    source: Annotated[
-        str, typer.Argument(metavar="FILE", help="TOML study file or built-in study name.")
-    ],
-    out: Annotated[
-        Path | None, output_option("Write the results to this folder [default: NAME.study].")
-    ] = None,
-    carries: Annotated[
-        int | None,
-        typer.Option("--carries", "-n", help="Carries per cell [default: as in the file]."),
-    ] = None,
-    threads: Annotated[
-        int | None, typer.Option("--threads", help="Worker threads [default: all cores].")
-    ] = None,
-    chunk_size: Annotated[
-        int | None, typer.Option("--chunk-size", help="Carries per chunk (approximate).")
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option("--scheduler", metavar="ADDRESS", help="Use the workers of a Dask scheduler."),
-    ] = None,
-    local_cluster: Annotated[
-        int | None,
-        typer.Option("--local-cluster", metavar="N", help="Start N local Dask workers instead."),
-    ] = None,
-    plot: Annotated[
-        bool, typer.Option("--plot", help="Write curves or maps to study.png in the folder.")
-    ] = False,
-    estimate_cost: Annotated[
-        bool,
-        typer.Option("--estimate-cost", help="Print carries, time and disk space; run nothing."),
-    ] = False,
-    unproved: UnprovedOption = False,
-    as_json: JsonOption = False,
+    source: str,
+    out: Path | None = None,
+    carries: int | None = None,
+    threads: int | None = None,
+    chunk_size: int | None = None,
+    scheduler: str | None = None,
+    local_cluster: int | None = None,
+    plot: bool = False,
+    estimate_cost: bool = False,
+    unproved: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Run a study: any scene keys × controllers × seeds.
 
     Finished chunks are kept. You can stop a study at any time and rerun the
     command to continue; the results are the same to the bit.
+
+    Args:
+        source: TOML study file or built-in study name.
+        out: write the results to this folder; None: NAME.study.
+        carries: carries per cell; None: as in the file.
+        threads: worker threads; None: all cores.
+        chunk_size: carries per chunk (approximate).
+        scheduler: use the workers of a Dask scheduler.
+        local_cluster: start N local Dask workers instead.
+        plot: write curves or maps to study.png in the folder.
+        estimate_cost: print carries, time and disk space; run nothing.
     """
     from palmbots.studies.study_file import load_plan
     from palmbots.studies.study_runner import run_study

@@ -8,25 +8,11 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from palmbots._util.command import command
+from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
-from palmbots.cli._run import check_rate, controller_of, load
+from palmbots.cli._run import controller_of, load
 from palmbots.cli._streams import say
-from palmbots.cli.options import (
-    ControllerOption,
-    JsonOption,
-    NoLogOption,
-    PrecisionOption,
-    SceneArgument,
-    SeedOption,
-    SetOption,
-    WorldOption,
-    output_option,
-)
 from palmbots.errors import PalmbotsError
 
 _WAIT = ("--wait-s", "60")  # the station is a process that starts at the same time
@@ -38,39 +24,25 @@ _PLAIN = ("--watch", "--plain", *_WAIT)
     order=200,
     example="palmbots up paper --controller resilient --lockstep",
     results=("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry"),
+    link=Option(metavar="TEXT"),
+    log=Option(metavar="DIR"),
+    live=Option(metavar="ADDRESS"),
 )
 def up(
-    scene: SceneArgument = "paper",
-    controller: ControllerOption = "resilient",
-    lockstep: Annotated[
-        bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
-    ] = False,
-    rate: Annotated[float, typer.Option("--rate", help="Run at this multiple of real time.")] = 1.0,
-    link: Annotated[
-        str,
-        typer.Option(
-            "--link",
-            metavar="TEXT",
-            help='Simulate a bad radio: "loss=0.2 delay_ms=50 jitter_ms=30".',
-        ),
-    ] = "",
-    world: WorldOption = "quasistatic",
-    precision: PrecisionOption = "double",
-    seed: SeedOption = 0,
-    changes: SetOption = None,
-    log: Annotated[
-        Path | None, output_option("Folder for the logs [default: a new one].", "--log")
-    ] = None,
-    no_log: NoLogOption = False,
-    live: Annotated[
-        str | None,
-        typer.Option("--live", metavar="ADDRESS", help="Serve a live 3-D view for Foxglove there."),
-    ] = None,
-    plain: Annotated[
-        bool,
-        typer.Option("--plain", help="Lines, not a screen; the default if stdout is no terminal."),
-    ] = False,
-    as_json: JsonOption = False,
+    scene: str = "paper",
+    controller: str = "resilient",
+    lockstep: bool = False,
+    rate: float = 1.0,
+    link: str = "",
+    world: str = "quasistatic",
+    precision: str = "double",
+    seed: int = 0,
+    overrides: list[str] | None = None,
+    log: Path | None = None,
+    no_log: bool = False,
+    live: str | None = None,
+    plain: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Run a world, robots and a station, each as a process.
 
@@ -79,6 +51,11 @@ def up(
     the result is that of palmbots carry with the same scene, controller and seed.
 
     Exit status 1: the object was not delivered.
+
+    Args:
+        link: simulate a bad radio: "loss=0.2 delay_ms=50 jitter_ms=30".
+        log: folder for the logs; None: a new one.
+        live: serve a live 3-D view for Foxglove there.
     """
     from palmbots._util.arguments import seed_of
     from palmbots.control.resilient_timing import bounds_of
@@ -88,7 +65,7 @@ def up(
     from palmbots.simulation.prepare import check_precision, check_scene
     from palmbots.simulation.worlds import world_entry
 
-    chosen = load(scene, changes)
+    chosen = load(scene, overrides)
     entry = controller_of(controller, quiet=as_json)
     place = world_entry(world)
     check_scene(place, chosen)
@@ -127,7 +104,7 @@ def up(
             chosen,
             controller,
             options,
-            rate=check_rate(rate),
+            rate=rate,
             impairment=Impairment.parse(link),
             screen=None if as_json else _SCREEN if has_screen else _PLAIN,
             output=output,

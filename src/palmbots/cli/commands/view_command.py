@@ -2,14 +2,12 @@
 """The command `palmbots view`."""
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from palmbots._util.command import command
-from palmbots.cli._run import check_rate, print_result
-from palmbots.cli.options import DONE, JsonOption, input_argument, output_option
+from palmbots._util.command import Option, command
+from palmbots.cli._run import print_result
+from palmbots.cli.options import DONE
 from palmbots.errors import PalmbotsError
 
 _RESTARTS_WITHIN_S = 10.0
@@ -18,36 +16,39 @@ _RESTARTS_WITHIN_S = 10.0
 @command(
     order=135,
     example="palmbots view out/carry.mcap --serve 127.0.0.1:8765",
-    results=("palmbots.cli.answers:Files",),
+    results=("palmbots._util.results:Files",),
+    sources=Option(is_argument=True, metavar="SOURCE..."),
+    serve=Option(metavar="ADDRESS"),
+    rate=Option(help="Play at this multiple of real time.", least=0.01, most=100.0),
+    layout=Option(metavar="FILE"),
+    rerun=Option(metavar="FILE"),
+    wait_s=Option(is_hidden=True),
 )
 def view(
-    sources: Annotated[
-        list[Path], input_argument("SOURCE...", "MCAP logs, folders with them, or a pair.toml.")
-    ],
-    serve: Annotated[
-        str, typer.Option("--serve", metavar="ADDRESS", help="HOST:PORT for Foxglove.")
-    ] = "127.0.0.1:8765",
-    rate: Annotated[
-        float, typer.Option("--rate", help="Play at this multiple of real time.")
-    ] = 1.0,
-    once: Annotated[bool, typer.Option("--once", help="End after the last message.")] = False,
-    layout: Annotated[
-        Path | None,
-        output_option("Only write a layout for Foxglove to this file.", "--layout", metavar="FILE"),
-    ] = None,
-    rerun: Annotated[
-        Path | None,
-        output_option("Only write a recording for Rerun to this file.", "--rerun", metavar="FILE"),
-    ] = None,
-    wait_s: Annotated[float, typer.Option("--wait-s", hidden=True)] = 1.0,
-    as_json: JsonOption = False,
+    sources: Sequence[Path],
+    *,
+    serve: str = "127.0.0.1:8765",
+    rate: float = 1.0,
+    once: bool = False,
+    layout: Path | None = None,
+    rerun: Path | None = None,
+    wait_s: float = 1.0,
+    as_json: bool = False,
 ) -> int:
     """Show a log, or a running station, in three dimensions.
 
     Foxglove connects to ws://HOST:PORT (Open connection, Foxglove WebSocket) and draws it. With a
     pair.toml it shows the station of this pair, live and read-only: no key is needed.
+
+    Args:
+        sources: MCAP logs, folders with them, or a pair.toml.
+        serve: HOST:PORT for Foxglove.
+        once: end after the last message.
+        layout: only write a layout for Foxglove to this file.
+        rerun: only write a recording for Rerun to this file.
+        wait_s: how long to wait for a station that starts at the same time.
     """
-    from palmbots.cli.answers import Files
+    from palmbots._util.results import Files
     from palmbots.views.foxglove_server import place_of
 
     place_of(serve)
@@ -59,11 +60,11 @@ def view(
     else:
         written = []
         _play(sources, serve, rate, once=once, quiet=as_json)
-    print_result(Files(tuple(written)), as_json=as_json, written=written)
+    print_result(Files(tuple(written)), as_json=as_json)
     return DONE
 
 
-def _write(sources: list[Path], layout: Path | None, rerun: Path | None) -> list[Path]:
+def _write(sources: Sequence[Path], layout: Path | None, rerun: Path | None) -> list[Path]:
     from palmbots._util.atomic_files import write_whole
     from palmbots.views.log_player import viewable
 
@@ -83,11 +84,10 @@ def _write(sources: list[Path], layout: Path | None, rerun: Path | None) -> list
     return written
 
 
-def _play(sources: list[Path], serve: str, rate: float, *, once: bool, quiet: bool) -> None:
+def _play(sources: Sequence[Path], serve: str, rate: float, *, once: bool, quiet: bool) -> None:
     from palmbots.views.foxglove_server import FoxgloveServer
     from palmbots.views.log_player import announce, play, read_playable, viewable
 
-    check_rate(rate)
     with tempfile.TemporaryDirectory(prefix="palmbots-") as folder:
         log = read_playable(viewable(sources, Path(folder)))
         with FoxgloveServer(serve, f"palmbots {sources[0].name}") as server:
@@ -96,7 +96,7 @@ def _play(sources: list[Path], serve: str, rate: float, *, once: bool, quiet: bo
             play(log, server, rate=rate, loops=not once)
 
 
-def _serve_station(sources: list[Path], serve: str, wait_s: float, *, quiet: bool) -> None:
+def _serve_station(sources: Sequence[Path], serve: str, wait_s: float, *, quiet: bool) -> None:
     from palmbots.cli.station_process import attached
     from palmbots.pair.pair_file import load_pair, station_address
     from palmbots.views.foxglove_server import FoxgloveServer

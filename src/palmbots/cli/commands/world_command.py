@@ -1,23 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots world`."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from palmbots._util.command import command
-from palmbots.cli._run import check_rate, controller_of, load, print_json, print_result, warn
-from palmbots.cli.options import (
-    DONE,
-    FAILED,
-    ControllerOption,
-    JsonOption,
-    PrecisionOption,
-    SceneArgument,
-    SeedOption,
-    SetOption,
-    WorldOption,
-)
+from palmbots._util.command import Option, command
+from palmbots.cli._run import controller_of, load, print_json, print_result, warn
+from palmbots.cli.options import DONE, FAILED
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -28,43 +16,38 @@ if TYPE_CHECKING:
     order=210,
     example="palmbots world paper --serve 127.0.0.1:7400 --lockstep",
     results=("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry"),
+    serve=Option(metavar="ADDRESS"),
+    imperfect=Option(metavar="FILE|KEY=VALUE"),
+    called=Option(is_hidden=True),
 )
 def world(
-    scene: SceneArgument = "paper",
-    serve: Annotated[
-        str, typer.Option("--serve", metavar="ADDRESS", help="HOST:PORT or unix:PATH.")
-    ] = "127.0.0.1:7400",
-    lockstep: Annotated[
-        bool, typer.Option("--lockstep", help="World and robots wait for each other every tick.")
-    ] = False,
-    rate: Annotated[float, typer.Option("--rate", help="Run at this multiple of real time.")] = 1.0,
-    controller: ControllerOption = "resilient",
-    world: WorldOption = "quasistatic",
-    precision: PrecisionOption = "double",
-    seed: SeedOption = 0,
-    changes: SetOption = None,
-    imperfect: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--imperfect",
-            metavar="FILE|KEY=VALUE",
-            help="What the robots really are, as in left.trim=0.02. May be repeated.",
-        ),
-    ] = None,
-    bench: Annotated[
-        bool,
-        typer.Option("--bench", help="A workbench without an object, for palmbots calibrate."),
-    ] = False,
-    as_json: JsonOption = False,
-    called: Annotated[str, typer.Option("--called", hidden=True)] = "",
+    scene: str = "paper",
+    serve: str = "127.0.0.1:7400",
+    lockstep: bool = False,
+    rate: float = 1.0,
+    controller: str = "resilient",
+    world: str = "quasistatic",
+    precision: str = "double",
+    seed: int = 0,
+    overrides: list[str] | None = None,
+    imperfect: list[str] | None = None,
+    bench: bool = False,
+    as_json: bool = False,
+    called: str = "",
 ) -> int:
     """Simulate a world for robots that run in other processes.
 
     Exit status 1: the object was not delivered.
+
+    Args:
+        serve: HOST:PORT or unix:PATH.
+        imperfect: what the robots really are, as in left.trim=0.02 (repeatable).
+        bench: a workbench without an object, for palmbots calibrate.
+        called: what the scene is called in the report.
     """
     from palmbots._util.arguments import seed_of
 
-    chosen = load(scene, changes)
+    chosen = load(scene, overrides)
     seed = seed_of(seed)
     if bench:
         if lockstep or as_json:
@@ -137,7 +120,7 @@ def _live(
     imperfections = load_imperfections(imperfect) if imperfect else None
     with listen(serve, "--serve") as door:
         result = run_live_world(
-            scene, door, world=world, seed=seed, rate=check_rate(rate), imperfections=imperfections
+            scene, door, world=world, seed=seed, rate=rate, imperfections=imperfections
         )
     if as_json:
         print_json(result)
@@ -155,7 +138,6 @@ def _bench(scene: "Scene", serve: str, seed: int, rate: float, imperfect: list[s
     from palmbots.simulation.bench_world import run_bench
     from palmbots.simulation.imperfections import load_imperfections
 
-    check_rate(rate)
     imperfections = load_imperfections(imperfect or [])
 
     def lines() -> str | None:

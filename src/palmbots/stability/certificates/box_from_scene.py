@@ -19,21 +19,6 @@ from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.stability.certificates.parameter_box import Ends, ParameterBox, exact
 
-INTERVALS = (
-    "com_x_m",
-    "com_y_m",
-    "com_polygon_m",
-    "friction",
-    "friction_right",
-    "shallow_deg",
-    "steep_deg",
-    "width_m",
-    "length_m",
-    "offset_m",
-    "slope_deg",
-    "region_m",
-)
-"""The intervals that `certify` accepts, by name."""
 _SLOPE_DIGITS = 12
 _STEEPEST_DEG = 45.0
 _MOST_M = 10.0

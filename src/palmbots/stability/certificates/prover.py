@@ -14,21 +14,23 @@ Source: docs/theory/stability.md.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import Any, Literal
+from pathlib import Path
+from typing import Any, Literal, TypedDict, Unpack
 
-from palmbots._types import Overrides
+from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import one_of, show
-from palmbots._util.atomic_files import write_whole
+from palmbots._util.atomic_files import set_aside, write_whole
+from palmbots._util.command import Option, command, writes
 from palmbots._util.optional_imports import require
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import refuse_curved
-from palmbots.stability.certificates.box_from_scene import INTERVALS, box_of
+from palmbots.stability.certificates.box_from_scene import box_of
 from palmbots.stability.certificates.box_table import BoxTable
 from palmbots.stability.certificates.obligations import (
     CLAIMS,
@@ -44,7 +46,6 @@ _MAX_BOXES = 20_000
 _BITS = 128
 
 Verdict = Literal["holds", "fails", "undecided"]
-Claims = Sequence[str] | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -90,13 +91,22 @@ class Certificate(Result):
         """The scene that the certificate states."""
         return load_scene(self.data["scene"])
 
+    @property
+    def holds(self) -> bool:
+        """Whether the claims are proved."""
+        return self.verdict == "holds"
+
     def save(self, path: str | PathLike[str]) -> None:
         """Write the certificate, the whole file or nothing."""
         write_whole(path, json.dumps(self.data, indent=1) + "\n")
 
 
 def prove(
-    box: ParameterBox, claims: Claims = None, *, scene: Scene, max_boxes: int = _MAX_BOXES
+    box: ParameterBox,
+    claims: Sequence[str] | None = None,
+    *,
+    scene: Scene,
+    max_boxes: int = _MAX_BOXES,
 ) -> Certificate:
     """Prove or refute the claims for a whole parameter box.
 
@@ -187,40 +197,104 @@ def _prove(box: ParameterBox, claims: tuple[str, ...], scene: Scene, max_boxes: 
     return Certificate("holds", head | {"verdict": "holds", "proof": proof}, parts)
 
 
+class Intervals(TypedDict, total=False):
+    """The intervals that `certify` takes, as (low, high)."""
+
+    com_x_m: Interval
+    """Position of the COM along the object; None: as in the scene."""
+    com_y_m: Interval
+    """Height of the COM above the contacts; None: as in the scene."""
+    com_polygon_m: Sequence[Sequence[float]]
+    """Corners of a polygon of COMs, in place of both."""
+    friction: Interval
+    """Friction coefficient; None: as in the scene."""
+    friction_right: Interval
+    """Friction coefficient of the right palm; None: as in the scene."""
+    shallow_deg: Interval
+    """Shallow angle; None: as in the scene."""
+    steep_deg: Interval
+    """Steep angle; None: as in the scene."""
+    width_m: Interval
+    """Distance between the contact vertices; None: as in the scene."""
+    length_m: Interval
+    """Length of the palms; None: as in the scene."""
+    offset_m: Interval
+    """Pivot offset of the palms; None: as in the scene."""
+    slope_deg: Interval
+    """Slope of the floor, uphill > 0; None: as in the scene. Uphill is meant in the direction of
+    travel; the limits are -45 and 45."""
+    region_m: Interval
+    """Contact coordinates, within the palms; None: the whole palms."""
+
+
+@command(
+    order=40,
+    example="palmbots certify --com-x-m -0.01 0.01 --friction 0.25 0.35 -o box.json",
+    failure=("holds", "the properties fail somewhere, or the prover could not decide"),
+    intervals=Option(),
+    common_friction=Option("--common-friction/--independent-friction"),
+    beyond_m=Option(metavar="M"),
+    claims=Option(metavar="NAME,…"),
+)
 def certify(
     scene: SceneLike = "paper",
     *,
-    claims: Claims = None,
-    max_boxes: int = _MAX_BOXES,
     common_friction: bool = False,
     beyond_m: float = 0.0,
+    claims: Sequence[str] | None = None,
+    max_boxes: int = _MAX_BOXES,
     overrides: Overrides = None,
-    **intervals: Any,
+    **intervals: Unpack[Intervals],
 ) -> Certificate:
-    """Prove that the properties hold everywhere in a parameter box, or that they do not.
+    """Prove the properties for all scenes in given intervals.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
-        claims: what to prove, some of `CLAIMS`; None: all.
+        common_friction: use one friction for both palms, or one for each. With one for both, it
+            may be any of the interval.
+        beyond_m: how far past p = 0 corrections continue. Contacts up to there count as not yet
+            corrected. 0: as in the paper.
+        claims: prove these claims: property 1, property 2, property 0, clearance, property 0
+            turning, clearance turning, no jam; None: all.
         max_boxes: number of boxes after which the claims count as undecided.
-        common_friction: True: both palms have the same coefficient, which may be any of the
-            interval; False: each palm has its own.
-        beyond_m: how far past p = 0 a correction may continue. Contacts up to there count as not
-            yet corrected. 0: as in the paper.
         overrides: scene keys to set.
-        intervals: (low, high) of ``com_x_m``, ``com_y_m``, ``friction``, ``friction_right`` (where
-            it differs), ``shallow_deg``, ``steep_deg``, ``width_m``, ``length_m``, ``offset_m``,
-            ``slope_deg`` (uphill in the direction of travel > 0, from -45 to 45) or ``region_m``
-            (contact coordinates); or ``com_polygon_m``, a list of points, instead of ``com_x_m``
-            and ``com_y_m``. Quantities without an interval are exactly as in the scene.
+        intervals: as `Intervals` describes them.
 
     Raises:
         SceneError: the scene cannot be read or is not valid.
         PalmbotsError: an interval or a claim is unknown, or an interval is out of range.
     """
     for name in intervals:
-        one_of("certify", name, INTERVALS)
+        one_of("certify", name, tuple(Intervals.__annotations__))
     chosen = load_scene(scene, overrides)
     refuse_curved(chosen)
-    box = box_of(chosen, common_friction=common_friction, beyond_m=beyond_m, **intervals)
+    box = box_of(
+        chosen,
+        common_friction=common_friction,
+        beyond_m=beyond_m,
+        **intervals,
+    )
     return prove(box, claims, scene=chosen, max_boxes=max_boxes)
+
+
+@writes("certify", path=Option("--out -o", metavar="FILE"))
+def write_certificate(
+    certificate: Certificate,
+    path: str | PathLike[str],
+    *,
+    on_warning: Callable[[str], None] | None = None,
+) -> list[Path]:
+    """Write a certificate; if nothing is proved, rename an older one that could be mistaken for it.
+
+    Args:
+        certificate: what was proved.
+        path: write the certificate to this file.
+        on_warning: called with a line about an older file.
+    """
+    if certificate.verdict != "undecided":
+        certificate.save(path)
+        return [Path(path)]
+    kept = set_aside(Path(path))
+    if kept is not None and on_warning is not None:
+        on_warning(f"nothing is proved; {path} is from an earlier run and was renamed to {kept}")
+    return []

@@ -9,12 +9,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Literal
 
 from matplotlib.figure import Figure
 
 from palmbots._util.arguments import one_of
 from palmbots._util.atomic_files import folder as writable_folder
+from palmbots._util.command import Option, writes
 from palmbots._util.fork_join import both
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.figures.cone_figures import figure3, figure4
@@ -24,8 +25,6 @@ from palmbots.stability.figures.region_figures import figure5, figure6
 from palmbots.stability.figures.sensor_figure import figure7
 from palmbots.stability.problem import Pair
 from palmbots.viz.save_figure import write_figure
-
-Kind = Literal["png", "svg", "pdf"]
 
 # Default contacts, as shares of the negative end of the region (left) and the positive one (right).
 _SHARE_OF_GEOMETRY = 0.6
@@ -99,21 +98,34 @@ def _of_regions(analysis: Analysis) -> _Figures:
     yield "figure7", tactile_zones(analysis)
 
 
+@writes(
+    "analyze",
+    folder=Option("--figures", metavar="DIR"),
+    kind=Option("--format", metavar="NAME"),
+)
 def save_all(
     analysis: Analysis,
     folder: str | os.PathLike[str],
-    *,
-    kind: Kind = "png",
-    p_m: Pair | None = None,
+    kind: Literal["png", "svg", "pdf"] = "png",
+    p_left_m: float | None = None,
+    p_right_m: float | None = None,
 ) -> list[Path]:
     """Write the figures to a folder, each file whole or not at all.
 
     The same analysis gives the same files. Two processes draw, where a fork is safe.
 
+    Args:
+        analysis: of the scene to draw.
+        folder: write Figures 2 to 7 to this folder.
+        kind: figure format: png, svg or pdf.
+        p_left_m: left contact of the state in Figures 2 to 4. If only one is given, the other is 0.
+        p_right_m: right contact of the state in Figures 2 to 4.
+
     Raises:
         PalmbotsError: the kind is unknown, a file cannot be written, or as `draw_all`.
     """
-    one_of("kind", kind, get_args(Kind))
+    one_of("kind", kind, ("png", "svg", "pdf"))
+    p_m = None if p_left_m is p_right_m is None else (p_left_m or 0.0, p_right_m or 0.0)
     for share in (_SHARE_OF_GEOMETRY, _SHARE_OF_FORCES):
         _state(analysis, p_m, share)  # may raise, before anything is written
     place = writable_folder(folder)
@@ -125,7 +137,7 @@ def save_all(
     return one + two
 
 
-def _save(figures: _Figures, folder: Path, kind: Kind) -> list[Path]:
+def _save(figures: _Figures, folder: Path, kind: str) -> list[Path]:
     written: list[Path] = []
     for name, figure in figures:
         path = folder / f"{name}.{kind}"

@@ -8,6 +8,9 @@ bar carries the contour lines.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from matplotlib import rc_context
@@ -16,7 +19,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from palmbots._util.atomic_files import folder as writable_folder
+from palmbots._util.atomic_files import write_whole
+from palmbots._util.command import Option, writes
 from palmbots.stability.angle_grid import NOISE, QUANTITIES
+from palmbots.stability.certificates.prover import write_certificate
 from palmbots.stability.design_result import Design
 from palmbots.stability.figures.delivery_figure import delivery
 from palmbots.stability.palm_angles import PAPER_DEG
@@ -121,6 +128,29 @@ def _draw_legend(figure: Figure, result: Design) -> None:
     figure.legend(handles=handles, loc="outside upper left", ncols=1, fontsize=8)
 
 
-def save(result: Design, path: str | os.PathLike[str]) -> None:
-    """Write the figure as PNG, SVG or PDF, by the suffix of the path."""
-    write_figure(path, palm_angles(result))
+@writes(
+    "design",
+    folder=Option("--out", metavar="DIR"),
+    kind=Option("--format", metavar="NAME"),
+)
+def write_design(
+    result: Design,
+    folder: str | os.PathLike[str],
+    kind: Literal["png", "svg", "pdf"] = "png",
+    *,
+    on_warning: Callable[[str], None] | None = None,
+) -> list[Path]:
+    """Write a design: its figure, the scene with the designed angles, and the certificate.
+
+    Args:
+        result: the design.
+        folder: write design.png, design.json (certificate) and scene.toml there.
+        kind: figure format: png, svg or pdf.
+        on_warning: called with a line about an older certificate, if nothing is proved.
+    """
+    place = writable_folder(folder)
+    figure, scene = place / f"design.{kind}", place / "scene.toml"
+    write_figure(figure, palm_angles(result))
+    write_whole(scene, result.designed_scene.to_toml())
+    proof = place / "design.json"
+    return [figure, scene, *write_certificate(result.certificate, proof, on_warning=on_warning)]

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks a pair before a carry: from the place of the station, or on one of the robots."""
+
+import contextlib
+import time
+from collections.abc import Callable
+from functools import partial
+from os import PathLike
+
+from palmbots._types import Side
+from palmbots._util.command import Option, command
+from palmbots.links.local_connection import ConnectionLost
+from palmbots.pair.checkup import Check, check_driver, check_own_clock, checks_of_status
+from palmbots.pair.diagnosis import Diagnosis
+from palmbots.pair.link_check import PERIOD_S, measure, needs_of
+from palmbots.pair.live_ends import open_pair_link
+from palmbots.pair.pair_file import Pair, load_pair
+from palmbots.pair.robot_driver import opened_driver
+from palmbots.pair.stored_state import booted
+from palmbots.robot.robot_program import controller_of
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.wire import Verdict
+
+_CLOCK_S = 3.0
+
+
+@command(
+    "doctor",
+    order=208,
+    example="palmbots doctor pair.toml",
+    failure=("well", "something is wrong. A line says what to do"),
+    pair=Option(is_argument=True, metavar="PAIR"),
+    seconds=Option(least=1.0, most=3600.0),
+    side=Option(metavar="SIDE"),
+)
+def diagnose(
+    pair: str | PathLike[str],
+    *,
+    seconds: float = 30.0,
+    side: Side | None = None,
+    on_stage: Callable[[str, float], None] | None = None,
+) -> Diagnosis:
+    """Check a pair: radio, clocks, drivers, key and battery.
+
+    Run it in place of the station while the programs of both robots run. It measures losses and
+    round trips, and reports the lease that they need and the controllers that they suffice for.
+    It never moves a robot. With `side`, run it on a robot in place of its program: it checks the
+    driver, and turns the palm to both of its angles. The wheels do not turn.
+
+    Args:
+        pair: the pair.toml of both robots.
+        seconds: how long to measure.
+        side: check this robot's own driver; its palm moves.
+        on_stage: called with the name of the present stage and the completed fraction of it.
+
+    Raises:
+        PalmbotsError: a file cannot be read, or the programs that it needs do not run.
+    """
+    chosen = load_pair(pair)
+    scene = load_scene(chosen.scene())
+    clock_s = _CLOCK_S if side else min(seconds, _CLOCK_S)
+    show = on_stage or (lambda stage, fraction: None)
+    report = partial(show, "measuring the clock")
+    own = check_own_clock(scene.control.period_s, clock_s, report=report)
+    if side:
+        return _of_robot(chosen, scene, side, own)
+    return _of_pair(chosen, scene, seconds, own, partial(show, "measuring the radio"))
+
+
+def _of_pair(
+    pair: Pair, scene: Scene, seconds: float, own: Check, report: Callable[[float], None]
+) -> Diagnosis:
+    """What the programs of both robots answer to the station."""
+    verdicts: dict[Verdict, int] = {}
+    controller = controller_of(pair).name
+    with (
+        booted(pair.state_file("station")) as state,
+        contextlib.closing(open_pair_link(pair, "station")) as link,
+    ):
+        start_s = time.monotonic()
+
+        def wait() -> None:
+            report(min(1.0, (time.monotonic() - start_s) / seconds))
+            time.sleep(PERIOD_S)
+
+        figures = measure(pair, link, state.epoch, seconds, time.monotonic, wait, verdicts)
+    checks = (own, *checks_of_status(pair, scene, figures, verdicts))
+    heard = {side: one for side, one in figures.items() if one.received}
+    needs = None
+    if heard:
+        delay_s = max(one.delay_s for one in heard.values() if one.round_trips_s)
+        needs = needs_of(scene, delay_s, max(one.loss for one in heard.values()))
+    suffices = needs is not None and needs.verdicts.get(controller, "suffices") == "suffices"
+    is_well = len(heard) == 2 and suffices and all(check.is_well for check in checks)
+    return Diagnosis(is_well, checks, controller, figures, needs)
+
+
+def _of_robot(pair: Pair, scene: Scene, side: Side, own: Check) -> Diagnosis:
+    """The checks on the robot itself."""
+    checks = [own]
+    try:
+        with opened_driver(pair, side, scene) as driver:
+            checks += check_driver(driver, side, scene, pair.settings.hardware.of(side))
+    except ConnectionLost as error:
+        remedy = "start the world, or the motor board"
+        checks.append(Check("driver", side, False, str(error), remedy))
+    return Diagnosis(all(check.is_well for check in checks), tuple(checks))
