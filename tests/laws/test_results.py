@@ -225,6 +225,9 @@ def test_text_is_short_and_notebooks_show_the_same(
     assert 1 <= len(lines) <= 60
     assert max(map(len, text.splitlines())) < 220, text
     assert "object at 0x" not in text
+    if result.figure is None:
+        with pytest.raises(pb.PalmbotsError, match=f"there is no figure of a {name}"):
+            result.plot()
     assert set(text.replace("…", "").split()) <= {*table.split(), "and", "more"} | set("0123456789")
 
 

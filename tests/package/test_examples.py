@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every example runs and prints something."""
+"""Every example runs and prints something; so does what would break the benchmarks unnoticed."""
 
+import csv
+import importlib
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -27,3 +30,19 @@ def test_example_runs(path: Path, tmp_path: Path) -> None:
     assert run.returncode == 0, run.stderr
     assert run.stderr == ""
     assert len(run.stdout.splitlines()) >= 2
+
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+BENCHMARKS = ROOT / "benchmarks"
+
+
+def test_program_of_the_packet_benchmark_compiles_and_has_the_recorded_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    bench = importlib.import_module("bench_wire")
+    assert bench.compiled("-O2", str(tmp_path)).is_file()
+    counted = re.findall(r"void count_(\w+)", bench.SOURCE.read_text())
+    with bench.RESULTS.open() as file:
+        recorded = [row["instructions of one"] for row in csv.DictReader(file)]
+    assert recorded == [name.replace("_", " ") for name in counted]

@@ -11,11 +11,9 @@ from commands import runner
 from palmbots.control.registry import shipped_names
 from palmbots.errors import SceneError
 from palmbots.scene.core_keys import ROWS
+from palmbots.scene.files import built_in_scenes
 from random_keys import names_in, random_keys
 from site_pages import Open, command_of, go, hash_of, run_json
-
-SCENES = ("paper", "paper-offset", "figure8")
-OBJECTS = ("box", "box-strips", "l-shape", "plank", "tray", "trapezoid")
 
 
 def expect_hash(page: Page, carried: pb.simulation.Carry) -> None:
@@ -25,14 +23,14 @@ def expect_hash(page: Page, carried: pb.simulation.Carry) -> None:
 def test_every_controller_and_scene(open_page: Open) -> None:
     page = open_page("#carry?t=1")
     for controller in shipped_names():
-        for seed, scene in enumerate(SCENES):
+        for seed, scene in enumerate(built_in_scenes()):
             go(page, hash_of("carry", {"scene": scene, "controller": controller, "seed": seed}))
             expect_hash(page, pb.carry(scene, controller, seed=seed, record=False))
 
 
 def test_every_object(open_page: Open) -> None:
     page = open_page("#carry?t=1")
-    for seed, name in enumerate(OBJECTS):
+    for seed, name in enumerate(pb.object_names()):
         go(page, hash_of("carry", {"seed": seed}, object=name))
         expect_hash(page, pb.carry(seed=seed, overrides={"object": name}, record=False))
 
@@ -45,7 +43,7 @@ def test_random_scenes_with_every_key(open_page: Open) -> None:
     while seed < 24 or not given >= set(ROWS):
         seed += 1
         keys = random_keys(draw)
-        controller = ("distributed", "resilient", "shared-sign", "centralized", "silent")[seed % 5]
+        controller = shipped_names()[seed % len(shipped_names())]
         try:
             carried = pb.carry("paper", controller, seed=seed, overrides=keys, record=False)
         except SceneError:  # a controller that cannot keep its time bounds

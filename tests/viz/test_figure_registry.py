@@ -2,8 +2,6 @@
 """The registry of figures, the public names of `palmbots.viz`, and the looks of controllers."""
 
 import inspect
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -97,12 +95,6 @@ def test_public_names_are_documented_functions():
         value = getattr(viz, name)
         assert callable(value), name
         assert inspect.getdoc(value), name
-
-
-def test_importing_the_package_does_not_import_matplotlib():
-    code = "import sys, palmbots.viz, palmbots.mujoco; print('matplotlib' in sys.modules)"
-    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert ran.stdout == "False\n"
 
 
 def test_looks_follow_the_order_of_the_registry():
