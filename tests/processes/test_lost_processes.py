@@ -34,17 +34,6 @@ def pair(tmp_path: Path) -> Iterator[SteppedProcesses]:
         yield made
 
 
-def carrying(pair: SteppedProcesses) -> SteppedProcesses:
-    pair.start()
-    pair.run_until(pair.carries, 20)
-    pair.run(2.0)
-    return pair
-
-
-def says(pair: SteppedProcesses, pattern: str) -> bool:
-    return re.search(rf"^ *[\d.]+ s  {pattern}", pair.lines(), re.MULTILINE) is not None
-
-
 def ends_with(pair: SteppedProcesses, fault: str) -> None:
     """Both robots end the carry, at least one with this fault, and so does the station."""
     pair.run_until(
@@ -57,17 +46,17 @@ def ends_with(pair: SteppedProcesses, fault: str) -> None:
 
 
 def test_a_killed_station_starts_again_and_sees_the_end(pair: SteppedProcesses) -> None:
-    carrying(pair)
+    pair.carry()
     pair.kill("station")
     pair.run(0.5)
     pair.restart("station")
     assert pair.finish()["outcome"] == "delivered", pair.report()
-    assert says(pair, "left: done")
+    assert pair.says("left: done")
     assert pair.lines().count("script: start") == 1, pair.lines()  # it is not carried again
 
 
 def test_a_killed_world_voids_the_carry_and_another_one_can_begin(pair: SteppedProcesses) -> None:
-    carrying(pair)
+    pair.carry()
     pair.kill("world")
     pair.run_until(lambda: pair.has_ended("left", "right"), WITHIN_S)
     pair.run(0.2)
@@ -76,7 +65,7 @@ def test_a_killed_world_voids_the_carry_and_another_one_can_begin(pair: SteppedP
         assert program.process.returncode == 2
         line = r"palmbots: world: (has closed the connection|Connection reset by peer)\n"
         assert re.fullmatch(line, program.said())
-        assert says(pair, rf"{side}: fault \(driver\)"), pair.report()
+        assert pair.says(rf"{side}: fault \(driver\)"), pair.report()
     pair.run_until(lambda: pair.has_ended("station"), WITHIN_S)
     for name in ORDER:
         pair.spawn(name)
@@ -85,7 +74,7 @@ def test_a_killed_world_voids_the_carry_and_another_one_can_begin(pair: SteppedP
 
 
 def test_after_a_reboot_of_both_robots_the_carry_is_no_longer(pair: SteppedProcesses) -> None:
-    carrying(pair)
+    pair.carry()
     pair.run(2.0)
     for side in SIDES:
         pair.kill(side)
@@ -120,8 +109,8 @@ def test_two_programs_of_one_side_are_named_and_not_armed(
         pair.let_in("world2", "intruder")
         pair.start()
         pair.run_until(lambda: pair.has_ended("station"), WITHIN_S)
-        assert says(pair, "left: two programs claim to be this robot: boot "), pair.report()
-        assert not says(pair, "(left|right): armed"), pair.lines()
+        assert pair.says("left: two programs claim to be this robot: boot "), pair.report()
+        assert not pair.says("(left|right): armed"), pair.lines()
         assert not pair.has_ended("left") and not pair.has_ended("intruder")
 
 
@@ -132,7 +121,7 @@ def test_an_old_key_is_named(pair: SteppedProcesses) -> None:
     file.write_text(file.read_text().replace('"pair.key"', '"old.key"'))
     pair.start()
     line = "packets arrive that are signed with another key; not heard: left, which may have an old"
-    pair.run_until(lambda: says(pair, line), WITHIN_S)
+    pair.run_until(lambda: pair.says(line), WITHIN_S)
     assert pair.modes() == {"right": "disarmed"}
     assert not pair.has_ended("left") and not pair.has_ended("right")
 
@@ -140,10 +129,10 @@ def test_an_old_key_is_named(pair: SteppedProcesses) -> None:
 def test_the_wall_clock_may_be_set_back(tmp_path: Path) -> None:
     clock = WallClock(tmp_path / "clock")
     with SteppedProcesses(tmp_path, environment=clock.environment) as pair:
-        carrying(pair)
+        pair.carry()
         clock.set("-1h")
         assert pair.finish()["outcome"] == "delivered", pair.report()
-        assert says(pair, r"station: the clock of this computer was set back by 3600 s; "), (
+        assert pair.says(r"station: the clock of this computer was set back by 3600 s; "), (
             pair.report()
         )
 
@@ -176,11 +165,11 @@ def test_a_full_disk_ends_the_carry_with_a_reason(
     tmp_path: Path, full_disk: Callable[[SteppedProcesses], None]
 ) -> None:
     with SteppedProcesses(tmp_path) as pair:
-        carrying(pair)
+        pair.carry()
         before = read_state(pair.pair.state_file("left"))
         full_disk(pair)
         ends_with(pair, "storage")
-        assert says(pair, r"(left|right): fault \(storage\)"), pair.report()
+        assert pair.says(r"(left|right): fault \(storage\)"), pair.report()
         after = read_state(pair.pair.state_file("left"))  # it is whole
         assert after.epoch == before.epoch
 
@@ -190,7 +179,7 @@ def test_a_full_disk_under_the_logs_costs_only_the_rest_of_the_logs(
     tmp_path: Path, full_disk: Callable[[SteppedProcesses], None]
 ) -> None:
     with SteppedProcesses(tmp_path) as pair:
-        carrying(pair)
+        pair.carry()
         full_disk(pair)
         assert pair.finish()["outcome"] == "delivered", pair.report()
         warnings = [line for line in pair.report().splitlines() if "No space left" in line]

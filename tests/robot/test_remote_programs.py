@@ -104,8 +104,10 @@ CASES = LIVE | {
 }
 
 
-@pytest.mark.parametrize("seed", range(2))
-@pytest.mark.parametrize("case", CASES)
+SEEDS = [(case, seed) for case in CASES for seed in range(3 if "everything" in case else 1)]
+
+
+@pytest.mark.parametrize(("case", "seed"), SEEDS)
 @pytest.mark.parametrize(
     "controller",
     [

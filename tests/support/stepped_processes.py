@@ -9,6 +9,7 @@ same time. A fault therefore comes at the same instant in every run, and `trace`
 import contextlib
 import hashlib
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -147,6 +148,12 @@ class SteppedProcesses:
         for name in ORDER:
             self.spawn(name)
         self.let_in(*ORDER)
+
+    def carry(self) -> None:
+        """Start all, and let them carry for two seconds."""
+        self.start()
+        self.run_until(self.carries, 20)
+        self.run(2.0)
 
     def let_in(self, *names: str) -> None:
         """Wait until these processes wait for their first tick, or have ended."""
@@ -318,6 +325,10 @@ class SteppedProcesses:
     def lines(self) -> str:
         """What the station has printed."""
         return self.programs["station"].printed()
+
+    def says(self, pattern: str) -> bool:
+        """The station has printed a line that begins so."""
+        return re.search(rf"^ *[\d.]+ s  {pattern}", self.lines(), re.MULTILINE) is not None
 
     def report(self) -> str:
         return "\n".join(f"{p.name}:\n{p.printed()}{p.said()}" for p in self.programs.values())
