@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Controllers whose table is data: the rows of a policy, and a table of states, against a search
-// through the rows.
+// through the rows; and the mailbox of their messages.
+#include <algorithm>
+#include <deque>
 #include <random>
 #include <vector>
 
+#include "palmbots/control/distributed.hpp"
 #include "palmbots/control/machine_table.hpp"
+#include "palmbots/control/robot_program.hpp"
 #include "palmbots/control/row_policy.hpp"
+#include "palmbots/control/table_robot.hpp"
 #include "support/check.hpp"
 
 namespace {
@@ -122,6 +127,71 @@ void machine_against_its_rows() {
   CHECK(stays > 1000 && consumed > 1000);
 }
 
+// A table that is known at run time, with the rows of one that the compiler knows, is the same robot.
+void machine_of_known_rows() {
+  using Known = TableRobot<Distributed>;
+  MachineTable table;
+  for (int s = 0; s < Distributed::states; ++s) {
+    const TableOutput& output = Distributed::outputs[s];
+    CHECK(table.add({output.name, output.command, output.waits,
+                     awaited_in<Distributed>(static_cast<Distributed::State>(s))}));
+  }
+  for (const Known::Row& row : Distributed::rows) {
+    EnumSet<std::uint8_t> from;
+    from.bits = row.from.bits;
+    CHECK(table.add(
+        {from, row.p, row.heard, row.when, static_cast<std::uint8_t>(row.next), row.send}));
+  }
+  MachineRobot machine(&table);
+  Known known;
+  std::mt19937 chance(3);
+  int sent = 0;
+  for (int step = 0; step < 20000; ++step) {
+    const RobotInput in{signs[chance() % 3], chance() % 2 != 0, 1,
+                        static_cast<MessageKind>(chance() % 4)};
+    const auto is_quiet = [&](const auto& robot) {
+      return robot.quiet(in.sign, in.palm_at_target, in.message) > 0;
+    };
+    CHECK(is_quiet(machine) == is_quiet(known));
+    const RobotOutput one = machine.step(in);
+    const RobotOutput other = known.step(in);
+    CHECK(one.command == other.command && one.message == other.message);
+    CHECK(one.send == other.send && one.read == other.read);
+    CHECK(one.send == (one.message != MessageKind::none));
+    CHECK(machine.name() == known.name() && machine.waits() == known.waits());
+    CHECK(machine.awaits() == known.awaits() && machine.stopped() == known.stopped());
+    sent += one.send;
+  }
+  CHECK(sent > 1000);
+}
+
+// Messages are read in order of arrival. A full mailbox takes no more, and a boot empties it.
+void mailbox_in_order() {
+  std::mt19937 chance(4);
+  Mailbox<Mail::queue> mailbox;
+  std::deque<MessageKind> waiting;
+  std::size_t most = 0;
+  for (int again = 0; again < 50000; ++again) {
+    const bool fills = again / 2000 % 2 == 0;
+    if (chance() % 3 != 0 ? fills : !fills) {
+      const auto message = static_cast<MessageKind>(1 + chance() % 3);
+      const bool is_accepted = mailbox.accept(message);
+      CHECK(is_accepted == (waiting.size() < 256));
+      if (is_accepted) waiting.push_back(message);
+    } else if (!waiting.empty()) {
+      mailbox.read();
+      waiting.pop_front();
+    }
+    if (chance() % 5000 == 0) {
+      mailbox.boot(1);
+      waiting.clear();
+    }
+    CHECK(mailbox.oldest() == (waiting.empty() ? MessageKind::none : waiting.front()));
+    most = std::max(most, waiting.size());
+  }
+  CHECK(most == 256);
+}
+
 void full_table() {
   MachineTable table;
   for (std::size_t s = 0; s < MachineTable::most_states; ++s) {
@@ -136,5 +206,7 @@ void full_table() {
 int main() {
   rows_of_both_signs();
   machine_against_its_rows();
+  machine_of_known_rows();
+  mailbox_in_order();
   full_table();
 }
