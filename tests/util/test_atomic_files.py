@@ -93,6 +93,12 @@ def test_folder(tmp_path):
     assert folder(tmp_path / "a" / "b") == tmp_path / "a" / "b"
 
 
+def test_folder_is_checked_without_being_created(tmp_path):
+    check_folder(tmp_path)
+    check_folder(tmp_path / "new" / "newer")
+    assert os.listdir(tmp_path) == []
+
+
 def test_folder_below_a_removed_working_directory_is_refused(tmp_path, monkeypatch):
     (tmp_path / "gone").mkdir()
     monkeypatch.chdir(tmp_path / "gone")
