@@ -7,13 +7,14 @@ import importlib
 import inspect
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, get_args
+from types import NoneType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import pytest
 from typer.main import get_command
 
 from commands import FUNCTIONS, Run, assert_refused, required
-from palmbots.cli.declared_commands import Declared, writer_of
+from palmbots.cli.declared_commands import Declared, commands_of, declared_commands, writer_of
 from palmbots.cli.main import build_app
 from palmbots.control.registry import shipped_names
 from palmbots.errors import PalmbotsError
@@ -55,6 +56,13 @@ def numbers_of(option: Any) -> list[type]:
     parts = get_args(kind) or (kind,)
     found = [one for part in parts for one in get_args(part) or (part,)]
     return [one for one in found if one in NUMBERS]
+
+
+def choices(hint: Any) -> tuple[str, ...]:
+    """The words of which a parameter is one; empty: it may be something else."""
+    is_choice = get_origin(hint) is Literal
+    parts = [hint] if is_choice else [one for one in get_args(hint) if one is not NoneType]
+    return get_args(parts[0]) if [get_origin(one) for one in parts] == [Literal] else ()
 
 
 OPTIONS = list(options())
@@ -113,6 +121,22 @@ def test_values_outside_the_declared_limits_are_refused(here: Run) -> None:
                 function(**needed, **{key: value})
             limits = f"allowed: {shown(least)} to {shown(most)}"
             assert str(error.value) == f"{key}: value is {shown(value)}; {limits}"
+
+
+def test_unknown_choices_are_refused(here: Run) -> None:
+    """Where the parameter of a function is one of some words."""
+    found = 0
+    for one in (one for name in declared_commands() for one in commands_of(name)):
+        kinds = {key: hint for key, hint in get_type_hints(one.load()).items() if choices(hint)}
+        words = tuple(one.name.split())
+        typed = {option.name: option.opts[0] for at, option in OPTIONS if at == words}
+        for key, hint in kinds.items():
+            files = [key for key in required(one) if key not in typed]
+            done = here(*words, *files, typed[key], f"{choices(hint)[0]}x")
+            line = f'value is "{choices(hint)[0]}x"; did you mean {choices(hint)[0]}? allowed: '
+            assert_refused(done, f"palmbots: {typed[key]}: {line}{', '.join(choices(hint))}")
+            found += 1
+    assert found > 5
 
 
 @pytest.mark.parametrize("name", COMMON)
