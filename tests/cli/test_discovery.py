@@ -122,3 +122,16 @@ def test_help_states_where_the_lists_are(here: Run) -> None:
     text = " ".join(here("carry", "--help").stdout.split())
     for command in ("palmbots scenes", "palmbots keys", "palmbots controllers"):
         assert command in text
+
+
+def test_help_imports_nothing_that_only_the_work_needs() -> None:
+    code = (
+        "import contextlib, io, sys\n"
+        "from palmbots.cli import main\n"
+        "from palmbots.cli.declared_commands import declared_commands\n"
+        "with contextlib.redirect_stdout(io.StringIO()):\n"
+        "    assert {main.run([name, '--help']) for name in declared_commands()} == {0}\n"
+        "slow = {'numpy', 'scipy', 'mujoco', 'xarray', 'matplotlib', 'flint', 'textual'}\n"
+        "assert not slow & set(sys.modules), slow & set(sys.modules)\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
