@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every example runs and prints something; so does what would break the benchmarks unnoticed."""
+"""Every example runs and prints something; the program of the packet benchmark compiles."""
 
 import csv
 import importlib
