@@ -119,27 +119,49 @@ void test_next_outage() {
   CHECK(!Faults::of(spec_of({{FaultKind::reboot, 0, 0.01, 0.01, 0, 0}}), 0).corrupts_readings());
 }
 
-// Until then a robot's host stays what it is, and nothing else is waited for.
+// Until then a robot's host stays what it is. Nothing else is waited for, except by a program that does
+// not run in every tick.
 void test_next_change() {
-  const Faults some = Faults::of(spec_of({{FaultKind::freeze, 0, 0.20, 0.50, 0, 0},
-                                          {FaultKind::reboot, 0, 0.60, 0.30, 0, 0},
-                                          {FaultKind::reboot, 1, 0.40, 0.10, 0, 0},
-                                          {FaultKind::stuck, 0, 0.05, 0.50, 1, 0},
-                                          {FaultKind::freeze, 0, 2.00, 0.02, 0, 0}}),
-                                 0);
-  for (const std::size_t side : {left, right}) {
-    int changes = 0;
-    for (std::uint32_t tick = 0; tick < 300; ++tick) {
-      const std::uint32_t next = some.next_change(tick, side);
-      CHECK(next > tick);
-      const ProgramState now = some.program_state(tick, side);
-      for (std::uint32_t t = tick; t < next && t < 300; ++t)
-        CHECK(some.program_state(t, side) == now);
-      if (next == tick + 1) ++changes;
+  for (const std::uint64_t stride : {std::uint64_t{1}, std::uint64_t{3}}) {
+    Spec spec = spec_of({{FaultKind::freeze, 0, 0.20, 0.50, 0, 0},
+                         {FaultKind::reboot, 0, 0.60, 0.30, 0, 0},
+                         {FaultKind::reboot, 1, 0.40, 0.10, 0, 0},
+                         {FaultKind::stuck, 0, 0.05, 0.50, 1, 0},
+                         {FaultKind::freeze, 0, 2.00, 0.02, 0, 0}});
+    spec.robots[left].stride = spec.robots[right].stride = stride;
+    const Faults some = Faults::of(spec, 0);
+    for (const std::size_t side : {left, right}) {
+      int changes = 0;
+      for (std::uint32_t tick = 0; tick < 300; ++tick) {
+        const std::uint32_t next = some.next_change(tick, side);
+        CHECK(next > tick);
+        const ProgramState now = some.program_state(tick, side);
+        for (std::uint32_t t = tick; t < next && t < 300; ++t)
+          CHECK(some.program_state(t, side) == now);
+        if (next == tick + 1) ++changes;
+      }
+      if (stride == 1) CHECK(changes <= (side == left ? 9 : 2));
+      if (stride == 1) CHECK(some.next_change(300, side) == ~0U);
     }
-    CHECK(changes <= (side == left ? 9 : 2));
-    CHECK(some.next_change(300, side) == ~0U);
   }
+}
+
+// A palm falls only with a reboot that says so; clocks change for one robot.
+void test_palms_and_clocks() {
+  FaultSpec limp{FaultKind::reboot, 0, 0.03, 0.02, 0, 0.25};
+  limp.marks = palm_goes_limp;
+  const Faults some = Faults::of(spec_of({limp,
+                                          {FaultKind::reboot, 0, 0.06, 0.02, 0, 0},
+                                          {FaultKind::clock_jump, 1, 0.05, 0, 0, 0.5}}),
+                                 0);
+  CHECK(some.may_go_limp());
+  for (std::uint32_t tick = 0; tick < 10; ++tick) {
+    CHECK(some.limp_angle(tick, left).has_value() == (tick == 3 || tick == 4));
+    CHECK(!some.limp_angle(tick, right).has_value());
+    CHECK(some.clock_gain(tick, right) == (tick == 5 ? 50 : 0));
+    CHECK(some.clock_gain(tick, left) == 0);
+  }
+  CHECK(some.changes_clock(right) && !some.changes_clock(left));
 }
 
 }  // namespace
@@ -150,4 +172,5 @@ int main() {
   test_random_reboots();
   test_next_outage();
   test_next_change();
+  test_palms_and_clocks();
 }
