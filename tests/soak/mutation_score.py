@@ -330,13 +330,15 @@ def _score(done: dict[int, str], numbers: list[int], listed: dict[int, dict[str,
     killed, unreached = results.count("killed"), results.count("not reached")
     tried = killed + results.count("survived") + unreached
     low, high = wilson(killed, tried) if tried else (0.0, 1.0)
-    equivalent = sum(bool(listed[n]["equivalent"]) for n in numbers if done.get(n) != "killed")
+    others = [number for number in numbers if done.get(number, "killed") != "killed"]
+    equivalent = sum(bool(listed[number]["equivalent"]) for number in others)
     return (
         f"mutation score {100 * killed / max(1, tried):.0f} % (95 % interval {100 * low:.0f} to "
         f"{100 * high:.0f} %): {killed} of {tried} mutants killed, of a sample of {len(numbers)}; "
         f"{equivalent} of the others are equivalent, {unreached} are reached by no test, "
-        f"{results.count('timed out')} timed out, {results.count('gone')} are gone, and "
-        f"{results.count('does not compile')} do not compile"
+        f"{results.count('timed out')} timed out, {results.count('gone')} are gone, "
+        f"{results.count('does not compile')} do not compile, and {len(numbers) - len(results)} "
+        "have not been tried"
     )
 
 
