@@ -18,7 +18,7 @@ from palmbots._types import SIDES
 from palmbots.boards.pair_settings import BoardPair
 from palmbots.boards.settings_page import PAGE_ADDRESS, SWITCHES
 from palmbots.scene.scene import load_scene
-from palmbots.simulation.quasistatic import QuasistaticEpisode
+from palmbots.simulation.episode import Episode
 
 QUANTUM_US = 1000.0
 MODES = ("off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault")
@@ -144,7 +144,7 @@ class LivePair:
         self._endless = load_scene(
             self.scene, {"task.distance_m": 1000.0, "task.timeout_s": 10000.0}
         )
-        self.world = QuasistaticEpisode(self._endless, seed, record=False)
+        self.world = Episode(self._endless, seed, record=False)
         self.damaged = 0
         """Packets with a wrong bit."""
         self.collided = 0
@@ -261,7 +261,7 @@ class LivePair:
             vars(end).update(deepcopy(own))
         self.chance.setstate(chance)
         self._commands = list(commands)
-        self.world = QuasistaticEpisode(self._endless, self.seed, record=False)
+        self.world = Episode(self._endless, self.seed, record=False)
         for left, right in commands:
             self._obey(left, right)
 

@@ -16,7 +16,8 @@ using palmbots::Silent;
 
 namespace {
 
-constexpr std::uint16_t fresh = 1;  // ages are counted here; a controller gets a fresh message or none
+constexpr std::uint16_t fresh =
+    1;  // ages are counted here; a controller gets a fresh message or none
 
 bool talks = true;
 bool brake = true;
