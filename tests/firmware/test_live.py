@@ -36,7 +36,7 @@ def test_two_boards_carry_by_their_buttons(
     assert pair.start(), pair.state()
     assert pair.run_until("done", within_s=WITHIN_S), pair.state()
     assert pair.is_held
-    assert pair.world.midpoint == pytest.approx(0.3, rel=0.1)
+    assert pair.world.sight().midpoint == pytest.approx(0.3, rel=0.1)
     assert [robot.board.leds_lit for robot in pair.robots] == [1, 1]  # one row at a time
 
 
@@ -50,7 +50,7 @@ def test_the_pair_of_the_guide_carries(image: Image, tmp_path: Path, controller:
     assert pair.start(), pair.state()
     assert pair.run_until("done", within_s=60.0), pair.state()
     assert pair.is_held
-    assert pair.world.midpoint == pytest.approx(1.5, rel=0.05)
+    assert pair.world.sight().midpoint == pytest.approx(1.5, rel=0.05)
 
 
 def test_packets_leave_at_random_instants(image: Image, boards: MakeBoards) -> None:
@@ -188,7 +188,7 @@ def test_robots_with_motor_boards_carry(image: Image, boards: MakeBoards) -> Non
     assert [(speeds[1], speeds[3]) for speeds in newest] == [(0, 0), (1, 1)]
     assert pair.run_until("done", within_s=WITHIN_S), pair.state()
     assert pair.is_held
-    assert pair.world.midpoint == pytest.approx(0.3, rel=0.1)
+    assert pair.world.sight().midpoint == pytest.approx(0.3, rel=0.1)
     assert [robot.board.twi.newest for robot in pair.robots] == [bytes(5), bytes(5)]
 
 
