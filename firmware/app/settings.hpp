@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What distinguishes one board from another: identity, key, controller, times, calibration. `palmbots
-// firmware` writes it into the last page of a ready-made image (src/palmbots/boards/settings.py has
+// firmware` writes it into the last page of a ready-made image (src/palmbots/boards/settings_page.py has
 // the same layout). Times are control ticks unless a name says otherwise.
 #pragma once
 

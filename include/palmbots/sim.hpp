@@ -34,6 +34,7 @@
 #include "palmbots/sim/spec.hpp"
 #include "palmbots/sim/spec_bytes.hpp"
 #include "palmbots/sim/spec_of_scene.hpp"
+#include "palmbots/sim/table_lease.hpp"
 #include "palmbots/sim/table_team.hpp"
 #include "palmbots/sim/task_spec.hpp"
 #include "palmbots/sim/team.hpp"

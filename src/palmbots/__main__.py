@@ -14,6 +14,7 @@ _ALLOCATIONS_PER_COLLECTION = 50_000
 
 def main() -> None:
     """Run the command line and exit with its status."""
+    from palmbots._util.exit_status import INTERRUPTED
     from palmbots.cli import INTERRUPTION_LINE
     from palmbots.cli._streams import open_closed_streams, say
 
@@ -29,7 +30,7 @@ def main() -> None:
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         say(INTERRUPTION_LINE)
-        sys.exit(130)
+        sys.exit(INTERRUPTED)
 
 
 if __name__ == "__main__":

@@ -66,7 +66,7 @@ struct RadioSpec {
   double replay = 0;   // probability that an attacker sends a packet again
   double replay_delay = 1;
   double beacon = 0.05;
-  double lease = 0;  // 0: the value computed by ResilientTiming
+  double lease = 0;  // 0: computed (table_lease.hpp, control/resilient_timing.hpp)
   std::array<OutageSpec, max_outages> outages{};
   std::size_t outage_count = 0;
   std::array<MessageFaultSpec, max_message_faults> message_faults{};

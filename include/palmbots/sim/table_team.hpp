@@ -9,6 +9,7 @@
 #include "palmbots/control/table_robot.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/robot_team.hpp"
+#include "palmbots/sim/table_lease.hpp"
 
 namespace palmbots {
 
@@ -33,19 +34,6 @@ inline TableTiming table_timing_of(const Spec& spec) {
     }
   }
   return timing;
-}
-
-// The lease at which a robot just hears a partner whose beacons are never lost: one round trip, as in
-// control/resilient_timing.hpp [s].
-inline double shortest_table_lease(const Spec& spec) {
-  const double step = spec.longest_period();
-  return 2 * (std::max(spec.period, spec.longest_delay()) + spec.beacon + step) +
-         4 * (step - spec.period);
-}
-
-// The lease where the scene gives none: four beacons in a row may be lost [s].
-inline double table_lease(const Spec& spec) {
-  return spec.lease > 0 ? spec.lease : shortest_table_lease(spec) + 4 * spec.beacon;
 }
 
 // The times of a table in a scene [ticks].

@@ -2,8 +2,6 @@
 // The clock of a carry: plays, pauses, steps and scrubs. It stands still while nobody can see it.
 import { signal } from "@preact/signals";
 
-export const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 25, 50];
-
 export class Player {
   readonly time = signal(0);
   readonly playing = signal(false);

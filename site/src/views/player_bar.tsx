@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Play, pause, step, scrub and speed.
 import { player, recorded } from "../shared/state";
-import { SPEEDS } from "../shared/player";
 
 const TICK = 0.01;
+const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 25, 50];
 
 export function PlayerBar(props: { end?: number }) {
   const end = props.end ?? recorded.value?.time ?? 0;

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from palmbots._util.command import Option
+from palmbots._util.exit_status import DONE, FAILED
 from palmbots.cli._progress import progress, staged_progress
 from palmbots.cli._run import (
     check_output,
@@ -24,7 +25,6 @@ from palmbots.cli._run import (
 )
 from palmbots.cli._warnings import warn
 from palmbots.cli.declared_commands import Declared, writer_of
-from palmbots.cli.options import DONE, FAILED
 from palmbots.cli.parameter_options import Given, as_typed, option_of, options_of, shared_option
 from palmbots.errors import PalmbotsError
 

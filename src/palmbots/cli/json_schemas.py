@@ -5,9 +5,9 @@ import json
 from typing import Any
 
 from palmbots._util.command import Option, command
+from palmbots._util.exit_status import DONE
 from palmbots.cli._run import print_json
 from palmbots.cli.declared_commands import commands_of, declared_commands, results_of
-from palmbots.cli.options import DONE
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 

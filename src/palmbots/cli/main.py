@@ -23,6 +23,8 @@ from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
 from palmbots._util.end_signal import end_with_starter
+from palmbots._util.exit_status import BAD_INPUT, CLOSED_PIPE, DONE, INTERRUPTED
+from palmbots._util.exit_status import FAILED as FAILED
 from palmbots.cli import INTERRUPTION_LINE
 from palmbots.cli._exception_hooks import install_exception_hooks
 from palmbots.cli._run import Interrupted
@@ -30,8 +32,6 @@ from palmbots.cli._streams import discard_unwritable, say
 from palmbots.cli._warnings import hold_warnings
 from palmbots.cli.declared_commands import commands_of, declared_commands, is_command
 from palmbots.cli.function_commands import typer_function
-from palmbots.cli.options import BAD_INPUT, CLOSED_PIPE, DONE, INTERRUPTED
-from palmbots.cli.options import FAILED as FAILED
 from palmbots.errors import PalmbotsError, one_line
 
 # The base of all usage errors. Typer contains a copy of click under a private name.

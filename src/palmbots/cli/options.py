@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exit statuses, and the arguments and options that several commands share."""
+"""The arguments and options that several commands share."""
 
 from pathlib import Path
 
 import typer
 
 from palmbots._util.command import Option
-
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-CLOSED_PIPE = 141
-"""The pipe on stdout is closed: what a shell reports of programs that SIGPIPE ends."""
 
 
 def output_path(text: str) -> Path:

@@ -12,6 +12,7 @@ from typing import Self
 
 from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
+from palmbots._util.exit_status import BAD_INPUT
 from palmbots.errors import PalmbotsError
 from palmbots.links.impairment import Impairment, Proxy
 from palmbots.links.lockstep import REBOOTED
@@ -21,7 +22,6 @@ from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role
 
-_BAD_INPUT = 2
 UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 """What ``palmbots up`` sets in a pair file: the controllers, not the robots, answer losses."""
 _POLL_S = 0.02
@@ -174,7 +174,7 @@ class LiveCarryProcesses:
                 self._on_line(f"{name}: was killed (signal {-ended}), and starts again")
                 running.restart(name)
             elif name == "station" and ended is not None:
-                if ended == _BAD_INPUT:
+                if ended == BAD_INPUT:
                     raise PalmbotsError("station: its program ended with a fault")
                 return False
             elif ended not in (None, 0) and not running.ends_within("world", 1.0):

@@ -3,8 +3,8 @@
 
 from palmbots._types import Side
 from palmbots._util.command import Option, command
+from palmbots._util.exit_status import DONE
 from palmbots.cli._run import print_result, warn
-from palmbots.cli.options import DONE
 from palmbots.errors import PalmbotsError
 
 

@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Literal
 
 from palmbots._util.command import Option, command
+from palmbots._util.exit_status import DONE, FAILED
 from palmbots.cli import mujoco_outputs
 from palmbots.cli._progress import progress, staged_progress
 from palmbots.cli._run import check_output, controller_of, load, print_result
 from palmbots.cli._warnings import warn
-from palmbots.cli.options import DONE, FAILED
 from palmbots.errors import PalmbotsError
 
 

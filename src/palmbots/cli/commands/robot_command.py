@@ -5,8 +5,8 @@ from pathlib import Path
 
 from palmbots._types import Side
 from palmbots._util.command import command
+from palmbots._util.exit_status import DONE
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE
 
 
 @command(

@@ -6,8 +6,8 @@ import signal
 
 from palmbots._types import Side
 from palmbots._util.command import Option, command
+from palmbots._util.exit_status import DONE
 from palmbots.cli._run import print_result
-from palmbots.cli.options import DONE
 
 
 @command(

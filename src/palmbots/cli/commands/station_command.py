@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palmbots._util.command import Option, command
+from palmbots._util.exit_status import DONE, FAILED
 from palmbots.cli._run import print_json
-from palmbots.cli.options import DONE, FAILED
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:

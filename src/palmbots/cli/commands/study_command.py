@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from palmbots._util.command import Option, command
+from palmbots._util.exit_status import DONE
 from palmbots.cli._progress import staged_progress
 from palmbots.cli._run import check_output, interruption_line, print_result
 from palmbots.cli._warnings import print_held_warnings, warn
-from palmbots.cli.options import DONE
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:

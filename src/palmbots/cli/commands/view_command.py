@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from palmbots._util.command import Option, command
+from palmbots._util.exit_status import DONE
 from palmbots.cli._run import print_result
-from palmbots.cli.options import DONE
 from palmbots.errors import PalmbotsError
 
 _RESTARTS_WITHIN_S = 10.0

@@ -4,8 +4,8 @@
 from typing import TYPE_CHECKING
 
 from palmbots._util.command import Option, command
+from palmbots._util.exit_status import DONE, FAILED
 from palmbots.cli._run import controller_of, load, print_json, print_result, warn
-from palmbots.cli.options import DONE, FAILED
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
