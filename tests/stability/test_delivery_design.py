@@ -119,7 +119,7 @@ def test_command_writes_a_scene_and_prints_what_to_do(
     words = ["design", "--maximize", "com", "--resolution-deg", "2", "--set", "task.distance_m=0.2"]
     assert run([*words, "--out", str(tmp_path)]) == 0
     text = capsys.readouterr().out
-    assert "--set palm.shallow_deg=" in text and f"palmbots carry {tmp_path}/scene.toml" in text
+    assert "--set palm.shallow_deg=" in text and f"wrote {tmp_path}/scene.toml" in text
     assert run([*words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     ready = pb.load_scene(tmp_path / "scene.toml")
