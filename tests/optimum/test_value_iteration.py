@@ -148,7 +148,7 @@ def test_without_noise_the_bias_decides() -> None:
 
 
 @pytest.mark.parametrize("name", ["positions", "noises", "speeds"])
-@pytest.mark.parametrize("fields", [{}, STOPPING])
+@pytest.mark.parametrize("fields", [pytest.param({}, marks=pytest.mark.soak), STOPPING])
 def test_finer_grids_change_little(name: str, fields: dict[str, float]) -> None:
     """Each grid refined by two: the drop rate by less than 3 %, so σ* by less than 0.3 %."""
     noise = 0.0393 if not fields else 0.0591
