@@ -76,7 +76,7 @@ def print_report(items: Iterable[Item], about: str = "", console: Console | None
 def _about(items: list[Item], about: str) -> list[Item]:
     """The lines, the first quiet text of the first two with what the result is about before it.
 
-    If there is none, it follows the first line, as far as there is room for it.
+    If there is none, it follows the first line; a long one leaves it a line of its own.
     """
     for k, item in enumerate(items[:2]):
         line = Line(item) if isinstance(item, str) else item
@@ -89,7 +89,7 @@ def _about(items: list[Item], about: str) -> list[Item]:
                 parts[n] = quiet(f"{blanks}{about}, {part.lstrip()}")
                 return [*items[:k], Line(*parts), *items[k + 1 :]]
     head = items[0] if isinstance(items[0], Line) else Line(str(items[0]))
-    if len(str(head)) + 2 + len(about) > _WIDTH:
+    if len(str(head)) > _WIDTH // 2 and len(str(head)) + 2 + len(about) > _WIDTH:
         return [head, Line(quiet(about), is_whole=True), *items[1:]]
     return [Line(*head.parts, f"  {about}", is_whole=True), *items[1:]]
 
