@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every public function that takes numbers takes those of NumPy, with the same result.
 
-Arrays replace lists, tuples hold NumPy's numbers, and numbers that single precision can represent
-have it.
+Arrays replace lists and intervals, and numbers that single precision can represent have it.
 """
 
 import importlib
@@ -116,6 +115,8 @@ def as_numpy(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: as_numpy(inner) for key, inner in value.items()}
     if isinstance(value, list) and isinstance(value[0], int | float):
+        return np.array(value)
+    if isinstance(value, tuple) and all(isinstance(inner, float) for inner in value):
         return np.array(value)
     if isinstance(value, tuple):
         return tuple(map(as_numpy, value))

@@ -4,7 +4,7 @@
 import pytest
 
 from palmbots.mujoco.curved_world import world_of
-from palmbots.mujoco.settings import DEFAULT
+from palmbots.mujoco.engine_settings import DEFAULT
 from palmbots.mujoco.switches import Switches
 from palmbots.scene.scene import load_scene
 

@@ -15,7 +15,7 @@ from palmbots.cli import main as cli
 from palmbots.control.interface import StepInput, StepOutput
 from palmbots.mechanics.contact_modes import contact_modes
 from palmbots.mujoco.carry_runner import WORLD, run
-from palmbots.mujoco.settings import DEFAULT, Contact, Engine
+from palmbots.mujoco.engine_settings import DEFAULT, Contact, Engine
 from palmbots.mujoco.validation import trials
 from palmbots.mujoco.validation.trials import State
 from palmbots.mujoco.validation.validation import Validation, validate

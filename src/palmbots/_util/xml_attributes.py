@@ -7,9 +7,15 @@ def numbers(*values: float) -> str:
     return " ".join(f"{value + 0.0:.10g}" for value in values)
 
 
+def parts_of(colour: str) -> tuple[int, int, int]:
+    """Red, green and blue of a colour "#RRGGBB", from 0 to 255."""
+    red, green, blue = bytes.fromhex(colour[1:])
+    return red, green, blue
+
+
 def rgb(colour: str) -> str:
     """A colour "#RRGGBB" as three numbers from 0 to 1."""
-    return " ".join(f"{int(colour[i : i + 2], 16) / 255:.4g}" for i in (1, 3, 5))
+    return " ".join(f"{part / 255:.4g}" for part in parts_of(colour))
 
 
 def rgba(colour: str, opacity: float = 1.0) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 
 from palmbots._types import SIDES
 from palmbots._util.optional_imports import require
+from palmbots._util.xml_attributes import parts_of
 from palmbots.errors import PalmbotsError
 from palmbots.scene.placement import Placement, placements
 from palmbots.scene.spec import to_spec
@@ -105,14 +106,14 @@ def _log_solid(rr: Any, recording: Any, part: Solid, number: int) -> None:
         turn = rr.Quaternion(xyzw=[0, -np.sin(shape.turn / 2), 0, np.cos(shape.turn / 2)])
         box = rr.Boxes3D(
             centers=[shape.centre], sizes=[shape.size], quaternions=[turn],
-            colors=[_colour(colour)], fill_mode="solid",
+            colors=[parts_of(colour)], fill_mode="solid",
         )  # fmt: skip
         recording.log(place, box, static=True)
     elif isinstance(shape, Cylinder):
         half = float(np.sqrt(0.5))
         wheel = rr.Cylinders3D(
             lengths=[shape.length], radii=[shape.radius], centers=[shape.centre],
-            quaternions=[rr.Quaternion(xyzw=[half, 0, 0, half])], colors=[_colour(colour)],
+            quaternions=[rr.Quaternion(xyzw=[half, 0, 0, half])], colors=[parts_of(colour)],
             fill_mode="solid",
         )  # fmt: skip
         recording.log(place, wheel, static=True)
@@ -121,7 +122,7 @@ def _log_solid(rr: Any, recording: Any, part: Solid, number: int) -> None:
         mesh = rr.Mesh3D(
             vertex_positions=corners,
             triangle_indices=faces,
-            vertex_colors=[_colour(colour)] * len(corners),
+            vertex_colors=[parts_of(colour)] * len(corners),
         )
         recording.log(place, mesh, static=True)
 
@@ -131,12 +132,14 @@ def _log_instant(rr: Any, recording: Any, trace: Any, place: Placement, k: int, 
         rotation = rr.Quaternion(xyzw=[0, -np.sin(turn / 2), 0, np.cos(turn / 2)])
         recording.log(_path(frame), rr.Transform3D(translation=origin, quaternion=rotation))
     motion = trace["motion"].to_numpy()[row]
-    colours = [_colour(ZERO if moves == 0 else SLIDES) for moves in motion]
+    colours = [parts_of(ZERO if moves == 0 else SLIDES) for moves in motion]
     points = np.array([[x, 0.0, y] for x, y in place.contact[k]])
     recording.log(f"{WORLD}/contacts", rr.Points3D(points, radii=0.008, colors=colours))
     if "force" in trace:
         arrows = _forces(trace, place, k, row)
-        shown = rr.Arrows3D(origins=points, vectors=arrows, colors=[_colour(DROP)] * 2, radii=0.003)
+        shown = rr.Arrows3D(
+            origins=points, vectors=arrows, colors=[parts_of(DROP)] * 2, radii=0.003
+        )
         recording.log(f"{WORLD}/forces", shown)
     values = {
         "contact_mm": 1e3 * trace["contact"].to_numpy()[row],
@@ -159,7 +162,3 @@ def _forces(trace: Any, place: Placement, k: int, row: int) -> Any:
         rubbed = float(trace["friction_force"].to_numpy()[row, number])
         arrows.append(_METRES_PER_NEWTON * (rubbed * along - pressed * normal))
     return np.array(arrows)
-
-
-def _colour(text: str) -> list[int]:
-    return [int(text[i : i + 2], 16) for i in (1, 3, 5)]

@@ -7,6 +7,7 @@ One link for each frame of `palmbots.viz.solids`, with a floating joint to `worl
 import math
 from xml.sax.saxutils import quoteattr
 
+from palmbots._util.xml_attributes import rgba
 from palmbots.viz.solids import WORLD, Ball, Box, Cylinder, Prism, Solid, Vector
 
 _WALL = 0.004  # m, thickness of the sides of the object: URDF has no prisms
@@ -32,10 +33,8 @@ def urdf(parts: list[Solid]) -> str:
 
 
 def _visuals(part: Solid) -> list[str]:
-    red, green, blue = (int(part.colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
-    rgba = f"{red:.4f} {green:.4f} {blue:.4f} 1"
     name = f"colour_{part.colour[1:]}"
-    material = f'<material name="{name}"><color rgba="{rgba}"/></material>'
+    material = f'<material name="{name}"><color rgba="{rgba(part.colour)}"/></material>'
 
     def visual(centre: Vector, rpy: Vector, geometry: str) -> str:
         place = f'<origin xyz="{_text(centre)}" rpy="{_text(rpy)}"/>'

@@ -22,6 +22,7 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.timestamp_pb2 import Timestamp
 
 from palmbots._types import SIDES
+from palmbots._util.xml_attributes import parts_of
 from palmbots.scene.placement import Placement
 from palmbots.viz.solids import WORLD, Ball, Box, Cylinder, Solid, Vector, poses
 from palmbots.viz.style import SLIDES, ZERO
@@ -89,7 +90,7 @@ def _about_y(turn: float) -> Quaternion:
 
 
 def _colour(text: str) -> Color:
-    red, green, blue = (int(text[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    red, green, blue = (part / 255 for part in parts_of(text))
     return Color(r=red, g=green, b=blue, a=1.0)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import palmbots._core as _core
 from palmbots.errors import SceneError
 from palmbots.mujoco.curved_world import world_of
-from palmbots.mujoco.settings import DEFAULT, Engine
+from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.trace_columns import COLUMNS, Measured
 from palmbots.mujoco.world import SLACK, MujocoWorld
 from palmbots.scene.scene import Scene

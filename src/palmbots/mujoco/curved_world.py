@@ -16,10 +16,10 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.errors import SceneError
 from palmbots.mujoco.edge_contacts import fit_edges
+from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.mjcf import layout
 from palmbots.mujoco.path_curve import LEAD_M, Curve, Spot, curve_of
 from palmbots.mujoco.robot_mjcf import axle_out, chassis
-from palmbots.mujoco.settings import DEFAULT, Engine
 from palmbots.mujoco.world import MujocoWorld, Point
 from palmbots.scene.scene import Scene
 

@@ -20,8 +20,8 @@ import palmbots._core as _core
 from palmbots._core import turn
 from palmbots._types import SIDES, Side
 from palmbots._util.xml_attributes import numbers, rgb, rgba
+from palmbots.mujoco.engine_settings import DEFAULT, FLOOR, Contact, Engine
 from palmbots.mujoco.robot_mjcf import TIP, add_robot
-from palmbots.mujoco.settings import DEFAULT, FLOOR, Contact, Engine
 from palmbots.scene.extrusion import gyration
 from palmbots.scene.placement import floor_level
 from palmbots.scene.scene import Scene

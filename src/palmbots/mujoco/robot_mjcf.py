@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from palmbots._types import Side
 from palmbots._util.xml_attributes import numbers, rgba
-from palmbots.mujoco.settings import ARM, SHOULDER, WHEEL, WRIST, Servo
+from palmbots.mujoco.engine_settings import ARM, SHOULDER, WHEEL, WRIST, Servo
 from palmbots.scene.robot_dimensions import (
     BODY_GAP,
     BODY_SIZE,

@@ -15,12 +15,12 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.contact_events import ContactEventTracker, Kind
+from palmbots.mujoco.contact_forces import PalmContacts, PalmLoads, Point
 from palmbots.mujoco.edge_contacts import STAYS, edges_of, fit_edges
 from palmbots.mujoco.engine import mujoco
+from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.mjcf import layout, mjcf, steps_per_tick
-from palmbots.mujoco.palm_contacts import PalmContacts, PalmLoads, Point
 from palmbots.mujoco.robot_mjcf import axle_out, chassis
-from palmbots.mujoco.settings import DEFAULT, Engine
 from palmbots.mujoco.switches import Switches
 from palmbots.mujoco.trace_columns import Measured
 from palmbots.scene.scene import Scene

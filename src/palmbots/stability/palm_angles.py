@@ -152,7 +152,8 @@ def design(
         None if slope_deg is None else _floats(slope_interval(chosen, slope_deg)),
     )
     implied = None
-    if region_m == "implied":
+    is_implied = isinstance(region_m, str) and region_m == "implied"
+    if is_implied:
         radians = np.radians(limits.angles_deg())
         implied = reaction(chosen, *np.meshgrid(radians, radians, indexing="ij"))
         problem = problem.with_(beyond=implied.beyond_m)
@@ -181,7 +182,7 @@ def design(
     )
     own_tolerance = None
     if own_deg is not None:
-        at_own = reaction(chosen, *np.radians(own_deg)) if region_m == "implied" else None
+        at_own = reaction(chosen, *np.radians(own_deg)) if is_implied else None
         own_tolerance = tolerance_at(problem, quantity, own_deg, uncertainty, at_own)
     report(1.0)
     return Design(
@@ -292,13 +293,15 @@ def _race(
 
 
 def _problem(scene: Scene, region_m: Any) -> StabilityProblem:
-    if region_m in ("implied", "palm"):
+    if isinstance(region_m, str) and region_m in ("implied", "palm"):
         return stability_problem(scene)
-    if not isinstance(region_m, tuple | list) or len(region_m) != 2:
+    try:
+        low, high = map(float, region_m)
+    except (TypeError, ValueError):
         raise PalmbotsError(
             f"region_m: value is {show(region_m)}; allowed: implied, palm, or two numbers in m"
-        )
-    return stability_problem(scene, (float(region_m[0]), float(region_m[1])))
+        ) from None
+    return stability_problem(scene, (low, high))
 
 
 def _ends(name: str, value: Any, least: float, most: float) -> Interval:

@@ -97,7 +97,8 @@ def time_window(carry: "Carry", window: tuple[float, float] | None) -> TimeWindo
     times = carry.trace["time"].to_numpy()
     last = float(times[-1])
     # The axis of a carry that ended in its first tick is one control period long.
-    start, end = window or (0.0, max(last, carry.scene.control.period_s))
+    last = max(last, carry.scene.control.period_s)
+    start, end = map(float, (0.0, last) if window is None else window)
     if not (math.isfinite(start) and math.isfinite(end) and start < end):
         raise PalmbotsError(f"figure: window is {window}; allowed: (from_s, to_s) with from < to")
     rows = np.flatnonzero((times >= start) & (times <= end))

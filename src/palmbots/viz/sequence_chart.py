@@ -56,7 +56,7 @@ def draw_message_sequence(carry: "Carry", window: tuple[float, float] | None = N
     if carry.trace is None:
         raise PalmbotsError("chart: this carry has no trace; run it with record=True")
     last = max(float(carry.trace["time"].to_numpy()[-1]), carry.scene.control.period_s)
-    start, end = map(float, window or (0.0, last))
+    start, end = map(float, (0.0, last) if window is None else window)
     if not (math.isfinite(start) and math.isfinite(end) and start < end):
         raise PalmbotsError(f"chart: window is {window}; allowed: (from_s, to_s) with from < to")
     messages = [row for row in message_news(carry) if start <= row[0].sent_s <= end]

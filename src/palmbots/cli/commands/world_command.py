@@ -9,6 +9,7 @@ from palmbots.cli._run import controller_of, load, print_json, print_result, war
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
+    from palmbots.control.registry import ControllerEntry
     from palmbots.scene.scene import Scene
 
 
@@ -54,11 +55,12 @@ def world(
             other = "--lockstep" if lockstep else "--json"
             raise PalmbotsError(f"--bench: does not work with {other}; allowed: without it")
         return _bench(chosen, serve, seed, rate, imperfect)
+    entry = controller_of(controller, quiet=as_json)
     if not lockstep:
         return _live(chosen, serve, world, seed, rate, imperfect, as_json=as_json)
     if imperfect:
         raise PalmbotsError("--imperfect has no effect with --lockstep; allowed: without it")
-    return _lockstep(chosen, serve, world, seed, controller, precision, called or scene, as_json)
+    return _lockstep(chosen, serve, world, seed, entry, precision, called or scene, as_json)
 
 
 def _lockstep(
@@ -66,7 +68,7 @@ def _lockstep(
     serve: str,
     world: str,
     seed: int,
-    controller: str,
+    entry: "ControllerEntry",
     precision: str,
     name: str,
     as_json: bool,
@@ -82,7 +84,6 @@ def _lockstep(
     from palmbots.simulation.worlds import world_entry
     from palmbots.stability.scene_limits import self_check
 
-    entry = controller_of(controller, quiet=as_json)
     check_precision(world_entry(world), precision)
     with listen(serve, "--serve") as door:
         programs = Programs(door, ends_of(entry), scene_number(scene))

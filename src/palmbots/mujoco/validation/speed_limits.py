@@ -23,7 +23,7 @@ from palmbots._util.report import Item, Table, bold, quiet
 from palmbots._util.results import Result
 from palmbots.errors import SceneError
 from palmbots.mujoco.carry_runner import WORLD
-from palmbots.mujoco.settings import DEFAULT
+from palmbots.mujoco.engine_settings import DEFAULT
 from palmbots.mujoco.validation import trials
 from palmbots.mujoco.validation.trials import Slides, State
 from palmbots.mujoco.world import MujocoWorld

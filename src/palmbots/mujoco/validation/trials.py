@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots.mujoco.settings import DEFAULT, Engine
+from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lists of docs/guide/floor.md: every fault code, and only lines that a program prints."""
+"""The lists of docs/guide/two-robots.md: every fault code, and only lines that a program prints."""
 
 import ast
 import re
@@ -12,7 +12,7 @@ import pytest
 from palmbots.wire import FaultCode
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "guide" / "floor.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "guide" / "two-robots.md").read_text(encoding="utf-8")
 
 
 def first_column(name: str) -> list[str]:
