@@ -52,6 +52,7 @@ CALLS: dict[str, dict[str, Any]] = {
     "mujoco.forecast_drift": {"seeds": 1, "scene": pb.load_scene("paper", ARC)},
     "noise_limit": {"drop_rate": 0.25, "relative_half_width": 0.0625, "seed": 1, "threads": 1,
                     "overrides": SHORT},
+    "simulation.count_outcomes": {"seeds": 3, "overrides": SHORT},
     "simulation.run_batch": {"specs": [to_spec(pb.load_scene("paper", SHORT))],
                              "spec_index": [0, 0], "seeds": [1, 2], "threads": 1},
     "simulation.run_seeds": {"spec": to_spec(pb.load_scene("paper", SHORT)), "first": 1, "n": 2,

@@ -35,6 +35,7 @@ from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
 from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
 from palmbots.scene.scene import Scene
 from palmbots.simulation.noise_limit import NoiseLimit
+from palmbots.simulation.outcome_counts import OutcomeCounts, SceneStatistics
 from palmbots.studies.cost_estimate import Cost
 from palmbots.studies.points import design_points
 from palmbots.views.log_alignment import ClockFit
@@ -180,6 +181,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "KeyList": lambda folder: pb.keys("start"),
     "Log": lambda folder: pb.read_log(logged(folder)),
     "NoiseLimit": lambda folder: noise_limit(),
+    "OutcomeCounts": lambda folder: OutcomeCounts("silent", 40, 2, 0),
     "ObjectList": lambda folder: pb.objects(),
     "ReplayResult": lambda folder: pb.replay(logged(folder)),
     "RunReplay": lambda folder: RunReplay(
@@ -190,6 +192,9 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
         (ClockFit("station-000002.mcap", 0.25, 1.0, 0.004, 480),),
     ),
     "SceneList": lambda folder: pb.scenes(),
+    "SceneStatistics": lambda folder: SceneStatistics(
+        OutcomeCounts("none", 40, 40, 0), (OutcomeCounts("silent", 40, 2, 0),)
+    ),
     "SpeedLimits": lambda folder: speed_limits(),
     "StudyResult": study,
     "Validation": lambda folder: pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1),

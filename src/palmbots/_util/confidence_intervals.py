@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""95 % confidence intervals: Wilson's for a rate, from the core, and the quantiles of the others.
+"""95 % confidence intervals: Wilson's for a rate, from the core, exact ones, and other quantiles.
 
 SciPy has a quantile of Student's t, but importing it takes longer than most commands. A table of
 six numbers stands here instead.
@@ -39,3 +39,25 @@ def wilson_bounds(events: Any, n: Any) -> tuple[NDArray[Any], NDArray[Any]]:
 def wilson(events: int, n: int, z: float = Z95) -> tuple[float, float]:
     """Wilson's score interval of the rate of `events` in `n`; 95 % by default."""
     return _core.wilson(float(events), float(n), z)
+
+
+def rate_interval(events: int, n: int) -> tuple[float, float]:
+    """The 95 % interval of a rate as people read it.
+
+    Wilson's, but where none or all of `n` are events it is the exact one-sided bound: with a rate
+    above 1 − 0.05^(1/n), none of n would be an event in fewer than 5 % of all trials.
+    """
+    bound = 1 - 0.05 ** (1 / n)
+    if events == 0:
+        return 0.0, bound
+    return (1 - bound, 1.0) if events == n else wilson(events, n)
+
+
+def rate_text(events: int, n: int) -> str:
+    """A rate in per cent with its 95 % interval: "18.2 % (16.0–20.7)", or "< 0.30 %" for none."""
+    low, high = (100 * end for end in rate_interval(events, n))
+    if events == 0:
+        return f"< {high:.2g} %" if high < 10 else f"< {high:.0f} %"
+    if events == n:
+        return f"> {low:.4g} %"
+    return f"{100 * events / n:.1f} % ({low:.1f}–{high:.1f})"

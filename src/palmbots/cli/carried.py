@@ -3,22 +3,28 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 from palmbots._util.plain_values import NOT_IN_JSON
-from palmbots._util.report import Item
+from palmbots._util.report import Item, Line, quiet
 from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.simulation.carry_lines import carry_lines
+from palmbots.simulation.outcome_counts import SceneStatistics
 from palmbots.simulation.result import Carry
 
 
 @dataclass(frozen=True, repr=False)
 class Carried(Carry):
-    """A carry, the forecast of its lateral drift, and why it failed."""
+    """A carry, the forecast of its lateral drift, why it failed, and how often the scene does."""
 
     drift_forecast: DriftBudget | None = None
     """The forecast for a curved path in MuJoCo; None: there is none."""
+    scene_statistics: SceneStatistics | None = None
+    """How often this scene fails with this controller, and which do better; None: it takes long."""
     hint: str | None = field(default=None, metadata=NOT_IN_JSON)
     """On the reason of the outcome, with a command."""
+    to_measure: tuple[str, str] = field(default=("", ""), metadata=NOT_IN_JSON)
+    """The command that counts how often the scene fails, and how long it takes, in words."""
     printed: int = field(default=0, metadata=NOT_IN_JSON)
     """How many of the warnings were printed before the carry."""
 
@@ -27,15 +33,21 @@ class Carried(Carry):
         cls,
         carry: Carry,
         printed: Sequence[str],
-        forecast: DriftBudget | None = None,
-        hint: str | None = None,
+        **found: Any,
     ) -> "Carried":
-        """The carry with these warnings, which are printed already, in front of its own."""
+        """The carry with these warnings, which are printed already, in front of its own, and with
+        what was `found` besides."""
         known = {one.name: getattr(carry, one.name) for one in fields(carry)}
         late = (text for text in carry.warnings if text not in printed)
         known["warnings"] = (*printed, *late)
-        return cls(**known, drift_forecast=forecast, hint=hint, printed=len(printed))
+        return cls(**known, **found, printed=len(printed))
 
     def lines(self) -> Iterator[Item]:
-        """The carry, without the warnings that are printed already."""
-        return carry_lines(self, self.warnings[self.printed :], self.hint)
+        """The carry, without the warnings that are printed already, and the scene's statistics."""
+        yield from carry_lines(self, self.warnings[self.printed :], self.hint)
+        if self.scene_statistics is not None:
+            yield from self.scene_statistics.lines()
+        elif self.to_measure[0]:
+            command, time = self.to_measure
+            yield quiet(f"how often this scene fails: one carry does not say; {time} here:")
+            yield Line(f"run: {command}", indent=2, is_whole=True)

@@ -42,11 +42,3 @@ def tolerated_noise(controller: str) -> ToleratedNoise | None:
     None: it has no σ* (it drops more than 1 % without noise), or it is not shipped.
     """
     return _measured().get(controller)
-
-
-def gain_of_recommended(controller: str) -> float | None:
-    """How many times as much noise the recommended controller tolerates; None: not measured."""
-    own, best = tolerated_noise(controller), tolerated_noise(RECOMMENDED)
-    if own is None or best is None:
-        return None
-    return best.sigma_star_m_s / own.sigma_star_m_s

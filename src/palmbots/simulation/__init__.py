@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from palmbots.simulation.batch import run_seeds as run_seeds
     from palmbots.simulation.noise_limit import NoiseLimit as NoiseLimit
     from palmbots.simulation.noise_limit import NoisePoint as NoisePoint
+    from palmbots.simulation.outcome_counts import OutcomeCounts as OutcomeCounts
+    from palmbots.simulation.outcome_counts import SceneStatistics as SceneStatistics
+    from palmbots.simulation.outcome_counts import better_controllers as better_controllers
+    from palmbots.simulation.outcome_counts import count_outcomes as count_outcomes
     from palmbots.simulation.prepare import Prepared as Prepared
     from palmbots.simulation.rare_events import DropRate as DropRate
     from palmbots.simulation.result import Carry as Carry

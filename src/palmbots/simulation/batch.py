@@ -14,7 +14,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from functools import cache
 from typing import Any
@@ -63,6 +63,21 @@ def check_built() -> None:
     _module()
 
 
+def is_built() -> bool:
+    """Whether they are built."""
+    with contextlib.suppress(PalmbotsError):
+        return _module() is not None
+    return False
+
+
+def can_run_in_lanes(entry: ControllerEntry, specs: Sequence[_core.Spec]) -> bool:
+    """Whether carries of these run side by side, if the modules are built.
+
+    The lanes know only the two angles that a controller commands.
+    """
+    return entry.runs_in_lanes and not any(spec.may_go_limp for spec in specs)
+
+
 def run_batch(
     specs: Sequence[_core.Spec] | bytes,
     spec_index: ArrayLike,
@@ -94,13 +109,12 @@ def run_batch(
     index = np.ascontiguousarray(spec_index, np.uint32)
     seeds = np.ascontiguousarray(seeds, np.uint64)
     own = _core.Spec.list_from_bytes(specs) if isinstance(specs, bytes) else specs
-    # The lanes know only the two angles that a controller commands.
-    if not entry.runs_in_lanes or any(spec.may_go_limp for spec in own):
+    if not can_run_in_lanes(entry, own):
         if isinstance(specs, bytes) and (entry.is_python or entry.is_reference):
             raise PalmbotsError(f"controller: {entry.name} needs specs, not bytes")
         specs = own
         workers = threads if entry.is_policy else 1
-        return _run_singly(specs, index, seeds, entry, precision, workers, watch)
+        return run_singly(specs, index, seeds, entry, precision, workers, watch)
     table = specs if isinstance(specs, bytes) else b"".join(spec.to_bytes() for spec in specs)
     run = _module().run_many(table, index, seeds, entry.name, precision, threads, watch)
     interrupted = run.pop("interrupted")
@@ -126,7 +140,7 @@ def run_seeds(
     return run_batch([spec], index, seeds, controller, precision, threads=threads, watch=watch)
 
 
-def _run_singly(
+def run_singly(
     specs: Sequence[_core.Spec],
     index: NDArray[np.uint32],
     seeds: NDArray[np.uint64],
@@ -135,34 +149,13 @@ def _run_singly(
     threads: int,
     watch: Watch | None,
 ) -> Columns:
-    """The columns of a controller that does not run in lanes, from single carries."""
+    """The same columns from single carries in the core, several at once unless in Python."""
     n = len(seeds)
-    columns: Columns = {
-        "finished": np.zeros(n, bool),
-        "outcome": np.zeros(n, np.uint8),
-        "reason": np.zeros(n, np.uint8),
-        "time_s": np.zeros(n),
-        "distance_m": np.zeros(n),
-        "contact_rms_m": np.zeros((n, 2)),
-        "contact_peak_m": np.zeros((n, 2)),
-        "waiting_s": np.zeros((n, 2)),
-        "waits_since_s": np.zeros((n, 2)),
-        "corrections": np.zeros(n, np.uint32),
-        "messages": np.zeros(n, np.uint32),
-        "messages_lost": np.zeros(n, np.uint32),
-    }
+    columns = empty_columns(n)
 
     def carry(i: int, core: Any) -> None:
         run: Any = _core.run(specs[int(index[i])], core, int(seeds[i]), precision, False)
-        columns["outcome"][i] = OUTCOMES.index(run.outcome)
-        columns["reason"][i] = REASONS.index(run.reason)
-        for name in ("time_s", "distance_m", "contact_rms_m", "contact_peak_m", "waiting_s"):
-            columns[name][i] = getattr(run, name)
-        columns["waits_since_s"][i] = [since for since, *_ in run.hanging]
-        columns["corrections"][i] = run.correction_count
-        columns["messages"][i] = run.messages
-        columns["messages_lost"][i] = run.messages_lost
-        columns["finished"][i] = True
+        fill_row(columns, i, row_of(run))
 
     used = [] if controller.is_python else sorted(set(index.tolist()))
     cores = {i: controller.for_core(specs[i]) for i in used}
@@ -181,6 +174,47 @@ def _run_singly(
     except KeyboardInterrupt:
         raise KeyboardInterrupt(columns) from None
     return columns
+
+
+def empty_columns(n: int) -> Columns:
+    """Columns of n carries, none of which is finished."""
+    return {
+        "finished": np.zeros(n, bool),
+        "outcome": np.zeros(n, np.uint8),
+        "reason": np.zeros(n, np.uint8),
+        "time_s": np.zeros(n),
+        "distance_m": np.zeros(n),
+        "contact_rms_m": np.zeros((n, 2)),
+        "contact_peak_m": np.zeros((n, 2)),
+        "waiting_s": np.zeros((n, 2)),
+        "waits_since_s": np.zeros((n, 2)),
+        "corrections": np.zeros(n, np.uint32),
+        "messages": np.zeros(n, np.uint32),
+        "messages_lost": np.zeros(n, np.uint32),
+    }
+
+
+def row_of(run: Any) -> dict[str, Any]:
+    """The entries of the columns for one carry that the core measured."""
+    row = {
+        name: getattr(run, name)
+        for name in ("time_s", "distance_m", "contact_rms_m", "contact_peak_m", "waiting_s")
+    }
+    return row | {
+        "outcome": OUTCOMES.index(run.outcome),
+        "reason": REASONS.index(run.reason),
+        "waits_since_s": [since for since, *_ in run.hanging],
+        "corrections": run.correction_count,
+        "messages": run.messages,
+        "messages_lost": run.messages_lost,
+    }
+
+
+def fill_row(columns: Columns, i: int, row: Mapping[str, Any]) -> None:
+    """Store a carry."""
+    for name, value in row.items():
+        columns[name][i] = value
+    columns["finished"][i] = True
 
 
 _BLOCK = 64  # carries that a thread takes at once; they last some milliseconds each

@@ -9,14 +9,10 @@ from palmbots._types import SIDES
 from palmbots._util.report import Item, Line, Table, bold, quiet, verdict, warning
 from palmbots._util.text import millimetres, plural
 from palmbots.control.registry import describe
-from palmbots.control.tolerated_noise import RECOMMENDED, gain_of_recommended
 
 if TYPE_CHECKING:
     from palmbots.control.resilient_timing import Bounds
     from palmbots.simulation.result import Carry
-
-NEARLY = 0.8
-"""The part of the half palm beyond which a contact nearly left it."""
 
 REASONS = {
     "off-palm": "a contact left its palm at an end or a side",
@@ -61,7 +57,6 @@ def carry_lines(
     yield from _further_contacts(carry)
     yield _messages(carry)
     yield from map(warning, carry.warnings if warnings is None else warnings)
-    yield from _recommendation(carry)
 
 
 def _head(carry: "Carry") -> Line:
@@ -74,20 +69,6 @@ def _head(carry: "Carry") -> Line:
         bold(f"  {way}"),
         quiet(f"   {carry.controller}, seed {carry.seed}{forks}, {kind}"),
     )
-
-
-def _recommendation(carry: "Carry") -> Iterator[Item]:
-    """Names a controller that tolerates more noise, if the object was or nearly was dropped."""
-    if carry.controller == RECOMMENDED:
-        return
-    if carry.outcome != "dropped" and not any(
-        carry.contact_peak_m[side] > NEARLY * 0.5 * carry.scene.palm_of(side).length_m
-        for side in SIDES
-    ):
-        return
-    gain = gain_of_recommended(carry.controller)
-    than = f" tolerates {gain:.1f} times as much noise in the default scene" if gain else ""
-    yield quiet(f"recommended: --controller {RECOMMENDED}{than}")
 
 
 def _contacts(carry: "Carry") -> Table:

@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from palmbots._types import SIDES, BySide
@@ -14,7 +15,8 @@ from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import ControllerEntry
 from palmbots.control.resilient_timing import Bounds
 from palmbots.scene.scene import Scene
-from palmbots.simulation.prepare import Prepared
+from palmbots.simulation.outcome_counts import SceneStatistics, scene_statistics
+from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.simulation.trace import trace_dataset
 from palmbots.simulation.warnings import warnings_after
 from palmbots.simulation.worlds import WorldRun
@@ -144,6 +146,16 @@ class Carry(Result):
     def rest_angle_deg(self) -> float:
         """The angle by which the outline is turned to rest on its contact vertices."""
         return self.scene.object.rest_angle_deg
+
+    @cached_property
+    def statistics(self) -> SceneStatistics | None:
+        """How often its scene fails with its controller, and which shipped ones do better.
+
+        It takes up to a second when it is first asked for. None: the carries take long;
+        `palmbots.simulation.count_outcomes` counts as many as you want.
+        """
+        prepared = prepare(self.scene, self.controller_entry or self.controller, self.world)
+        return scene_statistics(prepared, precision=self.precision)
 
     def plot(self, figure: str | None = None, **options: Any) -> Any:
         """Draw the carry: ``carry`` (its panels over time), or ``message_sequence``.
