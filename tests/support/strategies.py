@@ -123,6 +123,7 @@ def _robot(draw: st.DrawFn) -> dict[str, float]:
         "max_speed_m_s": speed + draw(numbers(0, 0.1)),
         "noise_m_s": draw(st.just(0.0) | numbers(0, 0.04)),
         "noise_tau_s": draw(numbers(0.05, 5)),
+        "standing_noise_m_s": draw(st.just(0.0) | numbers(0, 0.04)),
         "bias_m_s": draw(st.just(0.0) | numbers(-0.01, 0.01)),
     }
 

@@ -12,11 +12,12 @@ namespace palmbots {
 // dt/τ + σ √(2/τ) dW, sampled exactly once per tick. Speeds are along the direction of travel.
 template <class Real>
 struct Wheels {
-  Real gain;    // largest change of speed in a tick [m/s]
-  Real limit;   // largest speed [m/s]
-  Real bias;    // calibration error [m/s]
-  Real memory;  // e^(−T/τ)
-  Real drive;   // σ √(1 − memory²) [m/s]
+  Real gain;             // largest change of speed in a tick [m/s]
+  Real limit;            // largest speed [m/s]
+  Real bias;             // calibration error [m/s]
+  Real memory;           // e^(−T/τ)
+  Real drive;            // σ √(1 − memory²) [m/s]
+  Real creep = Real(0);  // share of the noise that is left while the brakes hold wheels that stand
   Real speed = Real(0);
   Real noise = Real(0);
 
@@ -30,6 +31,9 @@ struct Wheels {
     noise = memory * noise + drive * random;
     return speed + (bias + noise);
   }
+
+  // The actual speed [m/s] over the tick that was just stepped, if the brakes hold the wheels.
+  constexpr Real held() const { return creep * noise; }
 };
 
 // The palm's motor. It turns the palm to one of two angles at a finite rate.
@@ -114,7 +118,7 @@ template <class Real>
         robots.travel_sense * robots.wheels[side].step(robots.goal_speed[side], random[side]);
     done.angles[side] = robots.wrists[side].step(palms[side].angle, robots.goal_angle[side]);
   });
-  // The brakes hold a robot that stands, so noise and calibration error do not move it.
+  // The brakes hold a robot that stands: of noise and calibration error only the creep moves it.
   const auto held = [&](std::size_t side) {
     const MaskOf<Real> stands = robots.wheels[side].speed == Real(0);
     const MaskOf<Real> braked = robots.brakes[side] != Real(0);
@@ -123,8 +127,11 @@ template <class Real>
   const MaskOf<Real> left_held = held(left);
   const MaskOf<Real> right_held = held(right);
   if (any(left_held | right_held)) {
-    robots.speeds[left] = select(left_held, Real(0), robots.speeds[left]);
-    robots.speeds[right] = select(right_held, Real(0), robots.speeds[right]);
+    const auto creeps = [&](std::size_t side) {  // + 0: a robot at rest has the speed 0, not −0
+      return Real(0) + robots.travel_sense * robots.wheels[side].held();
+    };
+    robots.speeds[left] = select(left_held, creeps(left), robots.speeds[left]);
+    robots.speeds[right] = select(right_held, creeps(right), robots.speeds[right]);
   }
   done.change = robots.change();
   done.push = robots.inertia.step(robots.speeds[left] + robots.speeds[right]);

@@ -75,8 +75,13 @@ template <class Real>
 Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
   const Real memory = memory_of<Real>(period, robot.noise_tau);
   const Real drive = Real(robot.noise) * std::sqrt(Real(1) - memory * memory);
-  return {Real(robot.acceleration * period), Real(robot.max_speed), Real(robot.bias), memory,
-          drive};
+  const double creep = robot.noise > 0 ? smaller(1.0, robot.standing_noise / robot.noise) : 0;
+  return {Real(robot.acceleration * period),
+          Real(robot.max_speed),
+          Real(robot.bias),
+          memory,
+          drive,
+          Real(creep)};
 }
 
 // The palm motor; `period` is the control period [s].

@@ -35,8 +35,9 @@ struct RobotSpec {
   double correction = 0.03;
   double acceleration = 0.5;  // [m/s²]
   double max_speed = 0.2;
-  double noise = 0.01;     // stationary standard deviation
-  double noise_tau = 0.5;  // correlation time of the noise
+  double noise = 0.01;        // stationary standard deviation
+  double noise_tau = 0.5;     // correlation time of the noise
+  double standing_noise = 0;  // the part of the noise that a robot at rest keeps, as `noise`
   double bias = 0;
   double clock_drift = 0;    // share by which its clock runs too fast
   std::uint64_t stride = 1;  // ticks of the carry between two steps of its program
@@ -48,6 +49,7 @@ inline constexpr Key robot_keys[] = {
     number<&RobotSpec::max_speed>("max_speed_m_s", Unit::m_s, 0, 10),
     number<&RobotSpec::noise>("noise_m_s", Unit::m_s, 0, 1),
     number<&RobotSpec::noise_tau>("noise_tau_s", Unit::s, 0.001, 1000),
+    number<&RobotSpec::standing_noise>("standing_noise_m_s", Unit::m_s, 0, 1),
     number<&RobotSpec::bias>("bias_m_s", Unit::m_s, -1, 1),
     number<&RobotSpec::clock_drift>("clock_ppm", Unit::parts_per_million, -100000, 100000),
     source_number("period_s", Unit::s, 0.0001, 1),

@@ -23,6 +23,9 @@ class RobotParameters(Section):
     """Standard deviation of the speed error (an Ornstein-Uhlenbeck process)."""
     noise_tau_s: float = key("robot.noise_tau_s")
     """Correlation time of the speed error."""
+    standing_noise_m_s: float = key("robot.standing_noise_m_s")
+    """What is left of the speed error while the robot stands with its brakes on, as a standard
+    deviation; a value above noise_m_s counts as noise_m_s. 0: brakes hold. > 0: wheels creep."""
     bias_m_s: float = key("robot.bias_m_s")
     """Constant speed error, as from wrong calibration. > 0: faster in the direction of travel."""
     clock_ppm: float = key("robot.clock_ppm")

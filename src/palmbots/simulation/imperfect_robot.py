@@ -47,6 +47,8 @@ class ImperfectRobot:
         self._chance = random.Random(f"{seed} {'leader' if leads else 'follower'}")
         self._memory = math.exp(-self._period_s / robot.noise_tau_s)
         self._spread_m_s = robot.noise_m_s
+        kept = min(robot.standing_noise_m_s, robot.noise_m_s)
+        self._creep = kept / robot.noise_m_s if kept else 0.0
         self._noise_m_s = robot.noise_m_s * self._chance.gauss(0, 1)
         self._bias_m_s = -robot.bias_m_s if leads else robot.bias_m_s
         self._palm_rate = math.radians(palm.rate_deg_s)
@@ -92,8 +94,9 @@ class ImperfectRobot:
         drive = self._spread_m_s * math.sqrt(1 - self._memory**2)
         self._noise_m_s += drive * self._chance.gauss(0, 1)
         error = (self._bias_m_s + self._noise_m_s) / params.wheel_radius_m
+        creep = self._creep * self._noise_m_s / params.wheel_radius_m
         left, right = (
-            rim * (rate + error) if rate else 0.0  # brakes hold a wheel that rests
+            rim * (rate + error if rate else creep)  # brakes hold a wheel that rests
             for rim, rate in zip(self.rims, self._rates, strict=True)
         )
         self._turn(command.servo_rad)

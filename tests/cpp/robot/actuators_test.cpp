@@ -4,6 +4,7 @@
 // acceleration.
 #include "palmbots/robot/actuators.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -164,6 +165,29 @@ void test_push_of_a_steady_acceleration() {
   }
 }
 
+// The brakes hold a robot that stands. Of its noise the stated part is left, of its bias nothing.
+void test_a_robot_that_stands() {
+  Spec spec;
+  for (const double left_over : {0.0, 0.01, 0.04, 0.5}) {
+    for (auto& robot : spec.robots) {
+      robot.noise = 0.04;
+      robot.standing_noise = left_over;
+      robot.bias = 0.02;
+    }
+    Robots<double> robots = robots_of<double>(spec, 3);
+    robots.brakes = {1.0, 0.0};
+    const palmbots::PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(0),
+                                                     PalmAngle<double>::at(0)};
+    for (int k = 0; k < 9; ++k) {
+      actuate(robots, palms, {0.3, 0.3});
+      const auto noise = [&](std::size_t side) { return robots.wheels[side].noise; };
+      CHECK(std::abs(robots.speeds[left] - std::min(left_over / 0.04, 1.0) * noise(left)) < 1e-15);
+      CHECK(!std::signbit(robots.speeds[left]) || left_over > 0);
+      CHECK(std::abs(robots.speeds[right] - (noise(right) + 0.02)) < 1e-15);
+    }
+  }
+}
+
 // Without a lag the acceleration of each period counts as it is.
 void test_push_without_lag() {
   Robots<double> robots = standing<double>(0.01, 0.0);
@@ -215,6 +239,7 @@ int main() {
   test_push_of_a_steady_acceleration<double>();
   test_push_of_a_steady_acceleration<float>();
   test_push_without_lag();
+  test_a_robot_that_stands();
   test_push_of_noise();
   test_acceleration_and_speed_limit<double>();
   test_acceleration_and_speed_limit<float>();
