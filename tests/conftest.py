@@ -29,6 +29,10 @@ sys.dont_write_bytecode = False
 # No test multiplies large matrices, and each of these processes would start threads for them.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+# A checker of addresses, which comes with the tools of the docs: jsonschema would import it, which
+# takes seconds, and no schema here has addresses.
+sys.modules["rfc3987_syntax"] = None  # pyright: ignore[reportArgumentType]
+
 # Each test process has a cache of its own: no result of earlier code is read.
 os.environ["PALMBOTS_CACHE"] = tempfile.mkdtemp(prefix="palmbots-cache-")
 atexit.register(shutil.rmtree, os.environ["PALMBOTS_CACHE"], ignore_errors=True)

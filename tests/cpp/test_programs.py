@@ -24,7 +24,7 @@ MANY = {
     "batch/bitslice_test": "200000",
     "batch/lane_carries_test": "60",
     "control/resilient_world_test": "20000",
-    "runtime/mode_search_test": "1",
+    "runtime/mode_search_test": "2",
     "sim/carry_test": "20",
     "world/fast_step_test": "600000",
 }
@@ -43,6 +43,11 @@ def passes(name: str, *arguments: str, timeout_s: float = 300) -> None:
 def test_core_under_sanitizers(name: str) -> None:
     """Each program of tests/cpp passes, with neither memory errors nor undefined behaviour."""
     passes(name)
+
+
+def test_modes_of_robots_that_rejoin() -> None:
+    """All their states, without sanitizers, which would take four times as long."""
+    passes("runtime/mode_search-O2", "1")
 
 
 @pytest.mark.soak
