@@ -46,6 +46,7 @@ CALLS: dict[str, dict[str, Any]] = {
                "com_y_m": (0.0625, 0.0625), "slope_deg": (0, 1), "region_m": (-0.03125, 0.03125),
                "angle_range_deg": (5, 15), "resolution_deg": 5, "overrides": SHORT},
     "estimate_drop_rate": {"relative_half_width": 1.0, "effort": 50, "seed": 1, "threads": 1,
+                           "budget": 2000,
                            "overrides": {**SHORT, "robot.noise_m_s": 0.03125}},
     "feasible_contact_modes": STATE,
     "learn.run_episode": {"seed": 3},

@@ -15,7 +15,7 @@ from scipy import stats
 import palmbots as pb
 import palmbots._core as _core
 from commands import runner
-from palmbots._util.confidence_intervals import student_t95
+from palmbots._util.confidence_intervals import clopper_pearson, student_t95
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DROPPED, run_seeds
@@ -134,7 +134,48 @@ def test_progress_grows_to_one() -> None:
         overrides=keys, relative_half_width=1.0, effort=50, threads=2, on_progress=values.append
     )
     assert values == sorted(values) and 0 < values[0] < 0.2 and values[-1] == 1
-    assert sum(part < 0.201 for part in values) == PILOT / 4
+
+
+@pytest.mark.parametrize(("events", "n"), [(1, 10), (3, 1000), (997, 1000), (40, 117_472)])
+def test_exact_interval_is_that_of_scipy(events: int, n: int) -> None:
+    low, high = clopper_pearson(events, n)
+    assert low == pytest.approx(stats.beta.ppf(0.025, events, n - events + 1), rel=1e-9)
+    assert high == pytest.approx(stats.beta.ppf(0.975, events + 1, n - events), rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [0.001, 0.02, 0.3])
+def test_exact_interval_covers_at_least_95_percent(rate: float) -> None:
+    """Summed over all outcomes of 200 trials, from the closed form of their chances; 0 of 200 has
+    a one-sided bound."""
+    covered = sum(
+        stats.binom.pmf(k, 200, rate)
+        for k in range(201)
+        if clopper_pearson(k, 200)[0] <= rate <= clopper_pearson(k, 200)[1]
+    )
+    assert covered >= 0.95
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+def test_scene_that_does_not_drop_has_a_bound(noise: float) -> None:
+    keys = {"robot.noise_m_s": noise, "task.distance_m": 0.1}
+    found = estimate_drop_rate(overrides=keys, effort=20, budget=1000, threads=1)
+    assert (found.drop_rate, found.dropped, found.is_narrow) == (0.0, 0, False)
+    assert found.carries <= 1000
+    assert found.interval == (0.0, pytest.approx(1 - 0.05 ** (1 / found.carries)))
+    assert f"drop rate < {found.interval[1]:.2g}" in repr(found)
+    assert found == estimate_drop_rate(overrides=keys, effort=20, budget=1000, threads=3)
+
+
+def test_budget_ends_the_work_and_its_interval_is_as_wide_as_it_has_to_be() -> None:
+    keys = {"robot.noise_m_s": 0.022, "task.distance_m": 0.3}
+    values: list[float] = []
+    wanted = {"overrides": keys, "relative_half_width": 0.02, "effort": 50}
+    found = estimate_drop_rate(**wanted, budget=20_000, on_progress=values.append)
+    assert not found.is_narrow
+    assert "the budget of 20,000 carries allows no narrower interval" in repr(found)
+    assert found.replicates >= 16
+    assert 10_000 < found.equivalent_carries < 20_000
+    assert values == sorted(values) and values[-1] == 1
 
 
 @pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])

@@ -53,6 +53,30 @@ def rate_interval(events: int, n: int) -> tuple[float, float]:
     return (1 - bound, 1.0) if events == n else wilson(events, n)
 
 
+def clopper_pearson(events: int, n: int) -> tuple[float, float]:
+    """The exact 95 % interval of a rate, which covers it at least that often.
+
+    Two-sided; where none or all of `n` are events, one-sided as in `rate_interval`.
+    """
+    if events in (0, n):
+        return rate_interval(events, n)
+    return _quantile(events, n, 0.975), _quantile(events + 1, n, 0.025)
+
+
+def _quantile(events: int, n: int, below: float) -> float:
+    """The rate at which fewer than `events` of `n` are events with the probability `below`."""
+    fewer = np.arange(events)
+    logs = np.concatenate([[0.0], np.cumsum(np.log((n - fewer) / (fewer + 1)))])[:-1]
+    low, high = 0.0, 1.0
+    while high - low > 1e-12 * high:
+        rate = 0.5 * (low + high)
+        if not low < rate < high:
+            break
+        chance = np.exp(logs + fewer * np.log(rate) + (n - fewer) * np.log1p(-rate)).sum()
+        low, high = (rate, high) if chance > below else (low, rate)
+    return high
+
+
 def rate_text(events: int, n: int) -> str:
     """A rate in per cent with its 95 % interval: "18.2 % (16.0–20.7)", or "< 0.30 %" for none."""
     low, high = (100 * end for end in rate_interval(events, n))

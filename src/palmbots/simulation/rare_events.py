@@ -8,6 +8,10 @@ estimate of the drop rate (`sim/multilevel_splitting.hpp` has the derivation). A
 levels, and pilot replicates estimate how many replicates are needed: at least a quarter of that
 number, because fewer would estimate the scatter poorly. Neither counts in the result: an estimate
 that also decides when to stop would be too low on average.
+
+The work is limited by a budget, counted in whole carries. The pilot run also states what a
+replicate costs, and so how many the budget allows. Where these are too few, or no pilot replicate
+drops the object, plain carries use up the budget instead and give an exact bound.
 """
 
 from __future__ import annotations
@@ -24,15 +28,16 @@ import palmbots._core as _core
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import seed_of, whole_number
 from palmbots._util.command import Option, command
-from palmbots._util.confidence_intervals import student_t95
+from palmbots._util.confidence_intervals import clopper_pearson, student_t95
 from palmbots._util.report import Item, Line, Table, bold, quiet
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.control.registry import ControllerLike, refuse_reference, resolve
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.simulation.batch import available_cores
-from palmbots.simulation.prepare import prepare
+from palmbots.simulation.batch import DROPPED, available_cores
+from palmbots.simulation.outcome_counts import carry_seeds
+from palmbots.simulation.prepare import Prepared, prepare
 
 SHARE = 0.4
 """The fraction of the carries from one level that reaches the next one."""
@@ -44,6 +49,10 @@ PILOT = 12
 """The smallest number of pilot replicates."""
 FEWEST, MOST = 16, 10_000
 """Limits of the number of replicates that count."""
+BUDGET = 200_000
+"""Carries."""
+_AT_ONCE = 16  # replicates between two checks of the budget; not a matter of threads
+_SEEDS_APART = 2**41  # plain carries share no seeds with those of other commands
 # More replicates than the scatter of the pilot requires, because that scatter is an estimate: at
 # one drop in a million three of four intervals reach the wanted width of 20 %; with 1.3 it was
 # three of five.
@@ -56,7 +65,16 @@ class DropRate(Result):
 
     drop_rate: float
     interval: Interval
-    """95 %, by Student's t over the replicates; its low end is not below 0."""
+    """95 %: by Student's t over the replicates, with a low end not below 0; of plain carries,
+    Clopper and Pearson's, which is one-sided where none was dropped."""
+    carries: int
+    """Plain carries that count; 0: the replicates of the splitting count."""
+    dropped: int
+    """Of the plain carries."""
+    budget: int
+    """What the work may cost, in carries, with the pilot run."""
+    is_narrow: bool
+    """Whether the budget was enough for an interval about as narrow as asked for."""
     levels: tuple[float, ...]
     """|p| as fractions of the palm's half-length."""
     conditional_probabilities: tuple[float, ...]
@@ -74,21 +92,35 @@ class DropRate(Result):
     scene: Scene
 
     def lines(self) -> Iterator[Item]:
-        """The rate, and the levels of the splitting."""
+        """The rate or its bound, and the levels of the splitting."""
         low, high = self.interval
-        yield Line(bold(f"drop rate {self.drop_rate:.2g}"), f", 95 % {low:.2g} to {high:.2g}")
+        if self.carries and not self.dropped:
+            yield Line(bold(f"drop rate < {high:.2g}"), ", 95 %")
+        else:
+            yield Line(bold(f"drop rate {self.drop_rate:.2g}"), f", 95 % {low:.2g} to {high:.2g}")
         yield quiet(f"{self.controller}, seed {self.seed}")
         if 0 < self.drop_rate < 0.1:
             yield f"one carry in {1 / self.drop_rate:,.0f} drops the object"
-        if self.levels:
+        if self.carries:
+            counts = f"{self.dropped:,} of {self.carries:,} plain carries dropped"
+            yield f"{counts}; splitting gave no rate"
+        elif self.levels:
             heads = ("level (% of the palm's half-length)", "reached from the level before")
             reached = zip(self.levels, self.conditional_probabilities, strict=True)
             rows = [(f"{100 * level:.0f} %", f"{100 * part:.1f} %") for level, part in reached]
             yield Table(rows, heads, right=heads)
-        yield quiet(
-            f"{plural(self.replicates, 'replicate')} of {plural(self.effort, 'carry')} per stage; "
-            f"cost: as {self.equivalent_carries:,.0f} whole carries"
-        )
+        if not self.is_narrow:
+            yield f"the budget of {self.budget:,} carries allows no narrower interval (--budget)"
+        if not self.carries:
+            yield quiet(
+                f"{plural(self.replicates, 'replicate')} of {plural(self.effort, 'carry')} per "
+                f"stage; cost: as {self.equivalent_carries:,.0f} whole carries"
+            )
+            if self.effort < EFFORT:
+                yield quiet(
+                    f"with fewer than {EFFORT} carries per stage, about one interval in ten lies "
+                    "below the true rate"
+                )
 
 
 @command(
@@ -98,6 +130,7 @@ class DropRate(Result):
     progress="splitting",
     relative_half_width=Option("--relative-error-percent", percent=True, least=0.01, most=1.0),
     effort=Option(least=10, most=100_000),
+    budget=Option(least=1000, most=10**9),
 )
 def estimate_drop_rate(
     scene: SceneLike = "paper",
@@ -105,6 +138,7 @@ def estimate_drop_rate(
     *,
     relative_half_width: float = 0.2,
     effort: int = EFFORT,
+    budget: int = 200_000,
     seed: int = 0,
     threads: int | None = None,
     overrides: Overrides = None,
@@ -112,7 +146,8 @@ def estimate_drop_rate(
 ) -> DropRate:
     """Estimate a drop rate, down to one in a billion.
 
-    The method is multilevel splitting; the estimate has a 95 % interval.
+    The method is multilevel splitting; the estimate has a 95 % interval. Where the budget is too
+    small for it, or nothing drops, plain carries give an upper bound.
 
     Args:
         scene: as in `palmbots.carry`.
@@ -120,18 +155,21 @@ def estimate_drop_rate(
             under way, and a Python controller cannot be copied.
         relative_half_width: half-width of the 95 % interval, relative to the rate. The interval
             may be wider: the number of replicates is an estimate too, and at most 10000 count.
-        effort: carries in each stage of the splitting.
+        effort: carries in each stage of the splitting. With fewer than the default, the interval
+            lies below the true rate more often than its 2.5 %.
+        budget: what the work may cost, in whole carries.
         seed: random seed.
         threads: worker threads; None: one per processor.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
 
     Note:
-        Runs in double precision. The result depends on the arguments, not on the number of threads.
+        Runs in double precision. The result depends on the arguments, not on the number of threads
+        or their speed.
 
     Raises:
         SceneError: the scene cannot be read, is invalid, or is refused by the controller.
-        PalmbotsError: another argument is not allowed, or no random input moves a contact outward.
+        PalmbotsError: another argument is not allowed.
     """
     entry = resolve(controller)
     refuse_reference(entry, "a drop rate")
@@ -143,59 +181,136 @@ def estimate_drop_rate(
     seed = seed_of(seed)
     workers = available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
     prepared = prepare(load_scene(scene, overrides), entry)
-    chosen, spec = prepared.scene, prepared.spec
-    report = on_progress or (lambda fraction: None)
-    core = entry.for_core(spec)
-    levels = _core.choose_levels(spec, core, seed, max(effort, 1000), SHARE)
-
-    def run(first: int, count: int, part: Interval) -> tuple[NDArray[Any], int]:
-        """Stages (reached, drops) of replicates; a few at a time, so that Ctrl-C is noticed."""
-        rows, ticks = [], 0
-        step = 2 * workers
-        for at in range(first, first + count, step):
-            more = min(step, first + count - at)
-            stages, spent = _core.replicates(spec, core, seed, effort, levels, at, more, workers)
-            rows += stages
-            ticks += spent
-            report(part[0] + (part[1] - part[0]) * (at + more - first) / count)
-        return np.array(rows, float), ticks
-
-    pilot, _ = run(0, PILOT, (0.0, 0.2))
-    spent = 0.2
-    while True:
-        before = _estimates(pilot, effort)
-        if not before.any():
-            raise PalmbotsError(
-                f"drop-rate: none of {PILOT} times {effort} carries dropped, with "
-                f"{plural(len(levels), 'level')} up to {max(levels, default=0.0):.2f} of the "
-                "palm's half-length; allowed: scenes that may drop by chance, or a greater effort"
-            )
-        count = _needed(before, relative_half_width)
-        first = len(pilot)
-        more = math.ceil(count / 4) - first
-        if more <= 0:
-            break
-        further, _ = run(first, more, (spent, 0.5 * (spent + 0.4)))
-        pilot = np.concatenate([pilot, further])
-        spent = 0.5 * (spent + 0.4)
-    stages, ticks = run(first, count, (spent, 1.0))
-    estimates = _estimates(stages, effort)
-    rate = float(estimates.mean())
-    half = student_t95(count - 1) * float(estimates.std(ddof=1)) / math.sqrt(count)
-    duration_s = chosen.task.distance_m / chosen.robot_of("left").speed_m_s
+    run = _Splitting(
+        prepared, seed, effort, budget, workers, on_progress or (lambda fraction: None)
+    )
+    rows = run.pilot(relative_half_width)
+    pilot = len(rows)
+    count = run.wanted(rows, relative_half_width)
+    affordable = run.affordable(pilot)
+    is_narrow = count <= affordable
+    count = min(count, affordable)
+    levels, fractions, cost = tuple(run.levels), (), 0.0
+    carries = dropped = 0
+    if count >= FEWEST:
+        spent = run.ticks
+        stages = run.replicates(pilot, count, run.planned(pilot, count))
+        estimates = _estimates(stages, effort)
+        rate = float(estimates.mean())
+        half = student_t95(count - 1) * float(estimates.std(ddof=1)) / math.sqrt(count)
+        interval = max(rate - half, 0.0), min(rate + half, 1.0)
+        fractions, cost = tuple(_fractions(stages, effort)), run.carries(run.ticks - spent)
+    else:
+        count, is_narrow = 0, False
+        carries = cost = max(1000, budget - round(run.carries(run.ticks)))
+        dropped = run.plain(carries)
+        rate, interval = dropped / carries, clopper_pearson(dropped, carries)
+    run.report(1.0)
     return DropRate(
         drop_rate=rate,
-        interval=(max(rate - half, 0.0), min(rate + half, 1.0)),
-        levels=tuple(levels),
-        conditional_probabilities=tuple(_fractions(stages, effort)),
+        interval=interval,
+        carries=carries,
+        dropped=dropped,
+        budget=budget,
+        is_narrow=is_narrow,
+        levels=levels if fractions else (),
+        conditional_probabilities=fractions,
         replicates=count,
-        pilot_replicates=first,
+        pilot_replicates=pilot,
         effort=effort,
-        equivalent_carries=ticks * spec.period / duration_s,
+        equivalent_carries=float(cost),
         controller=entry.name,
         seed=seed,
-        scene=chosen,
+        scene=prepared.scene,
     )
+
+
+class _Splitting:
+    """The replicates of one scene, what they cost, and what is left of the budget."""
+
+    def __init__(
+        self,
+        prepared: Prepared,
+        seed: int,
+        effort: int,
+        budget: int,
+        workers: int,
+        on_progress: Callable[[float], None],
+    ) -> None:
+        scene = prepared.scene
+        self._prepared, self._seed, self._effort = prepared, seed, effort
+        self._budget, self._workers, self._on_progress = budget, workers, on_progress
+        self._core = prepared.controller.for_core(prepared.spec)
+        self._duration_s = scene.task.distance_m / scene.robot_of("left").speed_m_s
+        self.levels = _core.choose_levels(prepared.spec, self._core, seed, max(effort, 1000), SHARE)
+        self.ticks = 0
+        self._fraction = 0.0
+
+    def report(self, fraction: float) -> None:
+        """Report progress, which never falls."""
+        self._fraction = max(self._fraction, fraction)
+        self._on_progress(self._fraction)
+
+    def carries(self, ticks: float) -> float:
+        """How many whole carries last that many ticks."""
+        return ticks * self._prepared.spec.period / self._duration_s
+
+    def affordable(self, pilot: int) -> int:
+        """How many replicates the rest of the budget allows."""
+        each = self.carries(self.ticks) / max(pilot, 1)
+        return int((self._budget - self.carries(self.ticks)) / each) if each > 0 else 0
+
+    def planned(self, pilot: int, count: int) -> float:
+        """The completed fraction after the pilot run, where `count` more replicates follow."""
+        return pilot / (pilot + count)
+
+    def pilot(self, half_width: float) -> NDArray[Any]:
+        """At least `PILOT` replicates and a quarter of those wanted, or half of the budget."""
+        rows = np.zeros((0, len(self.levels) + 1, 2))
+        target = PILOT
+        while len(rows) < target and self.carries(self.ticks) < self._budget / 2:
+            at = len(rows)
+            half = self._budget / 2 - self.carries(self.ticks)
+            each = self.carries(self.ticks) / at if at else half / 2
+            more = max(1, min(target - at, _AT_ONCE, int(half / max(each, 1e-9))))
+            rows = np.concatenate([rows, self._run(at, more)])
+            self.report(self.carries(self.ticks) / self._budget)
+            if len(rows) >= target:
+                wanted = min(self.wanted(rows, half_width), self.affordable(len(rows)))
+                target = max(target, math.ceil(wanted / 4)) if wanted else target
+        return rows
+
+    def wanted(self, rows: NDArray[Any], half_width: float) -> int:
+        """How many replicates give the wanted interval; 0: the pilot run does not say."""
+        before = _estimates(rows, self._effort)
+        return _needed(before, half_width) if len(rows) >= PILOT and before.any() else 0
+
+    def replicates(self, first: int, count: int, start: float) -> NDArray[Any]:
+        """Stages (reached, drops) of replicates; a few at a time, so that Ctrl-C is noticed."""
+        found = []
+        for at in range(0, count, _AT_ONCE):
+            more = min(_AT_ONCE, count - at)
+            found.append(self._run(first + at, more))
+            self.report(start + (1 - start) * (at + more) / count)
+        return np.concatenate(found)
+
+    def _run(self, first: int, count: int) -> NDArray[Any]:
+        stages, ticks = _core.replicates(
+            self._prepared.spec, self._core, self._seed, self._effort, self.levels, first, count,
+            self._workers,
+        )  # fmt: skip
+        self.ticks += ticks
+        return np.array(stages, float)
+
+    def plain(self, carries: int) -> int:
+        """How many of so many plain carries drop the object."""
+        first = (self._seed + _SEEDS_APART) % 2**64
+        start = self._fraction
+        found = carry_seeds(
+            self._prepared, first, carries,
+            report=lambda fraction: self.report(start + (1 - start) * fraction),
+        )  # fmt: skip
+        return int(np.count_nonzero(found["outcome"] == DROPPED))
 
 
 def _estimates(stages: NDArray[Any], effort: int) -> NDArray[Any]:
