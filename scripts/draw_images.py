@@ -42,7 +42,7 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
         "figure6.png": "out/figure6.png",
     },
     "palmbots noise-limit --out out": {"noise_limit.png": "out/noise_limit.png"},
-    "palmbots bound --speeds stopping --out out": {"bound.png": "out/bound.png"},
+    "palmbots bound --out out": {"bound.png": "out/bound.png"},
     "palmbots design --out out": {"design.png": "out/design.png"},
     "palmbots design --maximize com --friction 0.3 0.5 --common-friction --region palm --out out": {
         "design-com.png": "out/design.png"

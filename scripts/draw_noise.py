@@ -52,8 +52,8 @@ def figure() -> Figure:
         footnote(
             drawn,
             f"{carries} carries per point, the same seeds; bars: 95 % intervals; where nothing "
-            "dropped there is no point\ngrey area: no controller can drop so few; open marks: "
-            "references that know more than robots can",
+            "dropped there is no point\ngrey area: robots that keep driving cannot drop so few; "
+            "open marks: references that know more than robots can",
         )
     return drawn
 

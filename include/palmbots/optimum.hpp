@@ -9,4 +9,5 @@
 #include "palmbots/optimum/optimal_team.hpp"
 #include "palmbots/optimum/reference_team.hpp"
 #include "palmbots/optimum/sign_filter.hpp"
+#include "palmbots/optimum/standing_team.hpp"
 #include "palmbots/optimum/value_iteration.hpp"

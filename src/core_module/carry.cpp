@@ -11,6 +11,7 @@
 #include "given_team.hpp"
 #include "palmbots/optimum/linear_team.hpp"
 #include "palmbots/optimum/optimal_team.hpp"
+#include "palmbots/optimum/standing_team.hpp"
 
 namespace palmbots::bindings {
 
@@ -64,6 +65,9 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
   }
   if (nb::isinstance<LinearFeedback>(controller)) {
     return run_with(LinearTeam(nb::cast<const LinearFeedback&>(controller), spec));
+  }
+  if (nb::isinstance<StandingFeedback>(controller)) {
+    return run_with(StandingTeam(nb::cast<const StandingFeedback&>(controller), spec));
   }
   return with_given_team(controller, spec, seed, run_with);
 }

@@ -8,6 +8,7 @@
 #include "bindings.hpp"
 #include "palmbots/optimum/linear_team.hpp"
 #include "palmbots/optimum/optimal_team.hpp"
+#include "palmbots/optimum/standing_team.hpp"
 #include "palmbots/optimum/value_iteration.hpp"
 
 namespace palmbots::bindings {
@@ -74,13 +75,20 @@ void bind_optimum(nb::module_& m) {
                              "A reference with linear feedback of the contact coordinates.")
       .def(
           "__init__",
-          [](LinearFeedback* self, bool exact, bool may_stop) {
-            new (self) LinearFeedback{exact, may_stop};
+          [](LinearFeedback* self, bool exact, bool may_stop, double time_s) {
+            new (self) LinearFeedback{exact, may_stop, time_s};
           },
-          nb::arg("exact"), nb::arg("may_stop"),
+          nb::arg("exact"), nb::arg("may_stop"), nb::arg("time_s") = LinearFeedback{}.time_s,
           "exact: it reads the coordinates; otherwise a Kalman filter estimates them from signs.")
       .def_ro("time_s", &LinearFeedback::time_s,
               "In which the sum of the contact coordinates is to vanish.");
+
+  nb::class_<StandingFeedback>(m, "StandingFeedback",
+                               "A reference that lets the robots stand in unfavourable noise.")
+      .def(
+          "__init__",
+          [](StandingFeedback* self, bool creeps) { new (self) StandingFeedback{creeps}; },
+          nb::arg("creeps"), "creeps: moved by noise alone, the robots stand within a tick.");
 
   nb::class_<OpeningSolution>(m, "OpeningSolution", "What value iteration found, in SI units.")
       .def_ro("drop", &OpeningSolution::drop, "Probability of a drop in a carry.")

@@ -72,6 +72,8 @@ _OFFERS = {
         "exact-p-stopping": "palmbots.optimum.linear_controllers:EXACT_P_STOPPING",
         "kalman": "palmbots.optimum.linear_controllers:KALMAN",
         "kalman-stopping": "palmbots.optimum.linear_controllers:KALMAN_STOPPING",
+        "standing": "palmbots.optimum.standing_controllers:STANDING",
+        "creeping": "palmbots.optimum.standing_controllers:CREEPING",
     },
     "figure": {"those of viz": "palmbots.viz"},
     "writer": {"figure": "palmbots.viz:write_figure"},

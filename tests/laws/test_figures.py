@@ -79,7 +79,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
         angles = {"angle_range_deg": (5, 15), "resolution_deg": 2.5}
         yield "palm-angles", pb.design("paper", maximize=quantity, **angles)
     yield "noise_limit", pb.noise_limit("paper", drop_rate=0.2, **COARSE)
-    yield "bound", pb.bound("paper", overrides=SHORT)
+    yield "bound", pb.bound("paper", "corrections", overrides=SHORT)
     law = [LawPoint(key, f, 0.04 * f, 0.041 * f) for key in KEYS for f in (1.0, 2.0)]
     yield "design-law", DesignLaw(tuple(law), Scene())
     yield "validation", pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1)

@@ -145,7 +145,7 @@ def noise_limit() -> NoiseLimit:
 # One of each kind of result; `folder` is an empty one.
 EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "Analysis": lambda folder: analysis(),
-    "Bound": lambda folder: pb.bound("paper", overrides=SHORT),
+    "Bound": lambda folder: pb.bound("paper", "corrections", overrides=SHORT),
     "Bounds": lambda folder: bounds_of(Scene()),
     "DriftBudget": lambda folder: DriftBudget(0.035, 0.01, 0.02, 16, 7.2, False, 0.0),
     "Carry": lambda folder: pb.carry("paper", overrides=SHORT),

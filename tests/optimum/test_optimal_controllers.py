@@ -88,7 +88,7 @@ def test_scenes_with_little_noise_are_delivered(name: str, change: dict[str, obj
 def test_noise_limit_of_the_reference_is_below_the_bound() -> None:
     short = {"task.distance_m": 0.3}
     limit = pb.noise_limit("paper", "optimal", relative_half_width=0.1, overrides=short)
-    most = pb.bound("paper", overrides=short).sigma_star_m_s
+    most = pb.bound("paper", "corrections", overrides=short).sigma_star_m_s
     assert limit.interval[0] < most
     assert limit.sigma_star_m_s > 0.9 * most
 

@@ -22,19 +22,21 @@ enum class AdmissibleSpeeds : std::uint8_t { corrections, stopping };
 
 // The opening problem of a scene, in SI units.
 struct OpeningProblem {
-  double lowest = 0;       // separation beyond which the object falls [m]
-  double highest = 0;      // [m]
-  double start = 0;        // [m]
-  double slowest = 0;      // least commanded opening speed [m/s]
-  double fastest = 0;      // [m/s]
-  double change = 0;       // largest change of the commanded speed in a decision [m/s]
-  double bias = 0;         // of the opening speed [m/s]
-  double noise = 0;        // stationary standard deviation of the opening speed [m/s]
-  double memory = 0;       // share of the noise that remains after a decision
-  double period = 0;       // of decisions [s]
-  double duration = 0;     // of a carry at nominal speed [s]
-  double distance = 0;     // [m]
-  PerSide<double> most{};  // largest commanded speed of the follower [0] and the leader [1] [m/s]
+  double lowest = 0;    // separation beyond which the object falls [m]
+  double highest = 0;   // [m]
+  double start = 0;     // [m]
+  double slowest = 0;   // least commanded opening speed [m/s]
+  double fastest = 0;   // [m/s]
+  double change = 0;    // largest change of the commanded speed in a decision [m/s]
+  double bias = 0;      // of the opening speed [m/s]
+  double noise = 0;     // stationary standard deviation of the opening speed [m/s]
+  double memory = 0;    // share of the noise that remains after a decision
+  double period = 0;    // of decisions [s]
+  double duration = 0;  // of a carry at nominal speed [s]
+  double distance = 0;  // [m]
+  // Largest commanded speed of the follower [0] and the leader [1], plus the bias of the midpoint
+  // [m/s].
+  PerSide<double> most{};
   // Drop probability that a metre of progress is worth [1/m]; 0: progress does not count.
   double price = 0;
 
@@ -101,12 +103,13 @@ inline OpeningProblem opening_problem_of(const Spec& spec, AdmissibleSpeeds spee
     const double travel = speeds == AdmissibleSpeeds::corrections ? robot.speed : 0;
     return limited(robot, travel - robot.correction);
   };
-  problem.most = {most(behind), most(ahead)};
+  const double together = 0.5 * (ahead.bias + behind.bias);  // bias of the midpoint
+  problem.most = {most(behind) + together, most(ahead) + together};
   problem.slowest = least(ahead) - most(behind);
   problem.fastest = most(ahead) - least(behind);
   const double speed = 0.5 * (ahead.speed + behind.speed);
   // Half of the time of acceleration is lost.
-  problem.duration = spec.distance / speed + speed / acceleration;
+  problem.duration = spec.distance / larger(speed + together, 1e-3) + speed / acceleration;
   problem.distance = spec.distance;
   return problem;
 }

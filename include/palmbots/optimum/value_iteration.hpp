@@ -144,6 +144,11 @@ class ValueIteration {
       speeds_.push_back(problem.slowest + span * double(j) / double(speeds));
     }
     for (std::size_t j = 0; j <= speeds; ++j) choices_.push_back(choices_at(j));
+    for (const double speed : speeds_) {
+      const double gain = problem_.progress(speed) * problem_.period;
+      least_gain_ = smaller(least_gain_, gain);
+      most_gain_ = larger(most_gain_, gain);
+    }
     const std::size_t size = speeds_.size() * noise_.rows.size() * width_;
     drop_.resize(size);
     after_drop_.resize(size);
@@ -156,6 +161,7 @@ class ValueIteration {
 
   // One more decision to go.
   void step() {
+    ++steps_;
     for (std::size_t j = 0; j < speeds_.size(); ++j) {
       move(j, drop_, after_drop_, 1, 0);
       if (counts_progress_) {
@@ -287,9 +293,12 @@ class ValueIteration {
       } else {
         const double* c = after_progress_.data() + row(choice.below, i);
         const double* d = choice.above > 0 ? c + row(1, 0) : c;
+        const double lowest = least_gain_ * double(steps_);
+        const double highest = most_gain_ * double(steps_);
         for (std::size_t x = 1; x <= cells_ + 1; ++x) {
           const double found = clamp((1 - u) * a[x] + u * b[x], 0.0, 1.0);
-          const double gained = (1 - u) * c[x] + u * d[x];
+          // Interpolation overshoots; what no decisions can reach is cut off, as for the drops.
+          const double gained = clamp((1 - u) * c[x] + u * d[x], lowest, highest);
           const double by = (found - drop[x]) - problem_.price * (gained - progress[x]);
           const bool is_better = is_first || by < 0;
           drop[x] = is_better ? found : drop[x];
@@ -326,6 +335,9 @@ class ValueIteration {
   std::size_t width_;
   detail::NoiseTransition noise_;
   bool counts_progress_;
+  std::size_t steps_ = 0;
+  double least_gain_ = 0;  // progress of a decision, or none after a drop [m]
+  double most_gain_ = 0;   // [m]
   std::vector<double> speeds_;
   std::vector<std::vector<Choice>> choices_;
   std::vector<double> drop_, after_drop_, progress_, after_progress_, shifted_;

@@ -20,7 +20,7 @@ from palmbots._util.atomic_files import folder, write_whole
 from palmbots._version import __version__
 from palmbots.errors import PalmbotsError
 
-_METHOD = 1
+_METHOD = 2
 """Raised whenever the method or the grids change the numbers."""
 
 

@@ -31,5 +31,7 @@ def draw(result: "Bound") -> Figure:
             title=f"Least drop rate at {100 * result.sigma_star_m_s:.3g} cm/s ({result.speeds})",
         )
         plain_numbers(axes.yaxis)
-        footnote(figure, "no controller drops the object less often in carries of this duration")
+        footnote(
+            figure, "robots that keep driving cannot drop less often in carries of this duration"
+        )
         return figure

@@ -98,6 +98,7 @@ def compare_with_law(
             started = len(points) / count
             found = drop_bound.bound(
                 base,
+                "corrections",
                 overrides={key: factor * _value(base, key)},
                 on_progress=lambda part, started=started: report(started + part / count),
             )

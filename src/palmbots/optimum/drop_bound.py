@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What no controller can beat: the least drop rate of a scene, and the greatest noise."""
+"""What no controller can beat whose robots keep driving: the least drop rate of a scene, and the
+greatest noise."""
 
 from __future__ import annotations
 
@@ -60,14 +61,16 @@ class FrontPoint:
 
 @dataclass(frozen=True, repr=False)
 class Bound(Result):
-    """The noise and the drop rate that no controller can beat in a scene."""
+    """The noise and the drop rate that no controller can beat whose robots keep driving."""
 
     sigma_star_m_s: float
-    """The greatest ``robot.noise_m_s`` at which a controller can drop only the fraction `rate`."""
+    """The greatest ``robot.noise_m_s`` at which a controller can drop only the fraction `rate`.
+
+    It contains `grid_error`."""
     grid_error: float
-    """Estimated error of `sigma_star_m_s` that the grids cause, as a fraction of it."""
+    """Error that the grids may cause, estimated from coarser ones, as a fraction of σ*."""
     drop_rate: float
-    """The least fraction of carries that drop at the scene's own noise."""
+    """The least fraction of carries that drop at the scene's own noise, less the `grid_error`."""
     noise_m_s: float
     """The scene's own noise."""
     rate: float
@@ -91,12 +94,17 @@ class Bound(Result):
         """The noise, what it means, and the least drop rate over the duration."""
         star = f"{100 * self.sigma_star_m_s:.3g} cm/s"
         yield Line(
-            bold(f"σ* at most {star}"), f", error of the grids {100 * self.grid_error:.2f} %"
+            bold(f"σ* at most {star} for robots that keep driving"),
+            f", with {100 * self.grid_error:.2f} % for the grids",
         )
         yield quiet(_MEANING[self.speeds])
         yield (
-            f"at more noise, every controller drops the object in more than {100 * self.rate:g} % "
-            "of carries"
+            f"at more noise, more than {100 * self.rate:g} % of carries drop, whatever a "
+            "controller knows"
+        )
+        yield (
+            "a robot that stands has no noise: controllers that let robots stand are not bounded "
+            "(palmbots carry -c creeping)"
         )
         rate = f"{self.drop_rate:.2g}" if self.drop_rate >= 1e-9 else "below 1e-9"
         yield f"least drop rate at the scene's noise of {100 * self.noise_m_s:g} cm/s: {rate}"
@@ -117,12 +125,15 @@ _NUMBERS = (
     "sigma_star_m_s", "grid_error", "drop_rate", "rate", "speeds", "time_s", "law_m_s",
     "opening_speed_m_s", "usable_m",
 )  # fmt: skip
-_MEANING = {"corrections": "corrections only", "stopping": "robots may stop"}
+_MEANING = {
+    "corrections": "nominal speed with corrections",
+    "stopping": "any speed from the correction backwards to nominal speed plus correction",
+}
 
 
 @command(
     order=97,
-    example="palmbots bound --speeds stopping",
+    example="palmbots bound --speeds corrections",
     progress="solving",
     figure="bound.png",
     speeds=Option(metavar="NAME"),
@@ -130,37 +141,39 @@ _MEANING = {"corrections": "corrections only", "stopping": "robots may stop"}
 )
 def bound(
     scene: SceneLike = "paper",
-    speeds: str = "corrections",
+    speeds: str = "stopping",
     *,
     drop_rate: float = 0.01,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Bound:
-    """Compute what no controller can beat.
+    """Compute what no controller can beat whose robots keep driving.
 
-    The result is the greatest noise at which any controller can drop as few as 1 % of carries, and
-    the least drop rate at the scene's own noise.
+    The result is the greatest noise at which such a controller can drop as few as 1 % of carries,
+    and the least drop rate at the scene's own noise. A robot that stands with its brakes on has no
+    noise, so controllers that let robots stand are not bounded.
 
-    With `speeds` corrections the robots keep their nominal speed and add opposite corrections. With
-    `speeds` stopping they may also stop.
+    With `speeds` stopping the robots may stop travelling and still correct. With `speeds`
+    corrections they keep their nominal speed and add opposite corrections.
 
     Args:
         scene: as in `palmbots.carry`.
-        speeds: ``corrections`` or ``stopping``. Corrections: nominal speed with equal and opposite
-            corrections. Stopping: each robot from its correction backwards to nominal speed
-            plus correction.
+        speeds: ``stopping`` or ``corrections``. Stopping: each robot from its correction backwards
+            to nominal speed plus correction. Corrections: nominal speed with equal and opposite
+            corrections.
         drop_rate: share of carries that drop at the limit.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
 
     Note:
         With ``corrections`` the bound holds for controllers whose carries take at least their
-        nominal time; with ``stopping``, for all. Results are kept in the user's cache folder, by a
-        hash of the scene.
+        nominal time; with ``stopping``, for carries of any duration. Results are kept in the user's
+        cache folder, by a hash of the scene.
 
     Raises:
-        SceneError: the scene is invalid, or has a curved path, bumps, or different correlation
-            times of the noise.
+        SceneError: the scene is invalid, or has a curved path, bumps, pushes, reboots, a pair that
+            its biases stop, an outline that reaches below or beyond its contacts, or different
+            correlation times of the noise.
         PalmbotsError: another argument is not allowed, or the least drop rate does not pass the
             given one between 0.0001 and 1 m/s of noise.
     """
@@ -205,12 +218,13 @@ class _Search:
         near = math.exp(x)
         fine = self.solution(near, FINE)
         sigma = math.exp(x - (_quantile(fine.drop) - target) / slope)
+        error = self._grid_error(near, fine.drop, slope)
         problem = self._problem(sigma)
         noise = self.base.robot.noise_m_s
-        own = self.solution(noise, FINE if noise > sigma / 2 else COARSE)
+        own = self.solution(noise / (1 + error), FINE if noise > sigma / 2 else COARSE)
         return {
-            "sigma_star_m_s": sigma,
-            "grid_error": self._grid_error(near, fine.drop, slope),
+            "sigma_star_m_s": sigma * (1 + error),
+            "grid_error": error,
             "drop_rate": max(own.drop, 0.0),
             "rate": self.rate,
             "speeds": self.speeds,
@@ -249,8 +263,14 @@ class _Search:
         start = law_m_s(self._problem(0.01), self.base.robot_of("left").noise_tau_s)
         low, high = self._bracket(math.log(min(max(start, 2 * LEAST_M_S), MOST_M_S / 2)), target)
         x = self._crossing(low, high, target)
-        rise = self._error(x + _STEP, target) - self._error(x - _STEP, target)
-        return x, rise / (2 * _STEP)
+        step = _STEP
+        while True:  # rounding may hide a small step
+            rise = self._error(x + step, target) - self._error(x - step, target)
+            if rise > 0:
+                return x, rise / (2 * step)
+            if step > 1:
+                raise self._unreached("about", x)
+            step *= 2
 
     def _error(self, x: float, target: float) -> float:
         return _quantile(self.solution(math.exp(x), COARSE).drop) - target

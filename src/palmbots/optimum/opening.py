@@ -10,6 +10,8 @@ of the palms (docs/theory/optimum.md). Two sets of speeds are admissible:
 ``stopping``
     Each robot has any speed from its correction backwards to nominal speed plus correction. Speed
     costs safety, so the time of the carry is optimized too.
+
+Both describe robots that keep driving: a robot that stands with its brakes on has no noise.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from palmbots._core import OpeningProblem as OpeningProblem
 from palmbots._core import OpeningSolution as OpeningSolution
 from palmbots._core import OptimalController as OptimalController
 from palmbots._core import Spec as Spec
+from palmbots._core import StandingFeedback as StandingFeedback
 from palmbots._core import opening_problem as _opening_problem
 from palmbots._core import solve_opening as _solve_opening
 from palmbots._util.arguments import one_of
@@ -37,6 +40,7 @@ _MOST_PRICES = 8  # the iteration converges in two or three
 _PRICE_ACCURACY = 1e-2  # a relative error of this size costs less than 1e-4 of the drop rate
 _LEAST_PRICE = 1e-9  # drops per metre
 _NEVER = 1e-9  # drops per second
+_ROUNDING_M = 1e-9  # of an outline
 
 
 @dataclass(frozen=True)
@@ -62,9 +66,16 @@ COARSE = Grid(80, 40, 1.0)
 
 
 def refuse_unfit(scene: Scene) -> None:
-    """Raise `SceneError` for a scene whose noise or bumps the opening problem cannot describe."""
-    if scene.bumps.script or scene.bumps.rate_per_m > 0:
-        raise SceneError("bumps: the optimum does not know them; allowed: no bumps")
+    """Raise `SceneError` for a scene that the opening problem cannot describe."""
+    if scene.bumps.script or scene.bumps.rate_per_m > 0 or scene.bumps.pushes:
+        raise SceneError("bumps: the optimum does not know them; allowed: no bumps and no pushes")
+    if scene.faults.random_reboots or any(
+        fault.kind in {"reboot", "freeze"} for fault in scene.faults.script
+    ):
+        raise SceneError(
+            "faults: a robot that reboots or freezes may stand, and the optimum knows robots that "
+            "drive only; allowed: other faults"
+        )
     left, right = scene.robot_of("left"), scene.robot_of("right")
     differ = left.noise_tau_s != right.noise_tau_s
     if differ and left.noise_m_s > 0 and right.noise_m_s > 0:
@@ -72,6 +83,27 @@ def refuse_unfit(scene: Scene) -> None:
             f"robot.noise_tau_s: {left.noise_tau_s:g} (left) and {right.noise_tau_s:g} (right) "
             "differ; allowed: the same for both robots"
         )
+    if left.speed_m_s + right.speed_m_s + left.bias_m_s + right.bias_m_s <= 0:
+        raise SceneError(
+            "robot.bias_m_s: the pair does not travel forwards; allowed: less bias than speed"
+        )
+    _refuse_outline(scene)
+
+
+def _refuse_outline(scene: Scene) -> None:
+    """Refuse an outline that can rest on a palm's tip, or flat on a palm, beyond its contacts."""
+    body = scene.object
+    (ox, oy), (rx, ry) = (body.vertices_m[k] for k in body.contacts)
+    width = body.width_m
+    along = ((rx - ox) / width, (ry - oy) / width)
+    for index, (x, y) in enumerate(body.vertices_m):
+        forward = (x - ox) * along[0] + (y - oy) * along[1]
+        up = (y - oy) * along[0] - (x - ox) * along[1]
+        if up < -_ROUNDING_M or not -_ROUNDING_M <= forward <= width + _ROUNDING_M:
+            raise SceneError(
+                f"object.vertices_m: vertex {index} lies below or beyond the contacts, so the "
+                "object can rest on other points; allowed: outlines above and between their contacts"
+            )
 
 
 def opening_problem(spec: Spec, speeds: str) -> OpeningProblem:
@@ -103,7 +135,7 @@ def best_price(
         solution = solve(problem, grid)
         report(solution)
         attempts += 1
-        if solution.hazard < _NEVER:
+        if solution.hazard < _NEVER or solution.speed <= 0:
             return solution
         price = max(solution.hazard / solution.speed, _LEAST_PRICE)
         if abs(price - problem.price) <= _PRICE_ACCURACY * price or attempts == _MOST_PRICES:
