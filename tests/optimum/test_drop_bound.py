@@ -2,6 +2,7 @@
 """`palmbots.bound`: its numbers, its cache and its refusals."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,9 +31,9 @@ def cache(shared: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return shared
 
 
-def bound(change: dict[str, object] | None = None, drop_rate: float = 0.01) -> Bound:
+def bound(change: Mapping[str, object] | None = None, drop_rate: float = 0.01) -> Bound:
     """Of short carries with corrections only."""
-    keys = SHORT | (change or {})
+    keys = SHORT | dict(change or {})
     return pb.bound("paper", "corrections", drop_rate=drop_rate, overrides=keys)
 
 

@@ -102,7 +102,8 @@ def _refuse_outline(scene: Scene) -> None:
         if up < -_ROUNDING_M or not -_ROUNDING_M <= forward <= width + _ROUNDING_M:
             raise SceneError(
                 f"object.vertices_m: vertex {index} lies below or beyond the contacts, so the "
-                "object can rest on other points; allowed: outlines above and between their contacts"
+                "object can rest on other points; allowed: outlines above and between their "
+                "contacts"
             )
 
 
