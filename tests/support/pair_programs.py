@@ -34,7 +34,8 @@ def new_pair(
         }
     chosen |= {**(values or {}), **{name.replace("__", "."): v for name, v in named.items()}}
     address = f"unix:{folder / 'world'}"
-    return init_pair(folder / "pair.toml", scene=scene, address=address, values=chosen)[0]
+    file = folder / "pair.toml"
+    return init_pair(file, scene=scene, controller="resilient", address=address, values=chosen)[0]
 
 
 def started(

@@ -21,6 +21,7 @@ from palmbots._types import SIDES, Side
 from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import check_file, folder, write_whole
 from palmbots._util.command import Option, command
+from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.drivers.hardware import Hardware
 from palmbots.errors import PalmbotsError
 from palmbots.pair.board_keys import BoardTable
@@ -54,7 +55,7 @@ class PairTable(Section):
     """Folder in which each program logs what it sees, says and decides; empty: no logs."""
     scene: str = "paper"
     """Name of a built-in scene, or a TOML file."""
-    controller: str = "resilient"
+    controller: str = RECOMMENDED
     """Name of a controller, module:Class, FILE.py:Class, or a policy FILE.toml."""
 
 
@@ -240,7 +241,7 @@ def init_pair(
     file: str | os.PathLike[str],
     *,
     scene: str = "paper",
-    controller: str = "resilient",
+    controller: str | None = None,
     address: str = "127.0.0.1:7400",
     values: Mapping[str, object] | None = None,
 ) -> list[Path]:
@@ -251,7 +252,7 @@ def init_pair(
     Args:
         file: new TOML file.
         scene: its key ``pair.scene``.
-        controller: its key ``pair.controller``.
+        controller: its key ``pair.controller``; None: the recommended one.
         address: its key ``driver.address``.
         values: further keys, as in ``{"link.left": …}``.
 
@@ -274,7 +275,7 @@ def init_pair(
     chosen = {
         "pair.number": number,
         "pair.scene": scene,
-        "pair.controller": controller,
+        "pair.controller": controller or RECOMMENDED,
         "driver.address": address,
     } | {f"pair.{name}": value for name, value in names.items()}
     chosen |= values or {}
