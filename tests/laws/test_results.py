@@ -5,10 +5,12 @@ exactly. With ``--json`` every command prints one such object and nothing else.
 The kinds of results are all that public functions return, and all that commands declare.
 """
 
+import copy
 import html
 import importlib
 import inspect
 import json
+import pickle
 import re
 from collections.abc import Callable
 from functools import cache
@@ -242,6 +244,25 @@ def test_schema_fits_the_result_exactly(name: str, examples: Callable[[str], Any
     result = examples(name)
     schema = with_scene(result_schema(type(result)))
     assert_fits_exactly(schema, json.loads(json.dumps(result.summary(), allow_nan=False)))
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_copies_of_a_result_are_equal_to_it(name: str, examples: Callable[[str], Any]) -> None:
+    result = examples(name)
+    for twin in (copy.deepcopy(result), pickle.loads(pickle.dumps(result))):
+        assert twin.summary() == result.summary()
+        assert twin == result
+        assert {twin} == {result}
+    assert result != examples("KeyList" if name == "SceneList" else "SceneList")
+
+
+def test_what_is_public_can_be_sent_to_another_process() -> None:
+    for module in public_modules():
+        for name in dir(module):
+            value = getattr(module, name)
+            if not inspect.ismodule(value):
+                twin = pickle.loads(pickle.dumps(value))
+                assert twin is value or not callable(value), name
 
 
 ROOT = Path(__file__).parents[2]

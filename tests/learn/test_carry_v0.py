@@ -3,6 +3,7 @@
 
 import copy
 import json
+import pickle
 from typing import Any
 
 import numpy as np
@@ -65,6 +66,37 @@ def test_different_seeds_give_different_episodes() -> None:
     assert env.reset()[1]["left"]["seed"] == found[2][0]
     env.reset(seed=found[2][0])  # each can be had again by its own
     assert contacts_of(env) == list(found[2][1:])
+
+
+def rest_of(env: Any) -> Any:
+    """What follows: the rest of this episode, and the seed of the next one."""
+    found = contacts_of(env, 20), env.carry().summary() if not env.agents else None
+    return found, env.reset()[1]["left"]["seed"]
+
+
+@pytest.mark.parametrize("world", ["quasistatic", "mujoco"])
+def test_a_saved_or_copied_environment_goes_on_with_the_same_bits(world: str) -> None:
+    env, other = (short(world=world, ticks_per_step=10) for _ in range(2))
+    env.reset(seed=3)
+    contacts_of(env, 5)
+    state = env.save_state()
+    twins = [copy.deepcopy(env), pickle.loads(pickle.dumps(env)), other]
+    other.load_state(pickle.loads(pickle.dumps(state)))
+    expected = rest_of(env)
+    assert [rest_of(twin) for twin in twins] == [expected] * 3
+    env.load_state(state)
+    assert rest_of(env) == expected
+
+
+def test_environments_whose_agents_take_turns_are_copied() -> None:
+    env = carry_v0.env("paper", overrides=SHORT)
+    env.reset(seed=3)
+    env.step(np.zeros(3, np.int64))
+    twins = copy.deepcopy(env), pickle.loads(pickle.dumps(env))
+    for one in (env, *twins):
+        for _ in range(9):
+            one.step(np.zeros(3, np.int64))
+    assert all((one.state() == env.state()).all() for one in twins)
 
 
 def test_spaces_with_and_without_messages() -> None:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What all results have in common: lines for people, a table for JSON, a figure."""
 
+import json
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -25,7 +26,8 @@ class Result:
     """Base of all results. A subclass is a frozen dataclass with ``repr=False``.
 
     JSON has its fields and its `derived` properties (`palmbots._util.plain_values`); people read
-    its `lines`.
+    its `lines`. Results are equal if they are of one kind and have the same JSON; they can be
+    elements of sets, pickled and copied.
     """
 
     figure: str | None = None
@@ -35,6 +37,18 @@ class Result:
     lines_of: str | None = None
     """``module:function`` that yields the `lines` of this kind of result; None: it has no module
     of its own for them."""
+
+    def __init_subclass__(cls) -> None:
+        """Keep `dataclass` from comparing fields, which may be arrays, and from hashing them."""
+        cls.__eq__, cls.__hash__ = Result.__eq__, Result.__hash__  # type: ignore[method-assign]
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Result) or type(self) is not type(other):
+            return NotImplemented
+        return self.summary() == other.summary()
+
+    def __hash__(self) -> int:
+        return hash(json.dumps(self.summary(), sort_keys=True))
 
     def lines(self) -> Iterator[Item]:
         """What people read, in Python, in notebooks and in a terminal.

@@ -18,6 +18,7 @@ afresh. At the start of an episode `infos` also has the ``seed`` of the carry, a
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,23 @@ _STATE_SIZE = 8
 StepResult = tuple[str, int, int, float, tuple[float, float]]
 """Outcome, ticks and messages so far, midpoint [m], contacts [m]."""
 _SEED_LIMIT = 2**53  # below it a seed survives loggers that store numbers as floats
+
+
+@dataclass(frozen=True)
+class EnvState:
+    """What `CarryEnv.save_state` returns; it can be pickled."""
+
+    arguments: tuple[str, int, bool, bool]
+    """World, ticks per step, messages and record of the environment."""
+    random: Mapping[str, Any]
+    """Of the generator of seeds."""
+    scene: Scene | None
+    """None: there is no episode."""
+    seed: int
+    steps: tuple[tuple[RobotAction, RobotAction], ...]
+    """Of the episode so far; the episode is a function of these, its scene and its seed."""
+    is_taken: bool
+    """Whether the carry of the episode was returned."""
 
 
 def parallel_env(scene: Any = "paper", **keys: Any) -> "CarryEnv":
@@ -212,6 +230,7 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         if not self.agents:
             return {}, {}, {}, {}, {}
         self._actions = self._action("left", actions), self._action("right", actions)
+        self._steps.append(self._actions)
         _, ticks, sent, midpoint, _ = self._last_step
         self._last_step = step = episode.step(*self._actions, self._ticks)
         outcome = step[0]
@@ -274,6 +293,53 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         self._is_taken = True
         return episode.make_carry(controller)
 
+    def save_state(self) -> EnvState:
+        """The present state, from which `load_state` goes on with the same bits."""
+        episode = self._episode
+        return EnvState(
+            (self._world, self._ticks, self._messages, self._record),
+            self._random.bit_generator.state,
+            episode and episode.scene,
+            episode.seed if episode else 0,
+            tuple(self._steps) if episode else (),
+            self._is_taken,
+        )
+
+    def load_state(self, state: EnvState) -> None:
+        """Return to a state that this environment, or one with the same arguments, has saved.
+
+        The steps of its episode are run again.
+
+        Raises:
+            PalmbotsError: the state is that of an environment with other arguments.
+        """
+        own = (self._world, self._ticks, self._messages, self._record)
+        if not isinstance(state, EnvState) or state.arguments != own:
+            raise PalmbotsError(
+                "state: is not one of such an environment; allowed: what save_state returned, with "
+                "the same world, ticks_per_step, messages and record"
+            )
+        self._random.bit_generator.state = state.random
+        self.close()
+        if state.scene is None:
+            return
+        self._begin(state.scene, state.seed)
+        self._steps, self._is_taken = list(state.steps), state.is_taken
+        for actions in state.steps:
+            self._actions = actions
+            self._last_step = self._current_episode().step(*actions, self._ticks)
+        self.agents = list(AGENTS) if self._last_step[0] == "running" else []
+        self._observe()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For `pickle` and `copy`."""
+        rest = vars(self) | {"_episode": None, "_view": None, "_steps": []}
+        return {"rest": rest, "state": self.save_state()}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        vars(self).update(kept["rest"])
+        self.load_state(kept["state"])
+
     # --- inside ---------------------------------------------------------------------------------
 
     def _scene_for(self, options: dict[str, Any] | None) -> Scene:
@@ -296,6 +362,7 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         self._episode, self._view, self._is_taken = episode, None, False
         self._terms = RewardTerms(self._rewards, scene)
         self._actions: tuple[RobotAction, RobotAction] = ((0, 0, 0), (0, 0, 0))
+        self._steps: list[tuple[RobotAction, RobotAction]] = []
         self._last_step: StepResult = ("running", 0, 0, 0.0, (0.0, 0.0))
 
     def _current_episode(self) -> Episode:

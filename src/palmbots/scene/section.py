@@ -53,7 +53,10 @@ def key_of_side(override: Section, side: str, name: str) -> str:
 def override_of(
     model: type[Section], name: str, keys: Collection[str] | None = None
 ) -> type[Section]:
-    """A table with `keys` (all) of `model`, none of which is set: what differs on one side."""
+    """A table with `keys` (all) of `model`, none of which is set: what differs on one side.
+
+    The module of `model` has it under this `name`, where pickle looks for it.
+    """
     fields: dict[str, Any] = {}
     for key, field in model.model_fields.items():
         if keys is not None and key not in keys:
@@ -62,7 +65,7 @@ def override_of(
         for part in field.metadata:
             kind = Annotated[kind, part]
         fields[key] = (Optional[kind], None)  # noqa: UP045 (an expression)
-    return create_model(name, __base__=Section, **fields)
+    return create_model(name, __base__=Section, __module__=model.__module__, **fields)
 
 
 def check_sides(both: Section, overrides: Mapping[str, Section], model: type[Section]) -> None:

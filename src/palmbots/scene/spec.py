@@ -7,6 +7,8 @@ the core's own tangent only, and the spec of a mirrored scene is the mirror imag
 spec to the last bit.
 """
 
+import copyreg
+
 import palmbots._core as _core
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError
@@ -31,3 +33,12 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     if not unrolled:
         refuse_curved(scene)
     return _core.spec_of_scene(as_given(scene))
+
+
+def _spec_from_bytes(data: bytes) -> _core.Spec:
+    (spec,) = _core.Spec.list_from_bytes(data)
+    return spec
+
+
+# How pickle and `copy` treat a spec.
+copyreg.pickle(_core.Spec, lambda spec: (_spec_from_bytes, (spec.to_bytes(),)))  # type: ignore[arg-type]
