@@ -103,7 +103,7 @@ class Bound(Result):
             "controller knows"
         )
         yield (
-            "a robot that stands has no noise: controllers that let robots stand are not bounded "
+            "a robot that stands has less noise or none: controllers that let it are not bounded "
             "(palmbots carry -c creeping)"
         )
         rate = f"{self.drop_rate:.2g}" if self.drop_rate >= 1e-9 else "below 1e-9"
