@@ -15,6 +15,13 @@
 
 namespace palmbots::app {
 
+// Greatest age of an order [ticks].
+inline std::uint32_t order_age_of(const Settings& s) {
+  constexpr std::uint8_t usual = 20;
+  const std::uint8_t periods = s.order_age == 0 ? usual : s.order_age;
+  return std::uint32_t{periods} * s.status_period;
+}
+
 inline runtime::RuntimeSettings runtime_settings(const Settings& s) {
   using namespace runtime;
   return {
@@ -24,7 +31,8 @@ inline runtime::RuntimeSettings runtime_settings(const Settings& s) {
        s.lease, s.station_limit, s.time_limit, s.travel, s.stopping_limit, s.most_overruns},
       s.state_period,
       s.status_period,
-      s.number};
+      s.number,
+      order_age_of(s)};
 }
 
 namespace detail {

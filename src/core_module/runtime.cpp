@@ -174,7 +174,7 @@ void bind_settings(nb::module_& m) {
              std::uint32_t time_limit, std::uint32_t travel, std::uint32_t stopping_limit,
              std::uint16_t most_overruns, bool has_radio, bool rejoins, bool stops_without_station,
              bool stops_without_partner, std::uint16_t state_period, std::uint16_t status_period,
-             std::uint32_t number) {
+             std::uint32_t number, std::uint32_t order_age) {
             using namespace runtime;
             new (self) RuntimeSettings{
                 {rejoins ? AfterReboot::rejoin : AfterReboot::disarm,
@@ -183,12 +183,14 @@ void bind_settings(nb::module_& m) {
                  lease, station_limit, time_limit, travel, stopping_limit, most_overruns},
                 state_period,
                 status_period,
-                number};
+                number,
+                order_age};
           },
           nb::arg("lease"), nb::arg("station_limit"), nb::arg("time_limit"), nb::arg("travel"),
           nb::arg("stopping_limit"), nb::arg("most_overruns"), nb::arg("has_radio"),
           nb::arg("rejoins"), nb::arg("stops_without_station"), nb::arg("stops_without_partner"),
-          nb::arg("state_period"), nb::arg("status_period"), nb::arg("number"))
+          nb::arg("state_period"), nb::arg("status_period"), nb::arg("number"),
+          nb::arg("order_age") = runtime::never)
       .def_static(
           "lockstep",
           [] {

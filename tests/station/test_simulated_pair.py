@@ -268,3 +268,58 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
     monkeypatch.setattr(state_keeper, "write_state", full)
     live_robot.run_live_robot(pair, "left", rate=10)
     assert any(isinstance(body, State) and body.stop for body in sent)
+
+
+@pytest.mark.parametrize("delay_ms", [100, 1000, 6000, 30000])
+def test_orders_act_only_while_they_are_young(delay_ms: int, tmp_path: Path) -> None:
+    """Somebody in the middle holds the packets of the station back, and does not know the key."""
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
+    pair.run(20)
+    pair.air.hold(delay_ms / 1000, "station")
+    pair.station.wish("arm")
+    pair.run(450)
+    in_time = delay_ms <= 100
+    assert pair.modes() == (("armed",) * 2 if in_time else ("disarmed",) * 2)
+    pair.run(max(0, delay_ms // 10))
+    assert pair.modes() == (("armed",) * 2 if in_time else ("disarmed",) * 2)
+    late = any("orders have no effect" in line for line in pair.lines)
+    assert late != in_time, pair.lines
+
+
+def test_a_station_that_is_heard_late_counts_as_lost_and_its_e_stop_acts(tmp_path: Path) -> None:
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
+    pair.start()
+    pair.run(50)
+    pair.air.hold(1.5, "station")
+    pair.run_until(("fault",), within=160)
+    assert {pair.robots[side].fault for side in ("left", "right")} == {"station_lost"}
+    pair.station.wish("e_stop")
+    pair.run_until(("stopped",), within=160)
+
+
+@pytest.mark.parametrize("delay_s", [1.5, 6.0])
+def test_a_late_order_is_void_once_the_station_says_so(delay_s: float, tmp_path: Path) -> None:
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
+    pair.wish("arm", "armed")
+    pair.air.hold(delay_s, "station")
+    pair.station.wish("start")
+    pair.run(3000 if delay_s > 5 else 1200)
+    assert pair.modes() == ("armed", "armed")
+    assert any("start has no effect within 5 s: a packet and its answer" in x for x in pair.lines)
+
+
+def test_a_robot_says_nothing_before_its_state_is_stored(tmp_path: Path) -> None:
+    """What a partner relies on after a boot is on the disk before the partner hears it."""
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
+    pair.start()
+    pair.run(50)
+    heard = pair.robots["right"].count(0)
+    pair.keepers["left"].is_done = False
+    pair.air.cut(("station", "right"))
+    pair.run(5)  # what is under way
+    heard = pair.robots["right"].count(0)
+    pair.run(30)
+    assert pair.robots["right"].count(0) == heard
+    pair.keepers["left"].is_done = True
+    pair.run(30)
+    assert pair.robots["right"].count(0) > heard

@@ -21,6 +21,7 @@
 #include <span>
 #include <utility>
 
+#include "palmbots/runtime/answer_age.hpp"
 #include "palmbots/runtime/mode_machine.hpp"
 #include "palmbots/runtime/robot_program.hpp"
 #include "palmbots/wire/endpoint.hpp"
@@ -32,6 +33,7 @@ struct RuntimeSettings {
   std::uint16_t state_period = 0;   // longest silence to the partner [ticks]; 0: no limit
   std::uint16_t status_period = 0;  // of the status [ticks]; 0: none is sent
   std::uint32_t number = 0;         // equal on both robots if their settings are; 0: not compared
+  std::uint32_t order_age = never;  // greatest age of an order to arm, start or release [ticks]
 };
 
 // What a robot reads in a tick.
@@ -128,7 +130,7 @@ class RobotRuntime {
     in.elapsed = elapsed_;
     in.stop = in.stop || reading.stop;
     in.partner = {partner_mode_, age(partner_tick_)};
-    in.station_age = age(station_tick_);
+    in.station_age = age(station_.newest());
     in.preflight = {reading.contact, reading.seen.palm_at_target, reading.battery_ok,
                     settings_.number == 0 || partner_settings_ == settings_.number,
                     reading.stopping};
@@ -183,14 +185,17 @@ class RobotRuntime {
            machine_.memory().carried > mode.lease;
   }
 
-  // What the mode machine has to know of a packet. Without a session only an e-stop counts.
+  // What the mode machine has to know of a packet. Without a session only an e-stop counts. An order
+  // that may make a robot move, now or later, has to be young; one that can only stop it has not.
   void note(const wire::Packet& packet, bool in_session) {
     const bool stop = in_session && wire::passes_stop(packet.payload);
     if (packet.sender == wire::Role::station) {
-      if (in_session) station_tick_ = tick_;
+      const std::uint32_t since = in_session ? station_.heard(packet.heard.sequence) : never;
       arrived_.stop = arrived_.stop || stop;
-      if (packet.kind == wire::PacketKind::operate) {
-        arrived_.order(wire::operate_of(packet.payload).operation, in_session);
+      if (packet.kind != wire::PacketKind::operate) return;
+      const wire::Operation wish = wire::operate_of(packet.payload).operation;
+      if (age(since) <= settings_.order_age || wire::only_stops(wish)) {
+        arrived_.order(wish, in_session);
       }
       return;
     }
@@ -282,6 +287,7 @@ class RobotRuntime {
     // Between robots the sequence is the control tick.
     if (receiver != wire::Role::station) endpoint_.skip_to(receiver, tick_);
     if (!endpoint_.send(receiver, kind, payload, packet.bytes)) return;
+    if (receiver == wire::Role::station) station_.sent(endpoint_.newest(receiver).sequence, tick_);
     packet.receiver = receiver;
     ++out.packet_count;
     ++sent_;
@@ -303,7 +309,7 @@ class RobotRuntime {
   wire::RobotMode partner_mode_ = wire::RobotMode::off;
   std::uint32_t partner_tick_ = never;  // before which the partner's newest state was not sent
   std::uint32_t partner_settings_ = 0;
-  std::uint32_t station_tick_ = never;  // in which the station's newest packet arrived
+  AnswerAge station_;
   ReceivedCounts received_;
   std::uint32_t sent_ = 0;
   wire::RobotMode said_mode_ = wire::RobotMode::off;  // the newest that the partner was sent

@@ -62,4 +62,10 @@ constexpr const char* name_of(Operation operation) {
   return names[static_cast<int>(operation)];
 }
 
+// True if the wish can only stop a robot, now or later: it counts at any age.
+constexpr bool only_stops(Operation operation) {
+  return operation == Operation::stop || operation == Operation::e_stop ||
+         operation == Operation::disarm;
+}
+
 }  // namespace palmbots::wire

@@ -10,6 +10,7 @@ Every function raises `PalmbotsError` with one line that names the path and the 
 """
 
 import contextlib
+import errno
 import itertools
 import os
 import secrets
@@ -19,6 +20,25 @@ from pathlib import Path
 from typing import BinaryIO
 
 from palmbots.errors import PalmbotsError
+
+
+def open_regular(path: Path) -> BinaryIO:
+    """Open a file for reading. A pipe, which may keep a reader waiting for ever, is refused.
+
+    Raises:
+        OSError: it cannot be opened, or is no regular file.
+    """
+    number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    if not stat.S_ISREG(os.fstat(number).st_mode):
+        os.close(number)
+        raise OSError(errno.EINVAL, "it is not a regular file")
+    return open(number, "rb")
+
+
+def read_regular(path: Path) -> bytes:
+    """The content of a file (`open_regular`)."""
+    with open_regular(path) as stream:
+        return stream.read()
 
 
 def _refusal(path: Path, error: OSError) -> PalmbotsError:

@@ -2,7 +2,9 @@
 """The settings of a pair's boards, from its ``pair.toml``, and the refusal of what cannot work."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
@@ -99,7 +101,7 @@ class BoardPair:
             stopping=math.ceil(hardware.stopping_s / period_s - 1e-9),
             turn_limit=math.ceil(2 * turn_s / period_s) + 20,
             most_overruns=core["most_overruns"], state_period=core["state_period"],
-            status_period=core["status_period"],
+            status_period=core["status_period"], order_age=order_periods(core),
             least_battery_mv=round(1000 * hardware.battery_low_v),
             controller=entry.board_number,
             channel=board.channel, power_dbm=board.power_dbm, rejoins=core["rejoins"],
@@ -138,6 +140,11 @@ class BoardPair:
                 powers = oriented(hardware, [motor_power(hardware, c) for c in commands])
                 found.append((self._share(powers[0]), self._share(powers[1])))
         return (*(left for left, _ in found), *(right for _, right in found))
+
+
+def order_periods(core: Mapping[str, Any]) -> int:
+    """The greatest age of an order, in periods of the status."""
+    return max(1, min(0xFF, round(core["order_age"] / core["status_period"])))
 
 
 def board_pair(pair: Pair) -> BoardPair:

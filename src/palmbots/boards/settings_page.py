@@ -18,6 +18,7 @@ SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end")
 _MAGIC = 0x42504D42
 _FORMAT = 1
 _MOST_TIMES = 16
+_USUAL_ORDER_AGE = 20
 _ROLE = 20
 """Place of the role among the fields."""
 _STRUCT = struct.Struct("<IHH16s12I4H3Bb10B2H10B2H12h16H")
@@ -63,6 +64,8 @@ class BoardSettings:
     leads: bool
     may_stop: bool
     by_touch: bool
+    order_age: int = 0
+    """Greatest age of an order, in periods of the status; 0: the usual one, 20."""
     is_under_way: bool = False
     """The carry begins at the boot, as in the simulator."""
     wheel_kind: int
@@ -84,7 +87,8 @@ class BoardSettings:
     def packed(self) -> bytes:
         """The bytes, with their check."""
         times = (*self.times, *[0] * (_MOST_TIMES - len(self.times)))
-        switches = (*self.switches, *[0] * (10 - len(self.switches)))
+        switches = (*self.switches, *[0] * (9 - len(self.switches)))
+        order_age = 0 if self.order_age == _USUAL_ORDER_AGE else self.order_age
         body = _STRUCT.pack(
             _MAGIC, _FORMAT, self.pair, self.key, self.first_epoch, self.last_epoch, self.number,
             self.period_us, self.watchdog_us, self.lease, self.station_limit, self.time_limit,
@@ -94,7 +98,7 @@ class BoardSettings:
             self.stops_without_station, self.stops_without_partner,
             self.has_radio, self.leads, self.may_stop, self.by_touch, self.is_under_way,
             self.wheel_kind, self.debounce, self.palm_slew_us, self.wheel_slew, *switches,
-            *self.palm_us, *self.wheels, *times,
+            order_age, *self.palm_us, *self.wheels, *times,
         )  # fmt: skip
         return body + zlib.crc32(body).to_bytes(4, "little")
 

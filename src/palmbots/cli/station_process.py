@@ -25,7 +25,8 @@ def started_station(options: Sequence[str], address: str) -> Iterator[StationCli
     Raises:
         PalmbotsError: the loop cannot start, or has ended with a fault.
     """
-    command = [sys.executable, "-m", "palmbots", "station", *options, "--no-screen", "--for-screen"]
+    program = [sys.executable, "-P", "-m", "palmbots", "station"]  # nothing from this folder
+    command = [*program, *options, "--no-screen", "--for-screen"]
     with tempfile.TemporaryFile() as errors:
         # In a session of its own: Ctrl-C reaches the screen, which informs the loop.
         process = subprocess.Popen(

@@ -30,6 +30,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.links.link import to_stderr
 from palmbots.links.local_connection import Connection, ConnectionLost
 
+_GUARD = "palmbots.drivers.guard_process"
 _STARTS_WITHIN_S = 20.0
 _ENDS_WITHIN_S = 2.0
 _SILENCE_S = 0.5
@@ -64,7 +65,7 @@ class GuardedDriver:
 
     def _start(self) -> None:
         near, far = socket.socketpair()
-        command = [sys.executable, "-m", "palmbots.drivers.guard_process", str(far.fileno())]
+        command = [sys.executable, "-P", "-m", _GUARD, str(far.fileno())]
         with far:
             # In a session of its own, it outlives a Ctrl-C and stops the wheels.
             self._process = subprocess.Popen(

@@ -16,10 +16,17 @@ from typing import Annotated, Self
 from pydantic import BeforeValidator, model_validator
 
 from palmbots._types import Side
-from palmbots.scene.fields import Range, Size, Switch, field_error, from_list
+from palmbots.scene.fields import Range, Switch, field_error, from_list
 from palmbots.scene.robot_section import Zone
 from palmbots.scene.section import Section, check_sides, override_of, values_of_side
 
+# A robot that fits under an object of some decimetres has smaller ones.
+WheelRadius = Annotated[
+    float, BeforeValidator(Range("m (3.3 cm are 0.033 m)", least=0.002, most=0.5))
+]
+WheelSeparation = Annotated[
+    float, BeforeValidator(Range("m (22 cm are 0.22 m)", least=0.01, most=2))
+]
 Scale = Annotated[float, BeforeValidator(Range(least=0.5, most=2))]
 Trim = Annotated[float, BeforeValidator(Range(least=-0.2, most=0.2))]
 Counts = Annotated[float, BeforeValidator(Range(least=0, most=10_000_000))]
@@ -42,9 +49,9 @@ _LEAST_SERVO_SCALE = 0.01
 class HardwareParameters(Section):
     """The hardware of one robot."""
 
-    wheel_radius_m: Size = 0.04
+    wheel_radius_m: WheelRadius = 0.04
     """Radius of the two driven wheels, as measured with a ruler."""
-    wheel_separation_m: Size = 0.22
+    wheel_separation_m: WheelSeparation = 0.22
     """Distance between the middles of the two driven wheels."""
     wheel_scale: Scale = 1.0
     """Distance that the robot really covers, over the one that `wheel_radius_m` gives. Measured by

@@ -94,17 +94,24 @@ class ImpairedPackets:
         self._under_way: list[tuple[float, int, str, bytes]] = []
         self._number = 0
         self._cut: frozenset[tuple[str, str]] = frozenset()
+        self._held: dict[str, float] = {}
 
     def cut(self, *links: tuple[str, str]) -> None:
         """From now on lose everything on these links, each a sender and a receiver, and on no
         other."""
         self._cut = frozenset(links)
 
+    def hold(self, delay_s: float, sender: str) -> None:
+        """From now on hold back the packets of this sender for so long, as somebody in the middle
+        can who does not know the key."""
+        self._held = {sender: delay_s}
+
     def send(self, now_s: float, sender: str, receiver: str, data: bytes) -> None:
         """A packet has been sent. The same packets meet the same fate, whatever is cut."""
         for delay_s in self._impairment.delays_s(self._chance):
             if (sender, receiver) not in self._cut:
                 self._number += 1
+                delay_s += self._held.get(sender, 0.0)
                 packet = (now_s + delay_s, self._number, receiver, data)
                 heapq.heappush(self._under_way, packet)
 

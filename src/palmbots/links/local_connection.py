@@ -188,7 +188,7 @@ def _parsed(address: str, called: str) -> tuple[socket.AddressFamily, Any]:
     if kind == "unix" and rest and "\0" not in rest:
         return socket.AF_UNIX, rest
     host, _, port = address.rpartition(":")
-    is_port = port.isdecimal() and len(port) <= 5 and int(port) <= 65535
+    is_port = port.isascii() and port.isdecimal() and len(port) <= 5 and int(port) <= 65535
     try:
         host.encode("idna")
     except UnicodeError:

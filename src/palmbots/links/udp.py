@@ -2,6 +2,7 @@
 """The link over UDP."""
 
 import contextlib
+import ipaddress
 import socket
 from collections.abc import Mapping
 
@@ -60,7 +61,7 @@ class UdpLink:
 def _place(end: Role, address: str) -> tuple[str, int]:
     """The number of an address: to look up a name takes time, which a control loop has not."""
     host, _, port = address.rpartition(":")
-    is_port = port.isdecimal() and len(port) <= 5 and 0 < int(port) < 65536
+    is_port = port.isascii() and port.isdecimal() and len(port) <= 5 and 0 < int(port) < 65536
     if not host or not is_port:
         raise PalmbotsError(f"link.{end}: address is {show(address)}; allowed: HOST:PORT")
     try:
@@ -69,4 +70,9 @@ def _place(end: Role, address: str) -> tuple[str, int]:
         why = getattr(error, "strerror", None) or error
         raise PalmbotsError(f"link.{end}: cannot use {address}: {why}") from None
     number, place = found[0][4][:2]
+    if number == "255.255.255.255" or ipaddress.ip_address(number).is_multicast:
+        raise PalmbotsError(
+            f"link.{end}: address is {show(address)}, which many computers receive; allowed: that "
+            "of one computer"
+        )
     return str(number), int(place)

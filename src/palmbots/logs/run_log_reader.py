@@ -13,7 +13,9 @@ from typing import Any
 from mcap.exceptions import McapError
 from mcap.records import Channel, Message, Metadata
 from mcap.stream_reader import StreamReader
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from palmbots._types import SIDES
 from palmbots._version import __version__
 from palmbots.errors import PalmbotsError
 from palmbots.logs.run_channels import (
@@ -24,8 +26,39 @@ from palmbots.logs.run_channels import (
     RobotTick,
     StatusEvent,
 )
+from palmbots.wire import KEY_SIZE, MAX_EPOCH, Role
 
 _TYPES = {"ticks": RobotTick, "sent": PacketEvent, "received": StatusEvent, "lines": LineEvent}
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(strict=True)
+
+
+class _Facts(_Model):
+    """What the log of every program states about it."""
+
+    end: Role
+    epoch: int = Field(ge=1, le=MAX_EPOCH)
+    pair: int = Field(ge=0, le=0xFFFF)
+
+
+class _State(_Model):
+    epoch: int = Field(ge=1, le=MAX_EPOCH)
+    assists: bool
+    carries: bool
+    stop: bool
+
+
+class _RobotFacts(_Facts):
+    """What the log of a robot states besides, with which its program starts again."""
+
+    key: str = Field(pattern=f"^[0-9a-f]{{{2 * KEY_SIZE}}}$")
+    scene: dict[str, Any]
+    controller: str
+    controller_source: dict[str, str | None] | None
+    state: _State
+    settings: dict[str, bool | int]
 
 
 @dataclass(frozen=True)
@@ -77,11 +110,11 @@ def read_run_log(path: str | os.PathLike[str]) -> RunLog:
                         topics[record.id] = record.topic.rpartition("/")[2]
                     elif isinstance(record, Metadata) and record.name == RUN_RECORD:
                         facts = {name: json.loads(text) for name, text in record.metadata.items()}
-            except (OSError, MemoryError):
+            except OSError:
                 raise
             except McapError:  # also the end of a file that has none
                 is_cut = True
-            except Exception:  # what a damaged file holds may raise anything
+            except Exception:  # also MemoryError: what a damaged file holds may raise anything
                 is_cut = True
     except (OSError, ValueError) as error:
         why = (isinstance(error, OSError) and error.strerror) or error
@@ -93,4 +126,9 @@ def read_run_log(path: str | os.PathLike[str]) -> RunLog:
             f"{path}: a log of format {facts.get('format')}, written by palmbots "
             f"{facts.get('version', '(unknown)')}; palmbots {__version__} reads format {RUN_FORMAT}"
         )
-    return RunLog(Path(path), facts["end"], facts["epoch"], facts, messages, is_cut)
+    try:
+        known = (_RobotFacts if facts.get("end") in SIDES else _Facts).model_validate(facts)
+    except ValidationError as error:
+        where = ".".join(str(part) for part in error.errors()[0]["loc"])
+        raise PalmbotsError(f"{path}: is damaged: its entry {where} is wrong or missing") from None
+    return RunLog(Path(path), known.end, known.epoch, facts, messages, is_cut)

@@ -3,6 +3,7 @@
 
 import contextlib
 import os
+import secrets
 import socket
 import tempfile
 import time
@@ -20,7 +21,7 @@ from palmbots.pair.pair_file import ENDS, init_pair, load_pair, station_address
 from palmbots.pair.processes import Processes
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.scene.scene import Scene
-from palmbots.wire import Role
+from palmbots.wire import KEY_SIZE, Role
 
 UP: dict[str, object] = {"limits.after_reboot": "rejoin", "limits.partner_lost": "controller"}
 """What ``palmbots up`` sets in a pair file: the controllers, not the robots, answer losses."""
@@ -45,7 +46,10 @@ def run_lockstep(
     Raises:
         PalmbotsError: a process cannot be started, or a robot's program fails.
     """
-    with _pair(scene, controller) as (file, address), Processes() as running:
+    with (
+        _pair(scene, controller) as (file, address, key),
+        Processes(descriptors=[key]) as running,
+    ):
         world = ["world", str(file.with_name("scene.toml")), "--serve", address, "--lockstep"]
         running.start("world", [*world, "--controller", controller, *world_options])
         for side in SIDES:
@@ -115,9 +119,10 @@ class LiveCarryProcesses:
     def __enter__(self) -> Self:
         with contextlib.ExitStack() as stack:
             stack.enter_context(self.proxy)
-            file, address = stack.enter_context(
+            file, address, key = stack.enter_context(
                 _pair(self._scene, self._controller, self._values())
             )
+            self.processes.descriptors = [key]
             running = stack.enter_context(self.processes)
             self._start(file, address, running)
             self._stack = stack.pop_all()
@@ -237,9 +242,16 @@ def run_live(
 @contextlib.contextmanager
 def _pair(
     scene: Scene, controller: str, values: Mapping[str, object] | None = None
-) -> Iterator[tuple[Path, str]]:
-    """A ``pair.toml`` beside ``scene.toml`` in a temporary folder, and the address of a world."""
-    with tempfile.TemporaryDirectory(prefix="palmbots-") as name:
+) -> Iterator[tuple[Path, str, int]]:
+    """A ``pair.toml`` beside ``scene.toml`` in a temporary folder, the address of a world, and the
+    open file with the key, which the programs have to inherit."""
+    with (
+        tempfile.TemporaryDirectory(prefix="palmbots-") as name,
+        tempfile.TemporaryFile(prefix="palmbots-") as key,
+    ):
+        # The key has no name in the file system, so that a SIGKILL leaves none behind.
+        key.write(secrets.token_hex(KEY_SIZE).encode())
+        key.flush()
         folder = Path(name)
         write_whole(folder / "scene.toml", scene.to_toml())
         address = f"unix:{folder / 'world.socket'}"
@@ -249,9 +261,10 @@ def _pair(
             scene="scene.toml",
             controller=_absolute(controller),
             address=address,
-            values=values,
+            values={**(values or {}), "pair.key_file": f"/dev/fd/{key.fileno()}"},
         )
-        yield file, address
+        file.with_suffix(".key").unlink()  # another key, which nobody uses
+        yield file, address, key.fileno()
 
 
 def own_file(file: Path, end: Role, address: str) -> Path:

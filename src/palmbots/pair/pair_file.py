@@ -19,7 +19,7 @@ from pydantic import BeforeValidator, ValidationError
 
 from palmbots._types import SIDES, Side
 from palmbots._util.arguments import one_of, show
-from palmbots._util.atomic_files import check_file, folder, write_whole
+from palmbots._util.atomic_files import check_file, folder, open_regular, write_whole
 from palmbots._util.command import Option, command
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.drivers.hardware import Hardware
@@ -49,8 +49,9 @@ class PairTable(Section):
     """File with the key, 32 hexadecimal digits. Copy it to both robots and the station, and to
     nobody else."""
     state_folder: str = "pair-state"
-    """Folder in which each robot stores what it must remember over a reboot. Never copy or restore
-    it: its boot counter protects against replayed packets."""
+    """Folder in which each robot stores what it must remember over a reboot. Copy it to both robots
+    once, while it is new, and never copy or restore it after a robot has run: its boot counter
+    protects against replayed packets."""
     log_folder: str = "pair-logs"
     """Folder in which each program logs what it sees, says and decides; empty: no logs."""
     scene: str = "paper"
@@ -106,6 +107,7 @@ class LinkTable(Section):
 
 
 Limit = Annotated[float, BeforeValidator(Range("s", least=0.01, most=100_000))]
+OrderAge = Annotated[float, BeforeValidator(Range("s", least=0.2, most=4.0))]
 TopSpeed = Annotated[float, BeforeValidator(Range("m/s", least=0.001, most=10))]
 
 
@@ -119,7 +121,11 @@ class LimitsTable(Section):
     partner_lost: Literal["stop", "controller"] = "stop"
     """What happens if the partner falls silent: stop, or what the controller does then."""
     station_limit_s: Limit = 1.0
-    """Silence of the station after which it counts as lost."""
+    """Silence of the station after which it counts as lost. Words that arrive late are as old as
+    the robot's own packet that they acknowledge."""
+    order_age_s: OrderAge = 1.0
+    """Greatest age at which a robot obeys an order to arm, start or release. It must exceed twice
+    the time of a packet and its answer. Stops act at any age."""
     time_limit_s: Limit = 600.0
     """Longest duration of a carry."""
     max_speed_m_s: TopSpeed = 0.2
@@ -168,8 +174,15 @@ class Pair:
     def fingerprint(self, scene: Scene) -> int:
         """A number that is equal for both robots if they have the same scene and settings."""
         # What may differ between the robots.
-        own = {"driver": True, "link": True, "hardware": True, "board": True, "ros2": True}
-        table = self.settings.model_dump(exclude={**own, "pair": {"log_folder"}})
+        own: dict[str, Any] = {
+            "driver": True,
+            "link": True,
+            "hardware": True,
+            "board": True,
+            "ros2": True,
+        }
+        own |= {"pair": {"log_folder"}, "limits": {"order_age_s"}}
+        table = self.settings.model_dump(exclude=own)
         text = json.dumps([scene.model_dump(), table], sort_keys=True, default=str)
         return max(1, zlib.crc32(text.encode()))
 
@@ -198,7 +211,7 @@ def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
 def _key_in(path: Path) -> bytes:
     """The key in a file that only its owner can read."""
     try:
-        with path.open("rb") as stream:
+        with open_regular(path) as stream:
             mode = stat.S_IMODE(os.fstat(stream.fileno()).st_mode)
             text = stream.read(100)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name

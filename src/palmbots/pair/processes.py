@@ -29,9 +29,13 @@ class Processes:
 
     Args:
         environment: further variables for all of them.
+        descriptors: open files that they get, under the same numbers.
     """
 
-    def __init__(self, environment: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self, environment: Mapping[str, str] | None = None, descriptors: Sequence[int] = ()
+    ) -> None:
+        self.descriptors = descriptors
         self._running: dict[str, subprocess.Popen[bytes]] = {}
         self._started: dict[str, tuple[Sequence[str], Path | None]] = {}
         self._environment = dict(environment or {})
@@ -57,10 +61,10 @@ class Processes:
             with contextlib.ExitStack() as stack:
                 stream = None if output is None else stack.enter_context(output.open("ab"))
                 self._running[name] = subprocess.Popen(
-                    [sys.executable, "-m", "palmbots", *arguments],
+                    [sys.executable, "-P", "-m", "palmbots", *arguments],
                     stdout=stream,
                     env=_FEW_THREADS | os.environ | self._environment | lifeline(pipe),
-                    pass_fds=[pipe],
+                    pass_fds=[pipe, *self.descriptors],
                 )
         except OSError as error:
             raise PalmbotsError(f"{sys.executable}: {error.strerror or error}") from None

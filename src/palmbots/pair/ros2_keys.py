@@ -118,5 +118,5 @@ class Ros2Table(Section):
         if self.domain_id >= 0:
             return self.domain_id
         text = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0"
-        number = int(text) if text.isdecimal() and len(text) < 9 else text
+        number = int(text) if text.isascii() and text.isdecimal() and len(text) < 9 else text
         return whole_number("ROS_DOMAIN_ID", number, 0, LARGEST_DOMAIN)

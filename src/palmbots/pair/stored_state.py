@@ -11,13 +11,14 @@ import contextlib
 import fcntl
 import hashlib
 import json
+import math
 import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Self
 
-from palmbots._util.atomic_files import write_whole
+from palmbots._util.atomic_files import read_regular, write_whole
 from palmbots.errors import PalmbotsError
 from palmbots.wire import MAX_EPOCH, Role
 
@@ -68,6 +69,18 @@ def _check(content: dict[str, object]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
+def _is_state(content: dict[str, object]) -> bool:
+    """The content has the fields of a state, of their types and within their limits."""
+    usual = {"pair": 0, "end": ""} | asdict(StoredState())
+    if {name: type(value) for name, value in content.items()} != {
+        name: type(value) for name, value in usual.items()
+    }:
+        return False
+    epoch, covered_m = content["epoch"], content["covered_m"]
+    assert isinstance(epoch, int) and isinstance(covered_m, float)
+    return 0 <= epoch <= MAX_EPOCH and math.isfinite(covered_m)
+
+
 def write_state(file: StateFile, state: StoredState, *, new: bool = False) -> None:
     """Write the file; with `new` only if there is none.
 
@@ -87,7 +100,7 @@ def read_state(file: StateFile) -> StoredState:
     path = file.path
     remedy = "with a new key, palmbots init pair begins a new count"
     try:
-        content = json.loads(path.read_bytes())
+        content = json.loads(read_regular(path))
         check = content.pop("check")
     except FileNotFoundError:
         raise PalmbotsError(f"{path}: the boot counter is missing; {remedy}") from None
@@ -95,7 +108,7 @@ def read_state(file: StateFile) -> StoredState:
         raise PalmbotsError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (ValueError, KeyError, AttributeError, TypeError, RecursionError):
         raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}") from None
-    if check != _check(content) or set(content) != {"pair", "end", *asdict(StoredState())}:
+    if check != _check(content) or not _is_state(content):
         raise PalmbotsError(f"{path}: the boot counter is damaged; {remedy}")
     owner = (content.pop("pair"), content.pop("end"))
     if owner != (file.pair, file.end):

@@ -9,6 +9,7 @@ from os import PathLike
 
 from palmbots._types import Side
 from palmbots._util.command import Option, command
+from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost
 from palmbots.pair.checkup import Check, check_driver, check_own_clock, checks_of_status
 from palmbots.pair.diagnosis import Diagnosis
@@ -96,7 +97,15 @@ def _of_pair(
 
 
 def _of_robot(pair: Pair, scene: Scene, side: Side, own: Check) -> Diagnosis:
-    """The checks on the robot itself."""
+    """The checks on the robot itself.
+
+    Raises:
+        PalmbotsError: its driver has no hardware.
+    """
+    if pair.settings.driver.kind == "dry-run":
+        raise PalmbotsError(
+            "driver.kind: dry-run has no hardware to check; allowed: the driver of the robot"
+        )
     checks = [own]
     try:
         with opened_driver(pair, side, scene) as driver:

@@ -6,7 +6,8 @@ The loop is that of every robot (`palmbots.robot.robot_loop`).
 
 import contextlib
 import math
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -32,6 +33,7 @@ from palmbots.scene.scene import Scene, load_scene
 
 _STATE_PERIOD_S = 0.05
 _STATUS_PERIOD_S = 0.05
+_PATIENCE_S = 3.0
 _LEASE_S = 0.5
 """For controllers without a lease of their own: how long the partner's news counts."""
 _MOST_OVERRUNS = 50
@@ -61,10 +63,12 @@ def run_live_robot(
         link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
         observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file))))
         keeper = stack.enter_context(StateKeeper(file, state))
+        waits = stack.enter_context(_waiting(pair, side, on_line))
         driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
         stack.enter_context(contextlib.closing(driver))
         clock = control_clock(side, scene.control.period_s / rate, scene.stride_of(side))
         first = driver.read()  # waits until the hardware or the world starts: no tick counts before
+        waits.cancel()
         clock.run_at(getattr(driver, "clock_rate", 1.0))
         gauge = ReadingGauge(pair, side, scene, first, state.covered_m)
 
@@ -133,6 +137,23 @@ def logged_program(
     return program, RobotLog(pair, side, state, scene, settings, on_warning)
 
 
+@contextlib.contextmanager
+def _waiting(pair: Pair, side: Side, on_line: Callable[[str], None]) -> Iterator[threading.Timer]:
+    """A timer that says what the robot waits for, if it has to wait for long."""
+    driver = pair.settings.driver
+    place = driver.address_of(side)
+    text = f"{side}: waits for the hardware of driver {driver.kind}"
+    if driver.kind == "simulated":
+        text = f"{side}: waits for a world at {place}; run: palmbots world SCENE --serve {place}"
+    timer = threading.Timer(_PATIENCE_S, on_line, (text,))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield timer
+    finally:
+        timer.cancel()
+
+
 def live_program(
     pair: Pair,
     side: Side,
@@ -191,4 +212,5 @@ def core_settings(
         "state_period": ticks(_STATE_PERIOD_S),
         "status_period": min(0xFFFF, ticks(_STATUS_PERIOD_S * rate)),
         "number": pair.fingerprint(scene),
+        "order_age": ticks(limits.order_age_s * rate),
     }

@@ -26,6 +26,8 @@ class StateKeeper:
         self._file = file
         self._wanted = self._stored = state
         self._queue: queue.Queue[StoredState | None] = queue.Queue()
+        self._missing: StoredState | None = None  # what is tried again
+        self._lock = threading.Lock()  # of the file
         self._thread = threading.Thread(target=self._write, daemon=True)
         self.works = True
         """The newest attempt to write has not failed."""
@@ -49,8 +51,10 @@ class StateKeeper:
         """
         self.settle()
         state = self._wanted.booted()
-        write_state(self._file, state)
-        self._wanted = self._stored = state
+        with self._lock:  # what could not be written before is never written after
+            write_state(self._file, state)
+            self._missing, self.works = None, True
+            self._wanted = self._stored = state
         return state
 
     def settle(self) -> None:
@@ -58,24 +62,28 @@ class StateKeeper:
         self._queue.join()
 
     def _write(self) -> None:
-        missing: StoredState | None = None
         while True:
+            state, is_new = None, True
             try:
-                state = self._queue.get(timeout=None if missing is None else _RETRY_S)
+                state = self._queue.get(timeout=None if self._missing is None else _RETRY_S)
                 if state is None:
                     return
-                is_new = True
             except queue.Empty:
-                state, is_new = missing, False
-            assert state is not None
-            try:
-                write_state(self._file, state)
-            except PalmbotsError:
-                self.works, missing = False, state
-            else:
-                self._stored, self.works, missing = state, True, None
+                is_new = False
+            with self._lock:
+                state = state if is_new else self._missing  # a boot may have overtaken it
+                if state is not None:
+                    self._try(state)
             if is_new:
                 self._queue.task_done()
+
+    def _try(self, state: StoredState) -> None:
+        try:
+            write_state(self._file, state)
+        except PalmbotsError:
+            self.works, self._missing = False, state
+        else:
+            self._stored, self.works, self._missing = state, True, None
 
     def __enter__(self) -> Self:
         self._thread.start()

@@ -28,6 +28,11 @@ class RobotView:
     """When it was heard last."""
     stamp: tuple[int, int] = (0, 0)
     """Epoch and number of its newest packet."""
+    answer_s: float | None = None
+    """Age of the newest packet of the station that it has acknowledged; None: it has not heard this
+    station."""
+    order_age_s: float = math.inf
+    """The greatest age at which it obeys an order."""
 
     def __post_init__(self) -> None:
         self._numbers: dict[str, int] = {}
@@ -39,6 +44,18 @@ class RobotView:
         self.status, self.heard_s, self.stamp = status, now, (packet.epoch, packet.sequence)
         if status.item in _NUMBERS:
             self._numbers[status.item] = status.value
+
+    @property
+    def is_late(self) -> bool:
+        """Orders reach it too late to have an effect."""
+        return self.answer_s is not None and self.answer_s > self.order_age_s
+
+    def late_line(self) -> str:
+        """What an operator should know of a robot that is late."""
+        return (
+            f"a packet and its answer take {self.answer_s:.1f} s: orders have no effect "
+            f"(limits.order_age_s is {self.order_age_s:g}), and what is shown is as old"
+        )
 
     def is_heard(self, now: float) -> bool:
         """Whether it has been heard lately."""
@@ -86,7 +103,7 @@ class RobotView:
             return ["has not been heard yet"]
         if not self.is_heard(now):
             return [f"not heard for {now - self.heard_s:.0f} s"]
-        found = []
+        found = [self.late_line()] if self.is_late else []
         if self.status.fault != "none":
             found.append(f"fault {fault_line(self.status.fault)}")
         if (late := self._numbers.get("overruns", 0)) >= _MANY_OVERRUNS:

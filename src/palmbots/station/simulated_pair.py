@@ -53,6 +53,7 @@ class Air:
         self.period_s = 0.01
         """Of the pair, which sets it."""
         self.cut = packets.cut
+        self.hold = packets.hold
         self._packets = packets
         self._arrived: defaultdict[str, list[bytes]] = defaultdict(list)
 
@@ -180,7 +181,8 @@ class SimulatedPair:
             side: Board(self.stage, k, watchdog, 1.0) for k, side in enumerate(SIDES)
         }
         self._hardware = hardware or {}
-        self._memories: dict[Side, _Memory] = {side: _Memory() for side in SIDES}
+        self.keepers: dict[Side, _Memory] = {side: _Memory() for side in SIDES}
+        """What keeps the state of each robot; a test may make its disk slow (`is_done`)."""
         self._loops: dict[Side, RobotLoop] = {}
         self.frozen: set[Side] = set()
         """The robots whose programs are held up."""
@@ -201,7 +203,7 @@ class SimulatedPair:
     @property
     def stored(self) -> dict[Side, StoredState]:
         """What the robots remember over a boot."""
-        return {side: memory.state for side, memory in self._memories.items()}
+        return {side: memory.state for side, memory in self.keepers.items()}
 
     @property
     def commands(self) -> dict[Side, Any]:
@@ -237,7 +239,7 @@ class SimulatedPair:
         line.peer.poll()  # the greeting, which an entrance takes
         board.plug(line.peer)  # type: ignore[arg-type]
         board.send(self.stage.frames()[SIDES.index(side)])
-        memory = self._memories[side]
+        memory = self.keepers[side]
         state = memory.boot()
         gauge = ReadingGauge(pair, side, chosen, driver.read(), state.covered_m)
 

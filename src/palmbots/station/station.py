@@ -78,8 +78,10 @@ class Station:
         self._notes: list[Callable[[str, Any], None]] = []
         self.statistics = PacketStatistics("station", clock)
         """Of the packets that it sends and receives."""
+        order_age_s = pair.settings.limits.order_age_s
+        self._wish_sent_s = _WISH_LASTS_S - order_age_s
         self.robots: dict[Side, RobotView] = {
-            side: RobotView(self.statistics.ends[side]) for side in SIDES
+            side: RobotView(self.statistics.ends[side], order_age_s=order_age_s) for side in SIDES
         }
         """What is known of each robot."""
         self.reported: dict[Side, ReportedCounts] = {side: ReportedCounts() for side in SIDES}
@@ -87,6 +89,7 @@ class Station:
         self.corrections = CorrectionWatch(longest_correction_s(load_scene(pair.scene())))
         self._faults = FaultWatch(PERIOD_S, self.statistics, self._start_s)
         self._lost: set[Side] = set()
+        self._late: set[Side] = set()
         self._boot(read_state(self._file))
         self.was_carrying = self._state.carries
         """A carry was under way when this station's program ended without saying so."""
@@ -164,8 +167,11 @@ class Station:
 
     def has_lapsed(self) -> bool:
         """The wish was not carried out in time, and is not sent any more."""
-        lasts = self._wish not in _LAPSES or self.clock() - self._wish_s <= _WISH_LASTS_S
-        return self._wish is not None and not lasts
+        return self._is_older(_WISH_LASTS_S)
+
+    def _is_older(self, limit_s: float) -> bool:
+        """The wish is one that lapses, and older than this."""
+        return self._wish in _LAPSES and self.clock() - self._wish_s > limit_s
 
     def step(self) -> None:
         """Take in what has arrived, and send what is due; to be called every `PERIOD_S`.
@@ -243,7 +249,8 @@ class Station:
         status = self.robots[side].status
         if status is not None and status.mode in _REACHED[wish] and wish != "release":
             self._fulfilled.add(side)
-        is_over = side in self._fulfilled or self.has_lapsed()
+        # The newest order that may still act has been sent before the station calls it void.
+        is_over = side in self._fulfilled or self._is_older(self._wish_sent_s)
         if stops and status is not None:
             is_over = status.mode in _REACHED[wish]
         return Hello(stop=stops) if is_over else Operate(wish, stop=stops)
@@ -258,12 +265,23 @@ class Station:
                 why = "is not heard"
                 if status is not None:
                     why = f"is {status.mode} ({fault_line(status.fault)})"
+                if self.robots[side].is_late:
+                    why = self.robots[side].late_line()
                 self._say(f"{side}: {self._wish} has no effect within {_WISH_LASTS_S:g} s: {why}")
 
     def _take(self, side: Side, packet: Packet, status: Status) -> None:
         view, now = self.robots[side], self.clock()
         old = view.status
         view.take(packet, status, now)
+        # The station sends one packet in every period, numbered without gaps.
+        epoch, number = packet.acknowledged
+        behind = self._end.newest(side)[1] - number
+        view.answer_s = behind * PERIOD_S if epoch == self.epoch else None
+        if view.is_late and side not in self._late:
+            self._say(f"{side}: {view.late_line()}")
+        elif side in self._late and not view.is_late:
+            self._say(f"{side}: its answers are in time again")
+        self._late = {one for one, other in self.robots.items() if other.is_late}
         self.reported[side].note(status)
         if old is None or (old.mode, old.fault) != (status.mode, status.fault):
             why = f" ({status.fault})" if status.fault != "none" else ""
@@ -275,7 +293,6 @@ class Station:
             self._say(line)
         # A release ends the stop that was in force, and no later one: it is not repeated once the
         # robot has heard it.
-        epoch, number = packet.acknowledged
         has_heard = epoch == self.epoch and number > self._wished_at[side]
         if self._wish == "release" and has_heard and status.mode != "stopped":
             self._fulfilled.add(side)

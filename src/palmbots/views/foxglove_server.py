@@ -18,7 +18,7 @@ def place_of(address: str, option: str = "--serve") -> tuple[str, int]:
         PalmbotsError: it is no such address.
     """
     host, _, port = address.rpartition(":")
-    if not host or not port.isdecimal() or len(port) > 5 or int(port) > 65535:
+    if not host or not (port.isascii() and port.isdecimal()) or len(port) > 5 or int(port) > 65535:
         raise PalmbotsError(f"{option}: value is {show(address)}; allowed: HOST:PORT")
     return host, int(port)
 

@@ -170,28 +170,33 @@ def _program(log: RunLog) -> Any:
         known = None if source is None else ControllerSource(**source)
         entry = recover(facts["controller"], known, str(log.path.parent))
         spec = to_spec(scene)
+        return _core.runtime.Robot(
+            spec,
+            entry.for_core(spec),
+            SIDES.index(log.end),  # type: ignore[arg-type]
+            bytes.fromhex(facts["key"]),
+            facts["pair"],
+            epoch=state["epoch"],
+            assists=state["assists"],
+            settings=_core.runtime.RuntimeSettings(**facts["settings"]),
+            stored_carries=state["carries"],
+            stored_stop=state["stop"],
+        )
     except PalmbotsError as error:
         raise PalmbotsError(f"{log.path}: cannot be verified: {error}") from None
-    return _core.runtime.Robot(
-        spec,
-        entry.for_core(spec),
-        SIDES.index(log.end),  # type: ignore[arg-type]
-        bytes.fromhex(facts["key"]),
-        facts["pair"],
-        epoch=state["epoch"],
-        assists=state["assists"],
-        settings=_core.runtime.RuntimeSettings(**facts["settings"]),
-        stored_carries=state["carries"],
-        stored_stop=state["stop"],
-    )
+    except (TypeError, ValueError, OverflowError):  # of the core and of the controller's source
+        raise PalmbotsError(f"{log.path}: is damaged: its program cannot be started") from None
 
 
 def _difference(robot: Any, tick: Any) -> str | None:
     """What the robot decides otherwise in this tick, or None."""
-    reading = _core.runtime.Reading(
-        tick.sign, tick.palm_at_target, **{name: getattr(tick, name) for name in READING}
-    )
-    answer = robot.step(tick.elapsed, reading, list(tick.received))
+    try:
+        reading = _core.runtime.Reading(
+            tick.sign, tick.palm_at_target, **{name: getattr(tick, name) for name in READING}
+        )
+        answer = robot.step(tick.elapsed, reading, list(tick.received))
+    except (TypeError, ValueError, IndexError, OverflowError):
+        return f"tick {tick.number}: what the robot read is out of range"
     palm, move, rests, packets, case, *_, assists = answer
     now = {
         "palm": palm,
