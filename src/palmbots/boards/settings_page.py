@@ -9,6 +9,8 @@ import struct
 import zlib
 from dataclasses import dataclass
 
+from palmbots.wire import MAX_EPOCH
+
 PAGE_ADDRESS = 0xF000
 PAGE_SIZE = 0x1000
 TABLE_SIZE = 3265
@@ -137,10 +139,29 @@ def settings_page(settings: BoardSettings, table: bytes = b"") -> bytes:
     return page.ljust(PAGE_SIZE, b"\xff")
 
 
+_LIMITS: dict[int, tuple[int, int]] = {
+    5: (0, MAX_EPOCH),  # last_epoch
+    7: (5000, 50_000),  # period_us
+    8: (100_000, 0xFFFF_FFFF),  # watchdog_us
+    _ROLE: (0, 2),
+    _ROLE + 2: (0, 100),  # channel
+    _ROLE + 3: (-40, 8),  # power_dbm
+    # From rejoins to wheel_kind.
+    **{_ROLE + 4 + number: (0, 1) for number in range(9)},
+    _ROLE + 13: (1, 0xFF),  # debounce
+    **{_ROLE + 16 + number: (0, len(SWITCHES) - 1) for number in range(9)},
+}
+"""From the least to the most, for the places of the fields that a board cannot check itself."""
+
+
 def role_in(page: bytes) -> int | None:
     """The role in the last page of an image; None: it holds no settings that a board accepts."""
     body, check = page[: _STRUCT.size], page[_STRUCT.size : _STRUCT.size + 4]
     if len(body) < _STRUCT.size or check != zlib.crc32(body).to_bytes(4, "little"):
         return None
     fields = _STRUCT.unpack(body)
-    return fields[_ROLE] if fields[:2] == (_MAGIC, _FORMAT) else None
+    is_known = fields[:2] == (_MAGIC, _FORMAT)
+    is_meant = all(least <= fields[at] <= most for at, (least, most) in _LIMITS.items())
+    first, last = fields[4], fields[5]
+    counts = fields[_ROLE] == 2 or 1 <= first <= last
+    return fields[_ROLE] if is_known and is_meant and counts else None

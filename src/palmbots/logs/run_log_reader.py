@@ -126,9 +126,24 @@ def read_run_log(path: str | os.PathLike[str]) -> RunLog:
             f"{path}: a log of format {facts.get('format')}, written by palmbots "
             f"{facts.get('version', '(unknown)')}; palmbots {__version__} reads format {RUN_FORMAT}"
         )
+    return run_log_of(Path(path), facts, messages, is_cut=is_cut)
+
+
+def run_log_of(
+    path: Path,
+    facts: dict[str, Any],
+    messages: dict[str, list[tuple[float, Any]]],
+    *,
+    is_cut: bool,
+) -> RunLog:
+    """A log with what it states about its program, which is checked.
+
+    Raises:
+        PalmbotsError: an entry is missing or wrong.
+    """
     try:
         known = (_RobotFacts if facts.get("end") in SIDES else _Facts).model_validate(facts)
     except ValidationError as error:
         where = ".".join(str(part) for part in error.errors()[0]["loc"])
         raise PalmbotsError(f"{path}: is damaged: its entry {where} is wrong or missing") from None
-    return RunLog(Path(path), known.end, known.epoch, facts, messages, is_cut)
+    return RunLog(path, known.end, known.epoch, facts, messages, is_cut)
