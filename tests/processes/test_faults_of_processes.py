@@ -119,13 +119,3 @@ def test_an_avoidable_drop_is_named(tmp_path: Path) -> None:
         pair.run_until(lambda: pair.has_ended("world"), 60)
         world = read_json("world", pair.programs["world"].printed())
         assert (world["outcome"], world["avoidable"]) == ("dropped", True), pair.report()
-
-
-def test_a_station_whose_packets_are_held_back_counts_as_lost(tmp_path: Path) -> None:
-    """By somebody between real processes who does not know the key."""
-    with SteppedProcesses(tmp_path, "resilient", GOOD) as pair:
-        pair.carry()
-        pair.packets.hold(1.5, "station")
-        pair.run_until(lambda: "carrying" not in pair.modes().values(), 3.0)
-        assert set(pair.faults().values()) <= {"station_lost", "partner"}, pair.report()
-        pair.run_until(lambda: "orders have no effect" in pair.lines(), 3.0)
