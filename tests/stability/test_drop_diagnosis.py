@@ -28,7 +28,7 @@ def carried(capsys: pytest.CaptureFixture[str], *words: str, outcome: str = "DRO
     return [
         " ".join(" ".join(lines[2:k]).split()) + "; " + line.strip()
         for k, line in enumerate(lines)
-        if line.startswith("  run: ")
+        if line.startswith("  run: palmbots analyze ")
     ]
 
 

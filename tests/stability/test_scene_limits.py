@@ -18,6 +18,12 @@ CRATE: dict[str, Any] = {
 }
 
 
+def box(height_m: float) -> dict[str, Any]:
+    """A box of this height, with its centre of mass in the middle."""
+    vertices = [[0, 0], [0.25, 0], [0.25, height_m], [0, height_m]]
+    return {"object.vertices_m": vertices, "object.com_m": [0.125, height_m / 2]}
+
+
 @pytest.mark.parametrize("scene", ["paper", "paper-offset", {"object": "plank"}], ids=str)
 def test_scenes_within_their_limits_have_no_warning(scene: Any) -> None:
     assert self_check(scene) == ()
@@ -69,7 +75,40 @@ def test_slope_out_of_range_is_reported() -> None:
     assert f"from {ends[0]} to {ends[1]}°" in warning
     # Where the properties fail on a level floor too, the slope is not the reason.
     com = {"object.com_m": [0.05, 0.04]}
-    assert self_check("paper", overrides=com | {"task.slope_deg": 6.0}) == ()
+    (warning,) = self_check("paper", overrides=com | {"task.slope_deg": 6.0})
+    assert warning.startswith("property 1 and property 2 fail for contacts anywhere on the palms")
+
+
+@pytest.mark.parametrize(
+    "ray",
+    [
+        [{"object.com_m": [0.125 + 0.003 * k, 0.04]} for k in range(40)],
+        [{"object.com_m": [0.125 - 0.003 * k, 0.04]} for k in range(40)],
+        [box(0.1 + 0.05 * k) for k in range(12)],
+        [{"palm.friction": 0.3 - 0.01 * k} for k in range(30)],
+        [{"palm.length_m": 0.15 + 0.05 * k} for k in range(16)],
+        [{"task.slope_deg": 0.5 * k} for k in range(30)],
+        [{"robot.acceleration_m_s2": 0.5 + 0.1 * k} for k in range(20)],
+    ],
+    ids=["right", "left", "high", "friction", "length", "slope", "acceleration"],
+)
+def test_warnings_do_not_vanish_where_a_scene_gets_worse(ray: list[dict[str, Any]]) -> None:
+    """Along each ray, once there is a warning, there is one in every worse scene."""
+    counts = []
+    for overrides in ray:
+        try:
+            scene = pb.load_scene("paper", overrides)
+        except pb.SceneError:  # refused, which is worse still
+            break
+        counts.append(len(self_check(scene)))
+    assert counts[0] == 0
+    first = next(k for k, count in enumerate(counts) if count)
+    assert all(counts[first:])
+
+
+def test_object_that_cannot_span_the_palms_has_a_warning() -> None:
+    (warning,) = self_check("paper", overrides={"palm.length_m": 0.9, "palm.steep_deg": 40})
+    assert warning.startswith("properties 1 and 2 cannot hold on the whole palms: palm.length_m")
 
 
 def test_palm_that_turns_farther_in_a_period_than_its_angle_may_err_is_reported() -> None:

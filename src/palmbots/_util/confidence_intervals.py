@@ -83,5 +83,5 @@ def rate_text(events: int, n: int) -> str:
     if events == 0:
         return f"< {high:.2g} %" if high < 10 else f"< {high:.0f} %"
     if events == n:
-        return f"> {low:.4g} %"
+        return f"> {low:.3g} %"
     return f"{100 * events / n:.1f} % ({low:.1f}–{high:.1f})"

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from palmbots.control.resilient_timing import Bounds
     from palmbots.simulation.result import Carry
 
+TURNED = "the object turned by more than 60° on the palms"
+"""What `tipping` means in MuJoCo."""
 REASONS = {
     "off-palm": "a contact left its palm at an end or a side",
     "sliding": "no squeeze force balances the object: it slides on both palms",
@@ -37,7 +39,9 @@ def carry_lines(
     """
     yield _head(carry)
     if carry.reason is not None:
-        yield Line(f"{carry.reason}: {REASONS.get(carry.reason, '')}".rstrip(": "), indent=2)
+        is_turned = carry.reason == "tipping" and carry.world == "mujoco"
+        meaning = TURNED if is_turned else REASONS.get(carry.reason, "")
+        yield Line(f"{carry.reason}: {meaning}".rstrip(": "), indent=2)
     elif carry.outcome == "stalled":
         is_default = carry.scene.task.timeout_s is None
         usual = ", the default: twice the time at nominal speed" if is_default else ""

@@ -13,10 +13,10 @@ from collections.abc import Iterator
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Interval, Overrides
-from palmbots.errors import PalmbotsError
+from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.margins import angle_error, slope_range
-from palmbots.stability.problem import StabilityProblem, stability_problem
+from palmbots.stability.problem import StabilityProblem, permitted, stability_problem
 
 
 def self_check(
@@ -30,17 +30,22 @@ def self_check(
         overrides: scene keys to set.
 
     Returns:
-        One sentence for each quantity; none for a scene to which the analysis does not apply, such
-        as one with a curved path.
+        One sentence for each quantity, and one where a property fails; none for a curved path, to
+        which the analysis does not apply.
 
     Raises:
         SceneError: the scene cannot be read or is not valid.
+        PalmbotsError: the region is not on the palms, or the object cannot span it.
     """
     chosen = load_scene(scene, overrides)
     try:
         problem = stability_problem(chosen, region_m)
-    except PalmbotsError:
+    except SceneError:  # a curved path, to which planar mechanics do not apply
         return ()
+    except PalmbotsError as error:
+        if region_m is not None:
+            raise
+        return (f"properties 1 and 2 cannot hold on the whole palms: {error}",)
     return limit_warnings(chosen, problem, slope_range(problem), angle_error(problem))
 
 
@@ -61,6 +66,7 @@ def _warnings(
     scene: Scene, problem: StabilityProblem, slope: Interval | None, angle: float | None
 ) -> Iterator[str]:
     where = _region_text(problem)
+    failing = [n for n in (0, 1, 2) if not _holds(problem, n)]
     if slope is None:
         level = slope_range(problem.with_(slope=0.0))
         if scene.task.slope_deg and level is not None:
@@ -69,6 +75,7 @@ def _warnings(
                 f"task.slope_deg is {scene.task.slope_deg:g}, but properties 1 and 2 hold only "
                 f"from {low:.2f} to {high:.2f}° {where}"
             )
+            failing = [n for n in failing if n == 0]  # the slope is the reason of the others
     elif scene.task.inertia:
         limit = largest_acceleration(problem, slope)
         value = max(scene.robot_of(side).acceleration_m_s2 for side in SIDES)
@@ -77,12 +84,23 @@ def _warnings(
                 f"robot.acceleration_m_s2 is {value:g}, but properties 1 and 2 hold only up to "
                 f"{limit:.2f} m/s² {where}"
             )
+    if failing:
+        names = " and ".join(f"property {n}" for n in failing)
+        fails = "fails" if len(failing) == 1 else "fail"
+        yield f"{names} {fails} {where}; palmbots analyze reports what happens there"
     step_deg = scene.control.period_s * max(scene.palm_of(side).rate_deg_s for side in SIDES)
     if angle is not None and step_deg > math.degrees(angle):
         yield (
             f"palm.rate_deg_s turns a palm by {step_deg:.2g}° in one control period, but "
             f"properties 1 and 2 allow an angle error of only ±{math.degrees(angle):.2g}° {where}"
         )
+
+
+def _holds(problem: StabilityProblem, number: int) -> bool:
+    """Whether a property holds with either palm as the shallow one."""
+    envelope, x = problem.envelope(), problem.com[0]
+    ends = (permitted(envelope, number, shallow, problem.angles) for shallow in SIDES)
+    return all(low <= x <= high for low, high in ends)
 
 
 def _region_text(problem: StabilityProblem) -> str:

@@ -18,7 +18,7 @@ from os import PathLike
 
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON
-from palmbots._util.report import Item, Line, Table, quiet, verdict
+from palmbots._util.report import Item, Line, Table, bad, quiet, verdict
 from palmbots._util.results import Result
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
@@ -71,7 +71,10 @@ class CheckResult(Result):
 
     def lines(self) -> Iterator[Item]:
         """Whether the certificate proves its claim, and the box."""
-        yield verdict(self.valid, "VALID", "INVALID")
+        if self.valid and self.claim.startswith("fails"):
+            yield Line(bad("FAILS"), "  the certificate proves it (it is valid)")
+        else:
+            yield verdict(self.valid, "VALID", "INVALID")
         if not self.valid:
             yield Line(self.reason, indent=2)
         yield Line(quiet(self.claim), indent=2)
