@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 
 
@@ -90,7 +91,7 @@ def check_file(path: str | os.PathLike[str]) -> None:
 
     Long computations call it before they start.
     """
-    _final_path(Path(path))
+    _final_path(user_path(path))
 
 
 @contextlib.contextmanager
@@ -100,7 +101,7 @@ def whole_file(path: str | os.PathLike[str], *, new: bool = False) -> Iterator[B
     An exception in the block removes the temporary file and leaves `path` unchanged. With `new`, a
     file that exists is refused.
     """
-    shown = Path(path)
+    shown = user_path(path)
     if new and os.path.lexists(shown):
         raise _taken(shown)
     final = _final_path(shown)
@@ -165,7 +166,7 @@ def _folder_named(path: str | os.PathLike[str]) -> Path:
     """The path; refuses an empty name, which `Path` would take for the working directory."""
     if not os.fspath(path):
         raise PalmbotsError('folder: value is ""; allowed: a name (. is the working directory)')
-    return Path(path)
+    return user_path(path)
 
 
 def check_folder(path: str | os.PathLike[str]) -> None:

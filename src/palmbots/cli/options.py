@@ -6,6 +6,7 @@ from pathlib import Path
 import typer
 
 from palmbots._util.command import Option
+from palmbots._util.user_paths import user_path
 
 
 def output_path(text: str) -> Path:
@@ -16,14 +17,14 @@ def output_path(text: str) -> Path:
     """
     if not text:
         raise typer.BadParameter('value is ""; allowed: a name (. is the working directory)')
-    return Path(text)
+    return user_path(text)
 
 
 def input_path(text: str) -> Path:
     """Parser of an argument that names a file to read."""
     if not text:
         raise typer.BadParameter('value is ""; allowed: the name of a file')
-    return Path(text)
+    return user_path(text)
 
 
 SHARED = {

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from palmbots._util.arguments import show
+from palmbots._util.user_paths import user_path
 from palmbots.control.own_code import own_code
 from palmbots.errors import PalmbotsError
 
@@ -59,7 +60,7 @@ def _is_file(place: str) -> bool:
 
 
 def _path(place: str, folder: str | None) -> Path:
-    return Path(folder or ".") / place
+    return user_path(place, folder or "")
 
 
 def _load_file(place: str, called: str, folder: str | None) -> Any:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from palmbots._util.user_paths import user_path
 from palmbots.control.python_source import ControllerSource, refuse_pipe
 from palmbots.control.registry import POLICY_BOARD_NUMBER, ControllerEntry
 from palmbots.derivation.distributed_algorithm import Machine, machines_of
@@ -53,7 +54,7 @@ def load_policy(
         PolicyNotProved: the check found a run that breaks a property.
         PalmbotsError: the file cannot be read or is no policy, or no algorithm follows from it.
     """
-    place = Path(folder or ".") / path
+    place = user_path(path, folder or "")
     refuse_pipe(place, called)
     table = read_policy(place)
     machines = machines_of(table, called=f"{called}: {path}")
@@ -105,7 +106,7 @@ def load_station_policy(
         PalmbotsError: the file cannot be read or is no policy.
     """
     path = name.removesuffix("@station")
-    place = Path(folder or ".") / path
+    place = user_path(path, folder or "")
     refuse_pipe(place, called)
     table = read_policy(place)
     rows = tuple((row.palms, row.drives) for row in table.rows.values())

@@ -17,10 +17,10 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
 from palmbots._util.arguments import show
+from palmbots._util.user_paths import user_path
 from palmbots.derivation.contact_motion import sliders, up
 from palmbots.derivation.global_policy import (
     Angle,
@@ -107,7 +107,7 @@ def read_policy(path: str | os.PathLike[str]) -> PolicyTable:
         PalmbotsError: the file cannot be read, or is no policy. The message, of one line, names the
             file and the key, and says what is allowed.
     """
-    name = os.fspath(Path(path))
+    name = os.fspath(user_path(path))
     table = read_table(name, "a policy file")
     _known(name, table, ("description", "rows"))
     description = table.get("description", "")

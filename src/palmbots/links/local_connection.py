@@ -186,7 +186,7 @@ def _usable(place: Any) -> Iterator[Any]:
 def _parsed(address: str, called: str) -> tuple[socket.AddressFamily, Any]:
     kind, _, rest = address.partition(":")
     if kind == "unix" and rest and "\0" not in rest:
-        return socket.AF_UNIX, rest
+        return socket.AF_UNIX, os.path.expanduser(rest)
     host, _, port = address.rpartition(":")
     is_port = port.isascii() and port.isdecimal() and len(port) <= 5 and int(port) <= 65535
     try:

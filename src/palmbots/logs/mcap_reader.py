@@ -20,6 +20,7 @@ from mcap.stream_reader import CRCValidationError, StreamReader
 
 from palmbots._types import SIDES, BySide
 from palmbots._util.plain_values import NOT_IN_JSON
+from palmbots._util.user_paths import user_path
 from palmbots._version import __version__
 from palmbots.control.python_source import ControllerSource
 from palmbots.control.resilient_timing import Bounds
@@ -52,7 +53,7 @@ def read_log(path: str | os.PathLike[str]) -> Log:
         PalmbotsError: the file cannot be read, is no carry log of this format, or is damaged.
     """
     try:
-        with open(path, "rb") as stream:
+        with open(user_path(path), "rb") as stream:
             data = stream.read(len(_MAGIC))
             if data == _MAGIC:  # otherwise it is no log, and may be endless
                 data += stream.read()

@@ -18,6 +18,7 @@ from palmbots._types import SIDES
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table, verdict
 from palmbots._util.results import Result
+from palmbots._util.user_paths import user_path
 from palmbots.control.registry import ControllerLike, recover, resolve
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
@@ -104,7 +105,7 @@ def replay(
     from palmbots.logs.mcap_reader import read_log  # here, because it takes long to import
 
     log = read_log(path)
-    folder = os.path.dirname(os.fspath(path))
+    folder = os.path.dirname(user_path(path))
     try:
         entry = (
             recover(log.controller, log.controller_source, folder)

@@ -16,6 +16,7 @@ from mcap.stream_reader import StreamReader
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from palmbots._types import SIDES
+from palmbots._util.user_paths import user_path
 from palmbots._version import __version__
 from palmbots.errors import PalmbotsError
 from palmbots.logs.run_channels import (
@@ -81,7 +82,7 @@ class RunLog:
 def is_run_log(path: str | os.PathLike[str]) -> bool:
     """Whether this is the log of a program of a pair. A file that cannot be read is none."""
     try:
-        with open(path, "rb") as stream:
+        with open(user_path(path), "rb") as stream:
             return RUN_RECORD.encode() in stream.read(4096)
     except (OSError, ValueError):
         return False
@@ -98,7 +99,7 @@ def read_run_log(path: str | os.PathLike[str]) -> RunLog:
     messages: dict[str, list[tuple[float, Any]]] = {kind: [] for kind in _TYPES}
     is_cut = False
     try:
-        with open(path, "rb") as stream:
+        with open(user_path(path), "rb") as stream:
             try:
                 for record in StreamReader(stream, validate_crcs=True).records:
                     if isinstance(record, Message):

@@ -10,6 +10,7 @@ from typing import Literal
 
 from palmbots._util.atomic_files import folder as writable_folder
 from palmbots._util.atomic_files import remove
+from palmbots._util.user_paths import user_path
 from palmbots.logs.mcap_writer import write_log
 from palmbots.mujoco.figures import plan_view
 from palmbots.mujoco.film import check_film, save_still, save_video
@@ -38,7 +39,7 @@ def check_video_file(folder: str | os.PathLike[str]) -> None:
     Raises:
         PalmbotsError: nothing can be rendered on this machine.
     """
-    check_film(Path(folder) / video_name())
+    check_film(user_path(folder) / video_name())
 
 
 def save_carry(

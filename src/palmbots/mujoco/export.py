@@ -13,6 +13,7 @@ from palmbots._util.atomic_files import check_file, write_whole
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.results import Files
+from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.mjcf import mjcf as scene_mjcf
 from palmbots.mujoco.urdf import robot_urdf
@@ -59,7 +60,7 @@ def export(
     """
     one_of("robot", robot, SIDES)
     files = {
-        name: Path(file) for name, file in (("mjcf", mjcf), ("urdf", urdf)) if file is not None
+        name: user_path(file) for name, file in (("mjcf", mjcf), ("urdf", urdf)) if file is not None
     }
     if not files:
         raise PalmbotsError("export needs --mjcf FILE, --urdf FILE or both")

@@ -21,6 +21,7 @@ from palmbots._types import SIDES, Side
 from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import check_file, folder, open_regular, write_whole
 from palmbots._util.command import Option, command
+from palmbots._util.user_paths import user_path
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.drivers.hardware import Hardware
 from palmbots.errors import PalmbotsError
@@ -155,13 +156,13 @@ class Pair:
     def state_file(self, end: Role) -> StateFile:
         """The file in which a robot or the station stores what it must remember over a reboot."""
         table = self.settings.pair
-        path = self.file.parent / table.state_folder / f"{end}.json"
+        path = user_path(table.state_folder, self.file.parent) / f"{end}.json"
         return StateFile(path, table.number, end)
 
     def log_folder(self) -> Path | None:
         """Where the programs of this pair log; None: nowhere."""
         name = self.settings.pair.log_folder
-        return self.file.parent / name if name else None
+        return user_path(name, self.file.parent) if name else None
 
     def with_logs(self, folder: Path | None, *, is_off: bool) -> "Pair":
         """The same pair with its logs in another folder, or without logs; None: as in the file."""
@@ -189,7 +190,7 @@ class Pair:
     def scene(self) -> str:
         """The scene, as `load_scene` takes it."""
         name = self.settings.pair.scene
-        return str(self.file.parent / name) if name.endswith(".toml") else name
+        return str(user_path(name, self.file.parent)) if name.endswith(".toml") else name
 
 
 def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
@@ -198,13 +199,13 @@ def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
     Raises:
         PalmbotsError: a file cannot be read, has a fault, or the key is not protected.
     """
-    path = Path(file)
+    path = user_path(file)
     table = read_table(str(path), "a pair file")
     try:
         settings = PairFile.model_validate(table)
     except ValidationError as error:
         raise PalmbotsError(f"{path}: {validation_message(error, PairFile)}") from None
-    key = _key_in(path.parent / settings.pair.key_file) if with_key else b""
+    key = _key_in(user_path(settings.pair.key_file, path.parent)) if with_key else b""
     return Pair(path, settings, key)
 
 
@@ -278,7 +279,7 @@ def init_pair(
     known = pair_keys()
     for name in values or {}:
         one_of("values", name, tuple(key.name for key in known))
-    path = Path(file)
+    path = user_path(file)
     if not path.name.endswith(".toml"):
         raise PalmbotsError(f"FILE: value is {show(str(path))}; allowed: a name that ends in .toml")
     check_file(path)

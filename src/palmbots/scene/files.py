@@ -7,9 +7,9 @@ import re
 import tomllib
 from collections.abc import Sequence
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
+from palmbots._util.user_paths import user_path
 from palmbots.errors import SceneError
 
 _LARGEST = 1 << 20  # bytes; a device may be endless
@@ -50,7 +50,7 @@ def read_table(name: str, what: str, built_in: Sequence[str] = ()) -> dict[str, 
 
 def _bytes(name: str, what: str, built_in: Sequence[str]) -> bytes:
     try:
-        with open(Path(name), "rb") as stream:
+        with open(user_path(name), "rb") as stream:
             data = stream.read(_LARGEST + 1)
     except FileNotFoundError:
         near = difflib.get_close_matches(name, built_in, n=1)

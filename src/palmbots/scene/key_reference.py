@@ -24,6 +24,7 @@ from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
 from palmbots._util.command import Option, command
 from palmbots._util.toml_writer import toml_value
+from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.scene.core_keys import Optionally
 from palmbots.scene.fields import is_switch
@@ -155,7 +156,7 @@ def init_scene(path: str | os.PathLike[str]) -> Path:
     Raises:
         PalmbotsError: the name does not end in .toml, the file exists, or it cannot be written.
     """
-    file = Path(path)
+    file = user_path(path)
     if not file.name.endswith(".toml"):
         raise PalmbotsError(f"FILE: value is {file}; allowed: a name that ends in .toml")
     write_whole(file, default_scene_toml(), new=True)

@@ -8,11 +8,11 @@ itself is computed in `palmbots.mujoco.path_curve`.
 
 import csv
 import math
-from pathlib import Path as File
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
+from palmbots._util.user_paths import user_path
 from palmbots.scene.fields import Range, field_error, from_list
 from palmbots.scene.section import Section
 
@@ -139,7 +139,7 @@ def read_points(name: object) -> list[list[float]]:
     if not isinstance(name, str):
         raise field_error(name, "is not a file name", wanted, "file")
     try:
-        with File(name).open(encoding="utf-8-sig") as stream:
+        with user_path(name).open(encoding="utf-8-sig") as stream:
             text = stream.read(_MOST_CHARACTERS + 1)
         rows = list(csv.reader(text.splitlines()))
     except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a null character in the name

@@ -225,11 +225,11 @@ def _beside(name: str, data: dict[str, Any]) -> dict[str, Any]:
     folder = os.path.dirname(name)
     given = data.get("object")
     if isinstance(given, str) and is_object_file(given):
-        data["object"] = os.path.join(folder, given)
+        data["object"] = os.path.join(folder, os.path.expanduser(given))
     task: Any = data.get("task")
     path = task.get("path") if isinstance(task, dict) else None
     if isinstance(path, dict) and isinstance(path.get("file"), str):
-        path["file"] = os.path.join(folder, path["file"])
+        path["file"] = os.path.join(folder, os.path.expanduser(path["file"]))
     return data
 
 

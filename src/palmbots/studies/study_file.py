@@ -18,6 +18,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from palmbots._util.arguments import show, whole_number
+from palmbots._util.user_paths import user_path
 from palmbots.control.registry import ControllerEntry, refuse_reference, resolve
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.error_messages import validation_message
@@ -246,7 +247,7 @@ def _read(source: str) -> tuple[str, str, dict[str, Any], Path]:
             return source, f"{source}:", read_table(str(file), "a study file", []), Path()
     if not source:
         raise SceneError(f'study: value is ""; allowed: a TOML file or one of {", ".join(names)}')
-    if not os.path.exists(source):
+    if not user_path(source).exists():
         if source in built_in_scenes():
             raise SceneError(
                 f"{source}: this is a scene; a study names it with scene = {show(source)}"
@@ -257,7 +258,7 @@ def _read(source: str) -> tuple[str, str, dict[str, Any], Path]:
             f"{source}: there is no such study or file; {hint}built-in studies: {', '.join(names)}"
         )
     table = read_table(source, "a study file", [])
-    return Path(source).stem, f"{source}:", table, Path(source).parent
+    return Path(source).stem, f"{source}:", table, user_path(source).parent
 
 
 def _controllers(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from palmbots._util.optional_imports import require
+from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.studies.chunk_task import Block, ResultsHash
 from palmbots.studies.chunking import Chunk, ChunkGrid
@@ -45,7 +46,7 @@ def open_study(
         PalmbotsError: these are no results of a study, they are damaged, they are incomplete, or
             another version of palmbots wrote them.
     """
-    place = Path(path)
+    place = user_path(path)
     results = place / RESULTS if (place / RESULTS).exists() else place
     if (results.parent / RECORD).exists():
         read_record(results.parent)

@@ -19,6 +19,7 @@ from palmbots._util.confidence_intervals import wilson
 from palmbots._util.optional_imports import require
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import FIGURES, Result
+from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 from palmbots.simulation.batch import available_cores, check_built
@@ -230,7 +231,7 @@ def run_study(
     began = time.monotonic()
     points = design_points(plan, lambda fraction: report("checking scenes", fraction))
     layout = layout_of(points, chunk_size)
-    root = Path(out) if out is not None else Path(f"{plan.name}.study")
+    root = user_path(out) if out is not None else Path(f"{plan.name}.study")
 
     def on_progress(completed: int, expected: int) -> None:
         report("carrying", completed / expected if expected else 1.0)

@@ -17,6 +17,7 @@ from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table, verdict
 from palmbots._util.results import Result
+from palmbots._util.user_paths import user_path
 from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import recover
 from palmbots.errors import PalmbotsError
@@ -107,7 +108,7 @@ def replay_logs(logs: Sequence[str | PathLike[str]]) -> ReplayResult | RunReplay
     Raises:
         PalmbotsError: a log cannot be read or run again, or the logs are of different pairs.
     """
-    paths = [Path(log) for log in logs]
+    paths = [user_path(log) for log in logs]
     if len(paths) == 1 and not paths[0].is_dir() and not is_run_log(paths[0]):
         return replay(paths[0])
     return replay_run(read_run(paths))

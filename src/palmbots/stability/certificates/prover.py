@@ -27,6 +27,7 @@ from palmbots._util.command import Option, command, writes
 from palmbots._util.optional_imports import require
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
+from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import refuse_curved
@@ -293,8 +294,8 @@ def write_certificate(
     """
     if certificate.verdict != "undecided":
         certificate.save(path)
-        return [Path(path)]
-    kept = set_aside(Path(path))
+        return [user_path(path)]
+    kept = set_aside(user_path(path))
     if kept is not None and on_warning is not None:
         on_warning(f"nothing is proved; {path} is from an earlier run and was renamed to {kept}")
     return []

@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 from palmbots._util.arguments import show
+from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.property_conditions import CheckFailed
@@ -30,7 +31,7 @@ def read_certificate(path: Any) -> dict[str, Any]:
         PalmbotsError: the file cannot be read, is not a certificate or has another format.
     """
     try:
-        with open(path, "rb") as stream:
+        with open(user_path(path), "rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         reason = (isinstance(error, OSError) and error.strerror) or error
