@@ -130,6 +130,15 @@ def test_the_unit_stands_last_in_square_brackets(drawn: list[tuple[str, Any, Fig
     assert seen >= UNITS  # no unit is listed for nothing
 
 
+def test_no_name_of_a_program_stands_in_a_picture(
+    drawn: list[tuple[str, Any, Figure]],
+) -> None:
+    """Symbols are set as formulas, and names in words."""
+    for name, _, figure in drawn:
+        for text in (artist.get_text() for artist in figure.findobj(Text)):
+            assert "_" not in re.sub(r"\$.*?\$", "", text), (name, text)
+
+
 def palette(value: Any = None) -> Iterator[str]:
     """The colours of `palmbots.viz.style`."""
     if value is None:

@@ -250,3 +250,16 @@ def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: P
     assert not [path for path in tmp_path.iterdir() if path.is_dir()]  # nothing has begun
     both = ("--local-cluster", 1, "--scheduler", "tcp://127.0.0.1:9")
     refused(study_here(long, "--out", tmp_path / "d", *both), "one of them")
+
+
+def test_a_script_without_a_guard_is_refused_before_processes_import_it(tmp_path: Path) -> None:
+    script = tmp_path / "mine.py"
+    script.write_text("import palmbots as pb\npb.study('silent-map', 'out', local_cluster=2)\n")
+    run = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
+    assert run.returncode == 1
+    assert run.stderr.count("Traceback") == 1
+    assert run.stderr.splitlines()[-1].endswith(
+        "local_cluster: its processes import mine.py again; in that script, call the study below "
+        'the line: if __name__ == "__main__":'
+    )
+    assert not (tmp_path / "out").exists()

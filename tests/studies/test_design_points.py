@@ -36,6 +36,13 @@ def test_grid_has_every_combination_with_the_last_key_fastest() -> None:
     assert found.dims == ("radio.latency_s", "robot.noise_m_s")
 
 
+def test_values_may_be_lists_of_lists() -> None:
+    outlines = [[[0, 0], [0.25, 0], [0.25, h], [0, h]] for h in (0.07, 0.08)]
+    found = points(vary={"object.vertices_m": outlines, "robot.noise_m_s": [0.01, 0.02]})
+    assert found.levels("object.vertices_m") == outlines
+    assert found.scene(3).object.vertices_m[2] == (0.25, 0.08)
+
+
 def test_logarithmic_axis_is_geometrically_spaced() -> None:
     span = {"from": 0.001, "to": 0.1, "steps": 5, "scale": "log"}
     found = points(vary={"radio.latency_s": span})

@@ -377,3 +377,15 @@ def test_memory_does_not_grow_with_the_number_of_carries(tmp_path: Path) -> None
     assert in_all > 20, "what it would take to hold all of it"
     assert peaks[1] - peaks[0] < 10
     assert peaks[1] < 200
+
+
+def test_a_study_that_fails_at_once_leaves_no_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise pb.PalmbotsError("no memory")
+
+    monkeypatch.setattr("palmbots.studies.study_runner.run_locally", fail)
+    with pytest.raises(pb.PalmbotsError, match="no memory"):
+        pb.study(SMALL, tmp_path / "s")
+    assert not (tmp_path / "s").exists()

@@ -45,6 +45,12 @@ def copy(small: Path, tmp_path: Path) -> Path:
     return root
 
 
+def test_a_dataset_is_written_as_netcdf_and_read_again(small: Path, tmp_path: Path) -> None:
+    found = pb.open_study(small)
+    found.to_netcdf(tmp_path / "study.nc", engine="scipy")
+    assert xr.open_dataset(tmp_path / "study.nc", engine="scipy").equals(found)
+
+
 def chunk_files(root: Path, name: str) -> list[Path]:
     return sorted(
         path for path in (root / "results.zarr" / name / "c").rglob("*") if path.is_file()
@@ -179,7 +185,7 @@ def test_killed_study_is_incomplete(tmp_path: Path) -> None:
     assert int(carried.sum()) == int(number[1])
     assert (found.time_s.isnull() == ~carried).all(), "nothing reads as 0"
     assert found.drop_rate.isnull().all()
-    assert found.attrs["is_complete"] is False
+    assert found.attrs["is_complete"] == 0
     plain = xr.open_zarr(root / "results.zarr", chunks=None)
     assert int((plain.outcome == MISSING).sum()) == 9600 - int(number[1])
 

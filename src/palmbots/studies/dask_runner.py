@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from multiprocessing import resource_tracker
+from pathlib import Path
 from typing import Any
 
 from palmbots._util.arguments import whole_number
@@ -240,6 +241,7 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Any]:
         target: Any = scheduler
         if scheduler is None:
             count = whole_number("local_cluster", workers, 1, 1024)
+            _check_main_guard()
             # In a thread of its own, so that this thread can react to Ctrl-C at once.
             starter = stack.enter_context(ThreadPoolExecutor(1))
             with _without_ctrl_c():
@@ -265,6 +267,21 @@ def _close(client: Any) -> None:
     """
     with contextlib.suppress(Exception):
         client.close()
+
+
+def _check_main_guard() -> None:
+    """Refuse a script that each worker process would run from its beginning, this study included.
+
+    Raises:
+        PalmbotsError: there is no guard in the script.
+    """
+    name = getattr(sys.modules.get("__main__"), "__file__", None)
+    with contextlib.suppress(OSError):
+        if name is not None and b"__name__" not in Path(name).read_bytes():
+            raise PalmbotsError(
+                f"local_cluster: its processes import {Path(name).name} again; in that script, "
+                'call the study below the line: if __name__ == "__main__":'
+            )
 
 
 def _start_cluster(workers: int) -> Any:

@@ -65,7 +65,7 @@ class Points:
 
     def levels(self, key: str) -> list[Any]:
         """The different values of one key of a grid, in order."""
-        return list(dict.fromkeys(self.column(key)))
+        return list({repr(value): value for value in self.column(key)}.values())
 
     def allowed_cells(self) -> NDArray[np.bool_]:
         """[points, controllers]: the cells that no controller refuses."""
@@ -157,7 +157,7 @@ def _levels(axis: Axis) -> list[Any]:
     if isinstance(axis, Span):
         assert axis.steps is not None  # `Study` refuses a range without steps in a grid
         return [axis.at(i / (axis.steps - 1)) for i in range(axis.steps)]
-    return [tuple(one) if isinstance(one, list) else one for one in axis]
+    return list(axis)
 
 
 def _check_count(plan: Plan, points: int) -> None:

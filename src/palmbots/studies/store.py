@@ -107,6 +107,8 @@ class Store:
 def open_store(root: Path, points: Points, layout: ChunkGrid, is_chosen: bool) -> Iterator[Store]:
     """The folder of a study, new or continued. No other process may write while it is open.
 
+    A study that fails before its first chunk is complete leaves no folder behind.
+
     Args:
         root: the folder; created if it is missing.
         points: what is studied.
@@ -126,36 +128,41 @@ def open_store(root: Path, points: Points, layout: ChunkGrid, is_chosen: bool) -
             "new or empty folder, or that of a study"
         )
     with _lock(place):
-        record = read_record(place) if RECORD in names else None
-        if record is None:
-            record = {
-                _FORMAT_KEY: FORMAT,
-                "identity": points.identity,
-                "name": points.plan.name,
-                "max_carries": points.max_carries,
-                "layout": asdict(layout),
-                "content": points.content,
-            }
-            write_whole(place / RECORD, json.dumps(record, indent=1))
-        else:
-            _refuse_another_study(root, record, points)
-            own_layout = _layout(place, record["layout"], layout)
-            if is_chosen and own_layout != layout:
-                raise PalmbotsError(
-                    f"{root}: the study was begun with chunks of {own_layout.carries_a_chunk} "
-                    "carries; use the same chunk size or none, or another folder"
-                )
-            layout = own_layout
-        folder(place / _MARKS)
-        _remove_partial_files(place)
-        with _one_line(root):
-            if not (place / RESULTS).exists():
-                part = place / f"{RESULTS}.part"
-                shutil.rmtree(part, ignore_errors=True)
-                make_arrays(part, points, layout)
-                os.rename(part, place / RESULTS)
-            arrays = _arrays(place, points, layout)
-        yield Store(root, points, layout, arrays)
+        try:
+            record = read_record(place) if RECORD in names else None
+            if record is None:
+                record = {
+                    _FORMAT_KEY: FORMAT,
+                    "identity": points.identity,
+                    "name": points.plan.name,
+                    "max_carries": points.max_carries,
+                    "layout": asdict(layout),
+                    "content": points.content,
+                }
+                write_whole(place / RECORD, json.dumps(record, indent=1))
+            else:
+                _refuse_another_study(root, record, points)
+                own_layout = _layout(place, record["layout"], layout)
+                if is_chosen and own_layout != layout:
+                    raise PalmbotsError(
+                        f"{root}: the study was begun with chunks of {own_layout.carries_a_chunk} "
+                        "carries; use the same chunk size or none, or another folder"
+                    )
+                layout = own_layout
+            folder(place / _MARKS)
+            _remove_partial_files(place)
+            with _one_line(root):
+                if not (place / RESULTS).exists():
+                    part = place / f"{RESULTS}.part"
+                    shutil.rmtree(part, ignore_errors=True)
+                    make_arrays(part, points, layout)
+                    os.rename(part, place / RESULTS)
+                arrays = _arrays(place, points, layout)
+            yield Store(root, points, layout, arrays)
+        except Exception:
+            if RECORD not in names and not any((place / _MARKS).glob("*.npz")):
+                shutil.rmtree(place, ignore_errors=True)  # else the corrected study is refused here
+            raise
 
 
 def _layout(place: Path, recorded: Mapping[str, Any], expected: ChunkGrid) -> ChunkGrid:

@@ -76,7 +76,9 @@ def _dataset(results: Path) -> "xr.Dataset":
         for name, labels in dataset.coords.items()
         if labels.dtype.kind in "TO"
     }
-    return dataset.assign_coords(texts)
+    flags = {name: int(one) for name, one in dataset.attrs.items() if isinstance(one, bool)}
+    # The encoding is that of Zarr: netCDF has neither its codecs nor all of its types.
+    return dataset.assign_coords(texts).assign_attrs(flags).drop_encoding()
 
 
 def _open_group(results: Path) -> tuple[Any, dict[str, Any]]:

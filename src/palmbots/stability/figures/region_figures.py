@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
-from palmbots.stability.analysis import Analysis
+from palmbots.stability.analysis import Analysis, Bands
 from palmbots.stability.figures.canvas import (
     MM,
     Array,
@@ -130,10 +130,10 @@ def _draw_plane(view: View, analysis: Analysis, number: int, shallow: Side) -> M
     for corner in corners.values():
         view.axes.plot(*corner, "o", ms=4, color=INK, zorder=6)
         view.occupy(corner)
-    for name, k in (("k_lower", band.k_lower), ("k_upper", band.k_upper)):
+    for name, k in _limits(band).items():
         edge = [] if k is None else _level(view.corners, gain, MM * k - base)
         if len(edge) == 2:
-            view.line(*edge, colour=INK, width=1.3, gid=name)
+            view.line(*edge, colour=INK, width=1.3, gid="limit of z")
             view.label(name, 0.05 * edge[0] + 0.95 * edge[1], (1, -0.3))
     report = analysis.properties[number, shallow]
     travel, binding = report.margins.travel_m, MM * np.array(report.binding_p_m)
@@ -147,6 +147,11 @@ def _draw_plane(view: View, analysis: Analysis, number: int, shallow: Side) -> M
     for name, corner in corners.items():
         view.label(name, corner, corner)
     return corners
+
+
+def _limits(band: Bands) -> dict[str, float | None]:
+    """The limits of z, as pictures name them."""
+    return {"$k_\\mathrm{lower}$": band.k_lower, "$k_\\mathrm{upper}$": band.k_upper}
 
 
 def _level(polygon: Array, gain: Array, value: float) -> list[Array]:
@@ -169,8 +174,7 @@ def _describe_plane(
 ) -> None:
     """State whether the property holds, the limits of z, and what fails first."""
     report, band = analysis.properties[number, shallow], analysis.bands[number, shallow]
-    limits = {"k_lower": band.k_lower, "k_upper": band.k_upper}
-    known = [f"{name} = {_mm(k)} mm" for name, k in limits.items() if k is not None]
+    known = [f"{name} = {_mm(k)} mm" for name, k in _limits(band).items() if k is not None]
     lines = [", ".join(known) or "no bound on z"]
     if report.margins.travel_m is not None:
         first = "fails first" if report.holds else "fails"
