@@ -141,3 +141,14 @@ def test_scripted_duplicate_is_drawn() -> None:
     assert ack.received_s is not None
     assert arrows(panel)[-1] == ((0.0, ack.sent_s), (1.0, pytest.approx(ack.received_s + 0.3)))
     assert "Ack again" in [text.get_text() for text in panel.texts]
+
+
+def test_many_messages_have_lanes_instead_of_arrows() -> None:
+    far = {"task.distance_m": 6.0, "robot.noise_m_s": 0.03}
+    carry = pb.carry("paper", "shared-sign", overrides=far)
+    figure = draw_message_sequence(carry)
+    panel = figure.axes[0]
+    names = [text for text in panel.texts if text.get_text() in {m.kind for m in carry.message_log}]
+    assert len(names) == len({text.get_text() for text in names}) > 3
+    marks = sum(len(one.get_segments()) for axes in figure.axes for one in axes.collections)
+    assert marks == len(carry.message_log)

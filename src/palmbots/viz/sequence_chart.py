@@ -5,6 +5,10 @@ Time runs downwards, one column after the other. The line of a robot shows its c
 colour. An arrow is a message, from the time it was sent to the time it can be read. A lost message
 ends at a cross. Repeated beacons of the resilient algorithm are thin arrows without a name. A
 duplicate that the scene has scripted is dashed; random duplicates are not drawn.
+
+Where a column would have more messages than can be distinguished, each kind of message has a lane
+between the robots. A mark there is a message when it was sent, in the colour of its sender; a lost
+one is in the colour of failures.
 """
 
 import math
@@ -27,6 +31,7 @@ from palmbots.viz.style import (
     HATCH,
     HUE,
     INK,
+    PAPER,
     QUIET,
     axis_label,
     controller_title,
@@ -40,6 +45,7 @@ if TYPE_CHECKING:
 _TALL = 6.5  # inches of a column
 _WIDE = 2.6  # inches of a column
 _MOST_COLUMNS = 8
+_MOST_NAMES = 40  # in a column
 _DENSE = 0.16  # s: messages that are closer on average get more room
 _LINE = {"left": 0.0, "right": 1.0}
 _BAR = 0.07  # width of a case's bar
@@ -64,12 +70,19 @@ def draw_message_sequence(carry: "Carry", window: tuple[float, float] | None = N
     columns = math.ceil(max((end - start) / 8.0, named * _DENSE / _TALL * 1.5, 1.0))
     columns = min(columns, _MOST_COLUMNS)
     span = (end - start) / columns
+    kinds = sorted({message.kind for message, _ in messages})
+    has_lanes = named > _MOST_NAMES * columns
     with styled():
         width = max(_WIDE * columns + 0.5, 4.0)  # at least that of the title
         figure = Figure(figsize=(width, _TALL + 1.1))
         panels = np.atleast_1d(figure.subplots(1, columns, squeeze=True))
         for k, panel in enumerate(panels):
-            _draw_column(panel, carry, messages, start + k * span, start + (k + 1) * span)
+            low, high = start + k * span, start + (k + 1) * span
+            _draw_robots(panel, carry, low, high)
+            if has_lanes:
+                _draw_lanes(panel, [message for message, _ in messages], kinds, low, high)
+            else:
+                _draw_arrows(panel, carry, messages, low, high)
         panels[0].set_ylabel(axis_label("time", "s"))
         _head(figure, carry)
         figure.subplots_adjust(
@@ -104,10 +117,8 @@ def _copies(carry: "Carry") -> Iterator["Message"]:
             yield replace(message, received_s=message.received_s + (fault.delay_s or 0.0))
 
 
-def _draw_column(
-    panel: Axes, carry: "Carry", messages: list[tuple["Message", bool]], start: float, end: float
-) -> None:
-    """The part of the chart between two times."""
+def _draw_robots(panel: Axes, carry: "Carry", start: float, end: float) -> None:
+    """The lifelines between two times, with what the robots did."""
     panel.set_xlim(-0.3, 1.3)
     panel.set_ylim(end, start)
     panel.grid(visible=True, axis="y")
@@ -119,6 +130,38 @@ def _draw_column(
         panel.plot([_LINE[side]] * 2, [start, end], color=HUE[side], lw=0.8, zorder=1)
         _draw_cases(panel, carry, side, start, end)
         _draw_faults(panel, carry, side, start, end)
+    if carry.outcome != "delivered" and start <= carry.time_s <= end:
+        panel.axhline(carry.time_s, color=DROP, lw=1.6, clip_on=False, zorder=5)
+
+
+def _draw_lanes(
+    panel: Axes, messages: list["Message"], kinds: list[str], start: float, end: float
+) -> None:
+    """The messages sent between two times, one lane for each kind and sender."""
+    width = 0.7 / max(len(kinds), 1)
+    for k, kind in enumerate(kinds):
+        middle = 0.15 + (k + 0.5) * width
+        panel.annotate(
+            kind, (middle, start), (0, -2), textcoords="offset points", rotation=90,
+            ha="center", va="top", size=6.5, color=INK, zorder=6,
+            bbox={"fc": PAPER, "ec": "none", "pad": 0.6, "alpha": 0.85},
+        )  # fmt: skip
+        for shift, side in zip((-0.45, 0.0), SIDES, strict=True):
+            own = [m for m in messages if (m.kind, m.sender) == (kind, side)]
+            for is_lost, colour in ((False, HUE[side]), (True, DROP)):
+                times = [
+                    m.sent_s
+                    for m in own
+                    if start <= m.sent_s <= end and (m.received_s is None) == is_lost
+                ]
+                left = middle + shift * width
+                panel.hlines(times, left, left + 0.45 * width, color=colour, lw=0.5, zorder=3)
+
+
+def _draw_arrows(
+    panel: Axes, carry: "Carry", messages: list[tuple["Message", bool]], start: float, end: float
+) -> None:
+    """The messages sent between two times."""
     high = _NAME * (end - start) / _TALL
     # The names of the robots stand above the column.
     taken: dict[str, list[tuple[float, float]]] = {side: [(-math.inf, start)] for side in SIDES}
@@ -138,8 +181,6 @@ def _draw_column(
     for copy in _copies(carry):
         if start <= copy.sent_s <= end:
             _draw_message(panel, copy, is_news=True, is_below=True, is_copy=True)
-    if carry.outcome != "delivered" and start <= carry.time_s <= end:
-        panel.axhline(carry.time_s, color=DROP, lw=1.6, clip_on=False, zorder=5)
 
 
 def _overlaps(

@@ -133,7 +133,7 @@ def _draw_plane(view: View, analysis: Analysis, number: int, shallow: Side) -> M
     for name, k in _limits(band).items():
         edge = [] if k is None else _level(view.corners, gain, MM * k - base)
         if len(edge) == 2:
-            view.line(*edge, colour=INK, width=1.3, gid="limit of z")
+            view.line(*edge, colour=INK, width=1.3, gid=name)
             view.label(name, 0.05 * edge[0] + 0.95 * edge[1], (1, -0.3))
     report = analysis.properties[number, shallow]
     travel, binding = report.margins.travel_m, MM * np.array(report.binding_p_m)
