@@ -65,8 +65,8 @@ test-site: build/site/index.html $(VENV)/strict.done  ## the page in a real brow
 	@cd site && $(NPM) run --silent check
 	$(BIN)/python -m pytest tests/site --numprocesses auto --dist worksteal
 
-serve-site: build/site/index.html  ## a local server for build/site
-	$(BIN)/python scripts/serve_site.py
+serve-site: build/site/index.html  ## a local server for build/site; HOST=0.0.0.0 serves the network, PORT=8080
+	$(BIN)/python scripts/serve_site.py $(if $(findstring command,$(origin HOST)),--host $(HOST)) $(if $(PORT),--port $(PORT))
 
 wheels: $(VENV)/test.done $(VENV)/extension.done  ## two wheels each for x86-64 and aarch64, and the sources, in dist/; PYTHON312=/path/to/python3.12
 	$(BIN)/python scripts/build_wheels.py $(if $(PYTHON312),--python $(PYTHON312))
@@ -193,6 +193,7 @@ build/site/index.html: $(SITE_IMAGES:%=docs/images/%) site/src/generated/core.wa
 	@mkdir -p site/public/images
 	@cp $(SITE_IMAGES:%=docs/images/%) site/public/images
 	@cd site && $(NPM) run --silent build -- --logLevel warn
+	@cd site && $(NPM) run --silent build -- --logLevel warn --mode file
 	@touch $@
 
 # extension.done: palmbots._core is up to date, and so is all that has been built before.

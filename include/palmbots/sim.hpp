@@ -6,6 +6,7 @@
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/bumps.hpp"
 #include "palmbots/sim/carry.hpp"
+#include "palmbots/sim/carry_warnings.hpp"
 #include "palmbots/sim/centralized_team.hpp"
 #include "palmbots/sim/corruption.hpp"
 #include "palmbots/sim/cosimulation.hpp"

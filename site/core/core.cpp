@@ -171,9 +171,11 @@ PAGE_EXPORT(timing) const double* timing(std::uint32_t controller) {
 
 // Carries once. Returns metrics; rows(), messages() and so on give the rest.
 PAGE_EXPORT(run) const double* run(std::uint32_t controller, double seed) {
+  const bool stops_in_silence =
+      controller < policy_controller && controller_infos[controller].stops_in_silence;
   with_controller(controller, [&](auto make) {
     const auto whole = static_cast<std::uint64_t>(seed);
-    carry = page::record(scene, whole, make(scene, whole), forks);
+    carry = page::record(scene, whole, make(scene, whole), forks, stops_in_silence);
   });
   return give(carry.metrics);
 }
@@ -181,6 +183,7 @@ PAGE_EXPORT(rows) const double* rows() { return give(carry.rows); }
 PAGE_EXPORT(messages) const double* messages() { return give(carry.messages); }
 PAGE_EXPORT(corrections) const double* corrections() { return give(carry.corrections); }
 PAGE_EXPORT(contact_events) const double* contact_events() { return give(carry.contact_events); }
+PAGE_EXPORT(warnings) const char* warnings() { return carry.warnings.c_str(); }
 
 // The places (placement.hpp) at a row of a carry, which the input holds.
 PAGE_EXPORT(places) const double* places() {

@@ -4,9 +4,11 @@
 
 #include <array>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "palmbots/sim/carry_warnings.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/team_registry.hpp"
 
@@ -32,9 +34,9 @@ struct RecordedCarry {
   // Rows of 4: side, kind, start, end.
   Numbers contact_events;
   // Outcome, drop reason, time, distance, contact rms and peak, messages sent and lost, waiting
-  // times, number of corrections, of bumps, the trace hash (high and low word), for how long each
-  // robot has waited at the end and for which message.
+  // times, number of corrections, of bumps, the trace hash (high and low word).
   Numbers metrics;
+  std::string warnings;  // one a line
 };
 
 // A TraceRecorder that also stores the packets of a team with a station, of which one goes over each
@@ -113,24 +115,33 @@ void append_metrics(const Carry& carry, Numbers& out) {
   out.insert(out.end(), {m.waiting_ticks[left] * period, m.waiting_ticks[right] * period,
                          double(m.corrections), double(m.bumps), double(hash >> 32),
                          double(hash & 0xFFFFFFFFU)});
-  for (const std::size_t side : {left, right}) {
-    const double waits = m.time_ticks * period - double(m.waits_since[side]) * period;
-    out.push_back(waits > 0 ? waits : 0);
-    out.push_back(double(carry.team().awaits(side)));
+}
+
+template <class Carry>
+std::string warning_lines(const Carry& carry, bool stops_in_silence) {
+  const auto& team = carry.team();
+  const PerSide<MessageKind> awaits{team.awaits(left), team.awaits(right)};
+  const PerSide<bool> stopped{carry.commands()[left].stop, carry.commands()[right].stop};
+  std::string text;
+  for (const std::string& line : warnings_after(
+           carry.spec(), {carry.metrics(), team.link_totals, awaits, stopped}, stops_in_silence)) {
+    text += text.empty() ? line : "\n" + line;
   }
+  return text;
 }
 
 }  // namespace detail
 
-// Runs one carry to its end.
+// Runs one carry to its end. `stops_in_silence`: of the controller (ControllerInfo).
 template <class Team>
 RecordedCarry record(const Spec& spec, std::uint64_t seed, Team team,
-                     const std::vector<Fork>& forks) {
+                     const std::vector<Fork>& forks, bool stops_in_silence) {
   Carry<double, Team, PageRecorder> carry(spec, seed, std::move(team), PageRecorder(true));
   carry.run(forks);
   RecordedCarry kept;
   const Metrics& m = carry.metrics();
   detail::append_metrics(carry, kept.metrics);
+  kept.warnings = detail::warning_lines(carry, stops_in_silence);
   const std::vector<Row> rows = carry.recorder().take_rows();
   const double end = m.time_ticks * spec.period;
   kept.rows.reserve(rows.size() * RecordedCarry::row_width);

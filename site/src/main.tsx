@@ -64,7 +64,9 @@ function Page() {
             </a>
           ))}
         </div>
-        <a class="aside" id="book" href="./docs/">documentation</a>
+        {import.meta.env.MODE !== "file" && (
+          <a class="aside" id="book" href="./docs/">documentation</a>
+        )}
         <label class="file">
           open a scene
           <input

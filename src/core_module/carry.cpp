@@ -142,17 +142,6 @@ nb::list contact_events(const Run& run) {
   return list;
 }
 
-// For how long each robot has been waiting at the end [s], and for which message if that is known.
-nb::list hanging(const Run& run) {
-  nb::list list;
-  for (const std::size_t side : {left, right}) {
-    const double since = double(run.metrics.waits_since[side]) * run.period;
-    const double waits = run.metrics.time_ticks * run.period - since;
-    list.append(nb::make_tuple(since, waits > 0 ? waits : 0.0, name_of(run.awaits[side])));
-  }
-  return list;
-}
-
 // Of each link (sent, lost, duplicated, late, rejected): from the left robot, from the right one,
 // from the station to the left and to the right one.
 nb::list links(const Run& run) {
@@ -204,20 +193,26 @@ void bind_carry(nb::module_& m) {
           [](const Run& r) { return std::tuple(r.metrics.peak[left], r.metrics.peak[right]); })
       .def_prop_ro("messages", [](const Run& r) { return r.link_totals.sent; })
       .def_prop_ro("links", &links)
-      .def_prop_ro("stopped",
-                   [](const Run& r) { return std::tuple(r.stopped[left], r.stopped[right]); })
       .def_prop_ro("messages_lost", [](const Run& r) { return r.link_totals.lost; })
       .def_prop_ro("waiting_s",
                    [](const Run& r) {
                      return std::tuple(r.metrics.waiting_ticks[left] * r.period,
                                        r.metrics.waiting_ticks[right] * r.period);
                    })
-      .def_prop_ro("hanging", &hanging)
-      .def_prop_ro("limit_cycle",
+      .def_prop_ro("waits_since_s",
                    [](const Run& r) {
-                     return std::tuple(bool(r.metrics.limit_cycle[left]),
-                                       bool(r.metrics.limit_cycle[right]));
+                     return std::tuple(r.metrics.waits_since[left] * r.period,
+                                       r.metrics.waits_since[right] * r.period);
                    })
+      .def(
+          "warnings",
+          [](const Run& r, const Spec& spec, bool stops_in_silence) {
+            return warnings_after(spec, {r.metrics, r.link_totals, r.awaits, r.stopped},
+                                  stops_in_silence);
+          },
+          nb::arg("spec"), nb::arg("stops_in_silence"),
+          "One sentence for each thing that went wrong unnoticed. stops_in_silence: of the "
+          "controller.")
       .def_prop_ro("bumps", [](const Run& r) { return r.metrics.bumps; })
       .def_prop_ro("correction_count", [](const Run& r) { return r.metrics.corrections; })
       .def_prop_ro("corrections", &corrections)

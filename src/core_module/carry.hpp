@@ -8,6 +8,7 @@
 
 #include "bindings.hpp"
 #include "palmbots/sim/build.hpp"
+#include "palmbots/sim/carry_warnings.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/table_team.hpp"
 

@@ -39,8 +39,7 @@ FALLS = load_scene({"robot": {"noise_m_s": 0.03}})
 CONTROLLERS = shipped_names()
 RESULTS = (
     "outcome", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "corrections",
-    "messages", "messages_lost", "links", "waiting_s", "hanging", "limit_cycle", "stopped",
-    "message_log",
+    "messages", "messages_lost", "links", "waiting_s", "waits_since_s", "message_log",
     "trace_hash",
 )  # fmt: skip
 

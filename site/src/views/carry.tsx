@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carry: one carry to watch, to scrub through, to fork and to disturb.
 import { signal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
 import {
-  AtHome, ControllerChoice, Disturbances, Field, SceneChoice, caseMeaning, presentRun, setController,
+  AtHome, ControllerChoice, Disturbances, Field, ResetButton, SceneChoice, caseMeaning, presentRun, setController,
 } from "./parts";
-import { PlayerBar, playerKeys } from "./player_bar";
+import { PlayerBar, usePlayerKeys } from "./player_bar";
 import { saveFilm, savePicture } from "./save";
 import { Charts } from "./sequence";
 import { Stage, offAt, pushRobot, shiftObject, showCones } from "./stage";
@@ -28,6 +27,11 @@ export function outcomeText(run: Recorded): string {
   return `delivered: ${run.distance.toFixed(2)} m in ${run.time.toFixed(1)} s`;
 }
 
+// Good is only a carry that ended well and in which nothing went wrong unnoticed.
+export function outcomeClass(run: Recorded): string {
+  return run.outcome === 1 && run.warnings.length === 0 ? "good" : "bad";
+}
+
 function Status() {
   const run = recorded.value;
   if (refusal.value) {
@@ -48,13 +52,20 @@ function Status() {
     return `${side} p = ${mm} mm${letter ? `, (${letter}) ${caseMeaning(controller.value, letter)}` : ""}`;
   });
   return (
-    <div class="status">
-      <span class="left-text">{does[0]}</span>
-      <strong class={ended ? (run.outcome === 1 ? "good" : "bad") : ""}>
-        {ended ? outcomeText(run) : `${run.rows[row * ROW.width + ROW.midpoint]!.toFixed(2)} m`.replace("-", "−")}
-      </strong>
-      <span class="right-text">{does[1]}</span>
-    </div>
+    <>
+      <div class="status">
+        <span class="left-text">{does[0]}</span>
+        <strong class={ended ? outcomeClass(run) : ""}>
+          {ended ? outcomeText(run) : `${run.rows[row * ROW.width + ROW.midpoint]!.toFixed(2)} m`.replace("-", "−")}
+        </strong>
+        <span class="right-text">{does[1]}</span>
+      </div>
+      {ended && run.warnings.length > 0 && (
+        <ul class="warnings" role="status">
+          {run.warnings.map((text) => <li>warning: {text}</li>)}
+        </ul>
+      )}
+    </>
   );
 }
 
@@ -148,10 +159,7 @@ const busy = signal("");
 export function CarryView() {
   const run = recorded.value;
   const info = controllerInfo(controller.value);
-  useEffect(() => {
-    document.addEventListener("keydown", playerKeys);
-    return () => document.removeEventListener("keydown", playerKeys);
-  }, []);
+  usePlayerKeys();
   return (
     <>
       <header class="lead">
@@ -196,15 +204,18 @@ export function CarryView() {
           />
           friction cones
         </label>
+        <ResetButton />
+        <Disturbances />
       </div>
-      <section class="panel" aria-label="the carry">
-        <Stage run={run} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
-        <Status />
-        <PlayerBar />
-        <Hands />
+      <section class="panel beside" aria-label="the carry">
+        <div class="scene">
+          <Stage run={run} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
+          <Status />
+          <PlayerBar />
+          <Hands />
+        </div>
         <Charts />
       </section>
-      <Disturbances />
       <AtHome runs={presentRun()} />
       <p class="row save">
         <button type="button" id="save-picture" onClick={() => savePicture("stage")}>

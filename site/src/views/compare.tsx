@@ -2,9 +2,9 @@
 // Compare: two controllers on the same noise, and how many of 1000 carries each drops.
 import { computed, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { AtHome, type Run, ControllerChoice, Disturbances, SceneChoice, controllerTitle } from "./parts";
-import { PlayerBar, playerKeys } from "./player_bar";
-import { outcomeText } from "./carry";
+import { AtHome, type Run, ControllerChoice, Disturbances, ResetButton, SceneChoice, controllerTitle } from "./parts";
+import { PlayerBar, usePlayerKeys } from "./player_bar";
+import { outcomeClass, outcomeText } from "./carry";
 import { Stage } from "./stage";
 import { carryCommand, controllerWord, sceneWords } from "../shared/command";
 import { DRIVES, PALMS, type PolicyRow, type Recorded } from "../shared/core";
@@ -14,6 +14,7 @@ import {
   problem, refusalOf, scene, seed, setExtra,
 } from "../shared/state";
 import { controllerInfo } from "../shared/tables";
+import { startWorker } from "../start_worker";
 import type { Report, Task } from "../worker";
 
 const CARRIES = 1000;
@@ -37,7 +38,7 @@ const reports = signal<(Report | null)[]>([null, null]);
 
 function useCounts(): void {
   useEffect(() => {
-    const worker = new Worker(new URL("../worker.ts", import.meta.url), { type: "module" });
+    const worker = startWorker();
     let number = 0;
     worker.onmessage = (event: MessageEvent<Report>) => {
       if (event.data.task !== number) return;
@@ -162,13 +163,12 @@ function Rows() {
 
 export function CompareView() {
   useCounts();
+  usePlayerKeys();
   useEffect(() => {
     const before = player.end;
     player.end = () => Math.max(...runs.map((run) => lengthOf(run.peek())), 0);
-    document.addEventListener("keydown", playerKeys);
     return () => {
       player.end = before;
-      document.removeEventListener("keydown", playerKeys);
     };
   }, []);
   const latency = Number(get(scene.value, "radio.latency_s"));
@@ -204,13 +204,17 @@ export function CompareView() {
             onChange={(name) => setExtra(place === 0 ? "a" : "b", name, USUAL[place])}
           />
         ))}
+        <ResetButton />
+        <Disturbances />
       </div>
-      <Disturbances />
-      <section class="panel" aria-label="the two carries">
+      <section class="panel lanes" aria-label="the two carries">
         {([0, 1] as const).map((place) => {
           const run = runs[place].value;
           return (
             <div class="lane">
+              <p class="lane-title">
+                <strong>{controllerTitle(names.value[place])}</strong> <LaneEnd run={run} />
+              </p>
               <Stage
                 run={typeof run === "string" ? null : run}
                 of={scene.value}
@@ -219,9 +223,6 @@ export function CompareView() {
                 low
                 periodic={controllerInfo(names.value[place])?.isPeriodic}
               />
-              <p class="lane-title">
-                <strong>{controllerTitle(names.value[place])}</strong> <LaneEnd run={run} />
-              </p>
             </div>
           );
         })}
@@ -254,5 +255,5 @@ function LaneEnd(props: { run: Recorded | string | null }) {
   if (!props.run) return null;
   if (typeof props.run === "string") return <>{props.run}</>;
   if (player.time.value < props.run.time) return null;
-  return <span class={props.run.outcome === 1 ? "good" : "bad"}>{outcomeText(props.run)}</span>;
+  return <span class={outcomeClass(props.run)}>{[outcomeText(props.run), ...props.run.warnings].join("; ")}</span>;
 }

@@ -493,6 +493,7 @@ export function MechanicsView() {
           reset
         </button>
       </div>
+      <div class="state-and-words">
       <section class="panel" aria-label="one state">
         <div class="stage over">
           <Canvas id="mechanics" height={mechanicsHeight} draw={draw}
@@ -506,27 +507,28 @@ export function MechanicsView() {
         <State />
       </section>
       {f && f.reaches && (
-        <>
+        <section class="state">
           <p class="note" id="shown-state">
             State {shown.value.isUnderPointer ? "under the pointer" : "at the dot of the maps below"}:{" "}
             p<sub>L</sub> = {inMm(shown.value.contacts[0])}, p<sub>R</sub> = {inMm(shown.value.contacts[1])}
           </p>
-          <div class="columns state">
-            <section>
-              <h2>Driven together: {modeName(f.closing)}</h2>
-              <p id="closing-words">{modeWords(f.closing)} {decision(f, true)}</p>
-              <h2>Driven apart: {modeName(f.opening)}</h2>
-              <p id="opening-words">{modeWords(f.opening)} {decision(f, false)}</p>
-              <p class="note" id="margin-words">{marginWords(f.margin)}</p>
-            </section>
-            <section>
-              <Squeezes f={f} />
-              <NineModes f={f} />
-              <p class="note">
-                {Object.entries(tables.motionMeanings).map((both) => both.join(": ")).reverse().join(", ")}
-              </p>
-            </section>
-          </div>
+          <h2>Driven together: {modeName(f.closing)}</h2>
+          <p id="closing-words">{modeWords(f.closing)} {decision(f, true)}</p>
+          <h2>Driven apart: {modeName(f.opening)}</h2>
+          <p id="opening-words">{modeWords(f.opening)} {decision(f, false)}</p>
+          <p class="note" id="margin-words">{marginWords(f.margin)}</p>
+          <Squeezes f={f} />
+        </section>
+      )}
+      </div>
+      {f && f.reaches && (
+        <>
+          <section>
+            <NineModes f={f} />
+            <p class="note">
+              {Object.entries(tables.motionMeanings).map((both) => both.join(": ")).reverse().join(", ")}
+            </p>
+          </section>
           <section>
             <h2>Every pair of contacts</h2>
             <p class="note">

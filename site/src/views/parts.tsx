@@ -94,6 +94,26 @@ export function SceneChoice() {
   );
 }
 
+// Back to the scene that a visitor finds first: what stories, sliders and hands have set is gone.
+export function ResetButton() {
+  return (
+    <button
+      type="button"
+      id="reset"
+      onClick={() => {
+        base.value = "paper";
+        controller.value = "distributed";
+        seed.value = 0;
+        overrides.value = {};
+        forks.value = [];
+        player.seek(0);
+      }}
+    >
+      reset
+    </button>
+  );
+}
+
 export function KeySlider(props: {
   name: string; label: string; min: number; max: number; step: number; unit?: string;
   factor?: number; digits?: number;

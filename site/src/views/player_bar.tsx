@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Play, pause, step, scrub and speed.
+import { useEffect } from "preact/hooks";
 import { player, recorded } from "../shared/state";
 
 const TICK = 0.01;
@@ -57,15 +58,34 @@ function Pause() {
   return <svg viewBox="0 0 16 16" width="16" height="16" aria-hidden="true"><path d="M3 2h4v12H3zM9 2h4v12H9z" fill="currentColor" /></svg>;
 }
 
-// Keys that work wherever the focus is not in a field.
-export function playerKeys(event: KeyboardEvent): void {
+// Keys that work wherever the focus is not in a field that takes them.
+function playerKeys(event: KeyboardEvent): void {
   const target = event.target as HTMLElement;
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  if (/^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName)) return;
+  const isSlider = target instanceof HTMLInputElement && target.type === "range";
+  if (/^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && !isSlider) return;
   if (event.key === " " && target.tagName !== "BUTTON") {
     event.preventDefault();
     player.toggle();
   }
   if (event.key === ",") player.step(-TICK);
   if (event.key === ".") player.step(TICK);
+}
+
+// A button that was clicked with a pointer keeps no focus: else the space bar would press it again.
+function releaseButton(event: MouseEvent): void {
+  const button = (event.target as HTMLElement).closest("button");
+  if (button && event.detail > 0) button.blur();
+}
+
+// Makes the keys of the player work in a view.
+export function usePlayerKeys(): void {
+  useEffect(() => {
+    document.addEventListener("keydown", playerKeys);
+    document.addEventListener("click", releaseButton);
+    return () => {
+      document.removeEventListener("keydown", playerKeys);
+      document.removeEventListener("click", releaseButton);
+    };
+  }, []);
 }

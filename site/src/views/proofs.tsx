@@ -290,6 +290,11 @@ export function ProofsView() {
               : "A depth-first search found this run: a shorter one may exist."}
           </span>
         </p>
+        <Player item={item} place={place} />
+        <p class="events" role="status">
+          {[...now.before, ...(isLast ? item.after : [])].map((event) => event.text).join("; ")}
+          {isLast && item.loop !== null && ` The run then returns to step ${item.loop + 1}, and repeats forever.`}
+        </p>
         <div class={carried ? "columns" : ""}>
           <div>
             {hasPalms && (
@@ -306,6 +311,7 @@ export function ProofsView() {
                 <output id="carry-time">{carried.times[place]!.toFixed(2)}&nbsp;s</output>.{" "}
                 <button type="button" id="carry-it" onClick={() => openInCarry(item)}>open this carry</button>
               </p>
+              <Robots robots={now.robots} />
             </div>
           )}
         </div>
@@ -314,12 +320,7 @@ export function ProofsView() {
             ? "Number: contact coordinate p in cells, outward > 0. Line: the palm, dashed while it turns. Arrow: the drive, away or closer. Diamond: a bump or a reboot."
             : "This model has no contacts. Filled circle: the robot hears its partner."}
         </p>
-        <div><Robots robots={now.robots} /></div>
-        <p class="events" role="status">
-          {[...now.before, ...(isLast ? item.after : [])].map((event) => event.text).join("; ")}
-          {isLast && item.loop !== null && ` The run then returns to step ${item.loop + 1}, and repeats forever.`}
-        </p>
-        <Player item={item} place={place} />
+        {!carried && <div><Robots robots={now.robots} /></div>}
       </section>
       <AtHome
         lines={[`.venv/bin/python verify/model_check.py ${item.name}`]}

@@ -58,7 +58,7 @@ export function stageHeight(width: number): number {
 }
 
 function lowHeight(width: number): number {
-  return Math.round(Math.min(250, Math.max(170, width * 0.27)));
+  return Math.round(Math.min(250, Math.max(170, width * 0.36)));
 }
 
 export function Stage(props: {
@@ -100,7 +100,7 @@ export function Stage(props: {
         flights: flightsAt(run, time, Number(get(of, "radio.latency_s")), props.periodic ?? false),
         cones: showCones.value ? machine.statics(theta, contact).cones : undefined,
         gravity: showCones.value,
-        labels: surface.width > 480,
+        labels: surface.width > 480 && surface.height > 210,
         dropped: ended && run.outcome === 2,
       },
       lowestPoint(at),

@@ -3,16 +3,18 @@
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { AtHome, presentRun } from "./parts";
-import { PlayerBar, playerKeys } from "./player_bar";
+import { PlayerBar, usePlayerKeys } from "./player_bar";
 import { Charts } from "./sequence";
 import { Stage } from "./stage";
 import { outcomeText } from "./carry";
 import type { Recorded } from "../shared/core";
 import type { Overrides } from "../shared/scene_values";
 import {
-  base, controller, extraFlag, extraNumber, forks, overrides, player, recorded, seed, setExtra,
+  base, controller, core, extraFlag, extraNumber, forks, overrides, player, recorded, scene, seed, setExtra,
   setExtraFlag,
 } from "../shared/state";
+import { decision } from "../shared/mode_words";
+import { get } from "../shared/scene_values";
 import { controllerInfo } from "../shared/tables";
 import { reducedMotion } from "../shared/theme";
 
@@ -32,13 +34,14 @@ interface Story {
   task: string; // the one thing to do
   actions: { label: string; act: Start }[];
   after: string; // what the action shows
+  hasSqueezes?: boolean; // `after` is about the squeezes that decide which contact slides
   question?: { ask: string; answers: string[]; right: number };
 }
 
 const QUIET = { "robot.noise_m_s": 0 };
 // The left robot is silent while it should answer.
 const SILENT_LEFT = {
-  ...QUIET, "bumps.script": [{ robot: "right", at_s: 0.4, shift_m: 0.011 }], "task.distance_m": 0.36,
+  ...QUIET, "bumps.script": [{ robot: "right", at_s: 0.4, shift_m: 0.011 }], "task.distance_m": 0.9,
   "radio.outages": [{ sender: "left", start_s: 0.5, end_s: 1 }],
 };
 const REBOOT = {
@@ -73,12 +76,13 @@ export const STORIES: Story[] = [
     title: "Why the palms tilt",
     start: { cones: true, controller: "none", set: FAST_RIGHT, at: 0.01 },
     text:
-      "The right robot drives 8 mm/s too fast. With both palms steep, the object decides which contact slides, and no robot corrects it. Watch the object slide off the palm.",
+      "The right robot drives 8 mm/s too fast. With both palms steep, the object decides which contact slides, and no robot corrects it. Watch it slide off.",
     task: "Give the pair a controller.",
     actions: [
       { label: "distributed", act: { cones: true, controller: "distributed", set: FAST_RIGHT } },
     ],
-    after: "The friction cone of a shallow palm differs from that of a steep one. By tilting a palm, the robots therefore choose which contact slides.",
+    after: "The squeeze H is the force with which the palms press the object inward, in weights of the object. Driving together raises H until the first of the two friction cones ends. That contact slides, and the cone of a shallow palm ends first:",
+    hasSqueezes: true,
   },
   {
     title: "Two robots without a radio",
@@ -184,10 +188,7 @@ export function StoriesView() {
       run(story.start);
     }
   }, [place]);
-  useEffect(() => {
-    document.addEventListener("keydown", playerKeys);
-    return () => document.removeEventListener("keydown", playerKeys);
-  }, []);
+  usePlayerKeys();
   const carried = recorded.value;
   const info = controllerInfo(controller.value);
   return (
@@ -236,15 +237,42 @@ export function StoriesView() {
           </>
         )}
       </div>
-      {isDone() && story.after && <p class="after" role="status">{story.after}</p>}
-      <section class="panel" aria-label="the carry">
-        <Stage run={carried} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
-        <Ending />
-        <PlayerBar />
+      <section class="panel beside" aria-label="the carry">
+        <div class="scene">
+          <Stage run={carried} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
+          <Ending />
+          <PlayerBar />
+          {isDone() && story.after && (
+            <div class="after" role="status">
+              <p>{story.after}</p>
+              {story.hasSqueezes && <Squeezes />}
+            </div>
+          )}
+        </div>
         <Charts />
       </section>
       <AtHome runs={presentRun()} />
+      {import.meta.env.MODE !== "file" && (
+        <p class="note">For a class: <a href="./lesson.html">a sheet with tasks for 45 minutes</a>, to print.</p>
+      )}
     </>
+  );
+}
+
+// What decides which contact slides when the robots drive together.
+function Squeezes() {
+  const machine = core.value;
+  if (!machine) return null;
+  machine.setScene(scene.value);
+  const [shallow, steep] = ["palm.shallow_deg", "palm.steep_deg"].map(
+    (key) => (Number(get(scene.value, key)) * Math.PI) / 180,
+  ) as [number, number];
+  const words = (left: number, p: number) => decision(machine.statics([left, steep], [p, 0]), true);
+  return (
+    <ul id="squeezes">
+      <li>Both palms steep, both contacts at p = 0: {words(steep, 0)}</li>
+      <li>Left palm shallow, p_L = −20 mm, as in case (d): {words(shallow, -0.02)}</li>
+    </ul>
   );
 }
 
@@ -264,10 +292,7 @@ const counted = (number: number, what: string) =>
 function Ending(): ComponentChildren {
   const carried = recorded.value;
   if (!carried || player.time.value < carried.time) return <p class="status">&nbsp;</p>;
-  const waits = carried.hanging
-    .map((h, side) => (h.since > 0.5 && h.awaits ? `the ${side ? "right" : "left"} robot still waits for ${h.awaits}` : ""))
-    .filter(Boolean);
-  const wrong = waits.length > 0 ? waits : endless(carried);
+  const wrong = carried.warnings.length > 0 ? carried.warnings : endless(carried);
   return (
     <p class="status ending">
       <strong class={carried.outcome === 1 && wrong.length === 0 ? "good" : "bad"}>

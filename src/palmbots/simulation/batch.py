@@ -203,7 +203,7 @@ def row_of(run: Any) -> dict[str, Any]:
     return row | {
         "outcome": OUTCOMES.index(run.outcome),
         "reason": REASONS.index(run.reason),
-        "waits_since_s": [since for since, *_ in run.hanging],
+        "waits_since_s": run.waits_since_s,
         "corrections": run.correction_count,
         "messages": run.messages,
         "messages_lost": run.messages_lost,

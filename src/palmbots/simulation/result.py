@@ -18,7 +18,6 @@ from palmbots.scene.scene import Scene
 from palmbots.simulation.outcome_counts import SceneStatistics, scene_statistics
 from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.simulation.trace import trace_dataset
-from palmbots.simulation.warnings import warnings_after
 from palmbots.simulation.worlds import WorldRun
 
 if TYPE_CHECKING:
@@ -211,7 +210,7 @@ def make_carry(
         warnings=(
             *prepared.warnings,
             *run.warnings,
-            *warnings_after(measured, prepared.scene, entry),
+            *measured.warnings(prepared.spec, entry.stops_in_silence),
         ),
         trace=trace,
         message_log=tuple(

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page shows what the command prints of a carry that went wrong unnoticed."""
+
+import pytest
+from playwright.sync_api import expect
+
+import palmbots as pb
+from site_pages import Open, go, hash_of
+
+
+def lost(sender: str, message: int) -> dict[str, object]:
+    """A script of the radio that loses one message."""
+    return {"radio__script": [{"sender": sender, "message": message, "effect": "lost"}]}
+
+
+CASES = [
+    *[("distributed", seed, lost(side, 1)) for seed in (0, 1, 2) for side in ("left", "right")],
+    ("distributed", 5, {"radio__loss": 0.3}),
+    ("distributed", 5, {"radio__corruption": 0.3}),
+    ("resilient", 0, {"radio__outages": [{"sender": "left", "start_s": 1.0, "end_s": 1000.0}]}),
+    ("shared-sign", 0, lost("right", 1)),
+    ("centralized", 1, {"radio__loss": 0.1}),
+    ("distributed", 0, {}),
+]
+
+
+def test_page_and_command_warn_alike(open_page: Open) -> None:
+    page = open_page("#carry?t=1")
+    found = []
+    for controller, seed, keys in CASES:
+        overrides = {name.replace("__", "."): value for name, value in keys.items()}
+        carried = pb.carry("paper", controller, seed=seed, overrides=overrides, record=False)
+        go(page, hash_of("carry", {"controller": controller, "seed": seed, "t": 10000}, **keys))
+        expect(page.locator("#hash")).to_have_text(carried.trace_hash)
+        expect(page.locator(".warnings li")).to_have_text(
+            [f"warning: {line}" for line in carried.warnings]
+        )
+        is_good = carried.outcome == "delivered" and not carried.warnings
+        expect(page.locator(".status strong")).to_have_class("good" if is_good else "bad")
+        found += carried.warnings
+    for part in ("for an Ack", "for a TiltDown", "stands: it hears nothing fresh"):
+        assert any(part in line for line in found)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_compare_shows_them_too(open_page: Open, side: str) -> None:
+    keys = lost(side, 1)
+    (line, *_) = pb.carry(overrides={"radio.script": keys["radio__script"]}).warnings
+    page = open_page(hash_of("compare", {"v.a": "distributed", "t": 10000}, **keys))
+    expect(page.locator(".lane-title").first).to_contain_text(line)
