@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lesson as its sheet says: every answer is what the page shows."""
+
+from playwright.sync_api import Page, expect
+
+from site_pages import Open
+
+
+def to_end(page: Page) -> None:
+    page.locator("#scrub").fill("1000")
+
+
+def story(page: Page, number: int) -> None:
+    page.get_by_role("link", name="Stories", exact=True).click()
+    page.locator(".chapters button").nth(number - 1).click()
+
+
+def test_every_answer_of_the_sheet(open_page: Open) -> None:
+    sheet = open_page("lesson.html", script=False)
+    answers = {
+        item.get_attribute("data-answer"): " ".join(item.inner_text().split())
+        for item in sheet.locator("[data-answer]").all()
+    }
+    page = open_page(motion="reduce", width=1366, height=768)
+
+    def shows(place: str, *names: str) -> None:
+        for name in names:
+            expect(page.locator(place)).to_contain_text(answers.pop(name))
+
+    story(page, 3)
+    to_end(page)
+    shows(".ending", "tilt-none")
+    page.get_by_role("button", name="distributed").click()
+    to_end(page)
+    shows(".ending", "tilt-distributed")
+    shows("#squeezes", "squeeze-near", "squeeze-far", "squeeze-tie")
+
+    story(page, 8)
+    page.get_by_text("tilts its own palm up and drives closer").click()
+    to_end(page)
+    shows(".ending", "predict")
+
+    page.get_by_role("link", name="Carry", exact=True).click()
+    page.get_by_role("button", name="reset").click()
+    page.locator("#sequence-chart").focus()
+    page.keyboard.press("m")
+    expect(page.locator(".card")).to_contain_text("TiltUp from the right robot")
+    page.get_by_role("button", name="lose it").click()
+    to_end(page)
+    shows(".warnings", "lost-left", "lost-right")
+    shows(".status", "lost-outcome", "lost-contact")
+    page.locator("#controller").select_option("resilient")
+    to_end(page)
+    shows(".status", "resilient-outcome")
+    expect(page.locator(".warnings")).to_have_count(0)
+
+    page.get_by_role("link", name="Compare", exact=True).click()
+    page.get_by_role("button", name="reset").click()
+    page.locator("#controller-0").select_option("distributed")
+    page.locator("#controller-1").select_option("resilient")
+    page.locator("[data-key='radio.loss']").fill("10")
+    for k, name in enumerate(("distributed", "resilient")):
+        row = page.locator("#counts tbody tr").nth(k)
+        expect(row).to_have_attribute("data-carries", "1000")
+        expect(row).to_contain_text(answers.pop(f"count-{name}"))
+        expect(row.locator("td").last).to_have_text(answers.pop(f"messages-{name}"))
+    shows("#counts", "interval-resilient")
+
+    for number, button, name in ((6, "8°", "slope"), (7, "160 mm", "com")):
+        story(page, number)
+        to_end(page)
+        expect(page.locator(".ending")).to_contain_text("delivered")
+        page.get_by_role("button", name=button).click()
+        to_end(page)
+        shows(".ending", name)
+    assert answers == {}
+
+
+def test_the_sheet_has_tasks_on_one_page_and_answers_on_another(open_page: Open) -> None:
+    sheet = open_page("lesson.html", script=False)
+    assert b"/Count 2\n" in sheet.pdf(prefer_css_page_size=True)
+    expect(sheet.locator(".answers")).to_have_css("break-before", "page")
