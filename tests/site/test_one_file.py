@@ -70,6 +70,6 @@ def test_every_view_opens(page: Page, view: str) -> None:
 def test_the_page_that_needs_a_server_names_this_file(browser: Browser) -> None:
     with browser.new_context() as context:
         page = context.new_page()
-        page.goto((SITE / "index.html").as_uri())
+        page.goto((SITE / "index.html").as_uri(), wait_until="commit")  # it stops before the rest
         page.get_by_role("link", name="palmbots.html").click()
         page.wait_for_selector("html[data-ready]")
