@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Paths on the floor: against circles, Fresnel integrals and brute force; bad ones refused."""
 
+import itertools
 import math
 from pathlib import Path as File
 from typing import Any
@@ -57,6 +58,20 @@ def test_s_path_ends_parallel_to_its_start() -> None:
     assert 0.586 < end.y < 0.70
     assert s.at(0.5 * s.length).heading == pytest.approx(math.pi / 4, abs=1e-3)
     assert s.sharpest == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("corner", [(1.0, 1.0), (2.0, -1.0), (0.2, 1.0), (2.0, 0.0)])
+def test_corners_are_rounded_with_the_radius(corner: tuple[float, float]) -> None:
+    points = [[0, 0], [1, 0], [*corner], [corner[0], corner[1] + 1]]
+    rounded = curve(kind="waypoints", waypoints_m=points, radius_m=0.3, transition_m=0.05)
+    spots = [rounded.at(s) for s in np.linspace(0, rounded.length, 999)]
+    assert rounded.sharpest == pytest.approx(1 / 0.3, rel=1e-6)
+    assert (spots[0].x, spots[0].y, spots[0].curvature) == (0, 0, 0)
+    assert (spots[-1].x, spots[-1].y) == pytest.approx(points[-1], abs=1e-4)
+    for (ax, ay), (bx, by) in itertools.pairwise(points):  # it touches every line
+        along = np.array([bx - ax, by - ay]) / math.hypot(bx - ax, by - ay)
+        far = [abs((s.x - ax) * along[1] - (s.y - ay) * along[0]) for s in spots]
+        assert min(far) < 1e-3
 
 
 def test_arc_without_an_angle_extends_beyond_the_task() -> None:

@@ -4,13 +4,15 @@
 Seen from above, metres and radians: x points ahead where the path begins, y to the left of it; the
 heading is anticlockwise from x, and a curvature > 0 turns left. The curve begins at s = 0 in the
 origin; before it and after its end the path is straight. Arcs begin and end with clothoids, on
-which the curvature κ grows evenly; a path through waypoints is a natural cubic spline, whose
-curvature is 0 at both ends. So κ is continuous everywhere and wheels can follow.
+which the curvature κ grows evenly; so do corners of waypoints that are rounded with a radius. A
+path through waypoints is otherwise a natural cubic spline, whose curvature is 0 at both ends. So κ
+is continuous everywhere and wheels can follow.
 
 With β = asin(κ d / 2) a palm stands askew to an object that reaches to another palm d away on the
 same path. `palmbots.mujoco.drift_forecast` estimates the drift that follows.
 """
 
+import itertools
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,6 +27,7 @@ from palmbots.scene.path_section import Path, Point
 RADIUS_M, SWEEP_DEG, EASE_M, LEAD_M = 2.0, 45.0, 0.1, 0.1  # if the scene does not state them
 _STEP_M = 0.002  # between two samples; its chord deviates 2 µm from a circle of 0.25 m
 _FINEST, _LONGEST_M = 64, 2_000.0
+_SHARPEST_TURN = math.radians(170)  # of a corner that is rounded
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,13 +107,14 @@ def curve_of(path: Path, way: float, spread: float) -> Curve:
     """
     if path.kind == "waypoints":
         assert path.waypoints_m is not None
-        curve = _through(path.waypoints_m)
+        curve = _through(path.waypoints_m) if path.radius_m is None else _rounded(path)
         if curve.sharpest * spread > 1:
             worst = int(np.abs(curve.curvature).argmax())
             raise SceneError(
                 f"task.path.waypoints_m: bends with a radius of {1 / curve.sharpest:.3g} m after "
                 f"{worst * curve.step:.2f} m, too tight for robots {spread:.3g} m apart; allowed: "
-                f"waypoints with radii of at least {spread:.3g} m"
+                f"waypoints with radii of at least {spread:.3g} m, or "
+                "corners that task.path.radius_m rounds"
             )
         return curve
     if path.kind == "straight":
@@ -130,10 +134,52 @@ def curve_of(path: Path, way: float, spread: float) -> Curve:
         raise SceneError(
             f"task.path: is curved for {knots[-1][0]:.0f} m; allowed: at most {_LONGEST_M:g} m"
         )
+    return _along(knots)
+
+
+def _along(knots: list[tuple[float, float]]) -> Curve:
+    """The curve whose curvature is linear between these (s, κ)."""
     count = max(_FINEST, math.ceil(knots[-1][0] / _STEP_M))
     s = np.linspace(0.0, knots[-1][0], count + 1)
     corners, bends = np.array(knots).T
     return _integrated(np.interp(s, corners, bends), float(s[1]))
+
+
+def _rounded(path: Path) -> Curve:
+    """Straight lines between waypoints, whose corners are arcs with clothoids."""
+    assert path.waypoints_m is not None
+    assert path.radius_m is not None
+    ease = EASE_M if path.transition_m is None else path.transition_m
+    legs = np.diff(np.array(path.waypoints_m), axis=0)
+    if np.hypot(*legs.T).sum() > _LONGEST_M:
+        raise _too_far(float(np.hypot(*legs.T).sum()))
+    knots, free = [(0.0, 0.0)], float(math.hypot(*legs[0]))
+    for k, (one, two) in enumerate(itertools.pairwise(legs), start=1):
+        turn = math.atan2(one[0] * two[1] - one[1] * two[0], float(one @ two))
+        after = float(math.hypot(*two))
+        if abs(turn) < 1e-6:
+            free += after
+            continue
+        arc = _arc(0.0, math.copysign(1 / path.radius_m, turn), abs(turn), ease)
+        end = _along(arc).at(arc[-1][0])
+        used = end.x - end.y / math.tan(turn)  # of both legs, from the corner
+        if abs(turn) > _SHARPEST_TURN or used > free or used > after:
+            raise SceneError(
+                f"task.path.waypoints_m[{k}]: the corner turns by {math.degrees(abs(turn)):.0f}° "
+                f"and needs {used:.3g} m of both lines; allowed: turns of at most "
+                f"{math.degrees(_SHARPEST_TURN):.0f}°, longer lines or a smaller radius_m"
+            )
+        start = knots[-1][0] + free - used
+        knots += [(start + s, bend) for s, bend in arc]
+        free = after - used
+    knots.append((knots[-1][0] + free, 0.0))
+    return _along(knots)
+
+
+def _too_far(length: float) -> SceneError:
+    return SceneError(
+        f"task.path.waypoints_m: lead {length:.0f} m far; allowed: at most {_LONGEST_M:g} m"
+    )
 
 
 def _sweep(path: Path, way: float, radius: float) -> float:
@@ -141,7 +187,14 @@ def _sweep(path: Path, way: float, radius: float) -> float:
     45°)."""
     if path.angle_deg is not None:
         return math.radians(path.angle_deg)
-    return math.radians(SWEEP_DEG) if path.kind == "s" else way / radius + min(1.0, 20 / radius)
+    if path.kind == "s":
+        return math.radians(SWEEP_DEG)
+    if way > 2 * math.pi * radius:
+        raise SceneError(
+            f"task.path.angle_deg: is not set, but {way:.4g} m are more than a circle of radius "
+            f"{radius:g} m; allowed: the angle of the arc, or a shorter task.distance_m"
+        )
+    return way / radius + min(1.0, 20 / radius)
 
 
 def _arc(start: float, bend: float, sweep: float, ease: float) -> list[tuple[float, float]]:
@@ -175,9 +228,7 @@ def _through(points: tuple[Point, ...]) -> Curve:
     places = np.array(points)
     chords = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))))
     if chords[-1] > _LONGEST_M:
-        raise SceneError(
-            f"task.path.waypoints_m: lead {chords[-1]:.0f} m far; allowed: at most {_LONGEST_M:g} m"
-        )
+        raise _too_far(chords[-1])
     spline = require("scipy.interpolate", "mujoco").CubicSpline(chords, places, bc_type="natural")
     u = np.linspace(0.0, chords[-1], max(_FINEST, math.ceil(4 * chords[-1] / _STEP_M)) + 1)
     pace = np.hypot(*spline(u, 1).T)

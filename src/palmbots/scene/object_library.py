@@ -50,6 +50,12 @@ def by_name(given: object) -> object:
     if not isinstance(given, str):
         return given
     known = object_names()
+    if given not in known and (suffix := os.path.splitext(given)[1]) not in ("", ".toml"):
+        raise field_error(
+            given,
+            f"is a {suffix} file",
+            "a TOML file with the table [object], in which vertices_m is the outline",
+        )
     if is_object_file(given):
         return _from_file(given)
     if given not in known:

@@ -32,10 +32,10 @@ Stretch = Annotated[float, BeforeValidator(Range("m", least=0, most=100))]
 
 CURVED = ("arc", "s", "waypoints")
 _KINDS_OF_KEY = {  # the kinds of path that have a key
-    "radius_m": ("arc", "s"),
+    "radius_m": CURVED,
     "angle_deg": ("arc", "s"),
     "turn": ("arc", "s"),
-    "transition_m": ("arc", "s"),
+    "transition_m": CURVED,
     "lead_in_m": CURVED,
     "waypoints_m": ("waypoints",),
 }
@@ -45,13 +45,14 @@ class Path(Section):
     """[task.path] The line on the floor that both robots follow, like the bogies of a rail car."""
 
     kind: Literal["straight", "arc", "s", "waypoints"] = "straight"
-    """straight, arc (a circle), s (an arc and a second one in the other direction) or waypoints (a
-    smooth curve through points). All but straight need `--world mujoco`."""
+    """straight, arc (a circle), s (an arc and a second one in the other direction) or waypoints
+    (through points). All but straight need `--world mujoco`."""
     radius_m: Radius | None = None
-    """Radius of an arc or an s. Not set: 2."""
+    """Radius of an arc or an s. Not set: 2. With waypoints: the path is straight between them, and
+    its corners are rounded with this radius. Not set: a smooth curve goes through them."""
     angle_deg: Sweep | None = None
-    """Angle by which an arc, or each half of an s, turns. Not set: an arc has no end, and each half
-    of an s turns by 45."""
+    """Angle by which an arc, or each half of an s, turns. Not set: an arc turns until the carry
+    ends, at most once around, and each half of an s turns by 45."""
     turn: Literal["left", "right"] | None = None
     """Side to which an arc, or the first half of an s, turns in the direction of travel. Not set:
     left."""
@@ -65,8 +66,8 @@ class Path(Section):
     one."""
     file: str | None = None
     """A CSV file with a point `x,y` in m on each line, in place of `waypoints_m`. A line that
-    begins with # is a comment. The name is relative to the scene file. The scene contains the
-    points, not the name."""
+    begins with # is a comment, and names of columns are skipped. The name is relative to the scene
+    file. The scene contains the points, not the name."""
 
     @model_validator(mode="before")
     @classmethod
@@ -153,6 +154,8 @@ def read_points(name: object) -> list[list[float]]:
     for number, row in enumerate(rows, start=1):
         if not row or row[0].lstrip().startswith("#"):
             continue
+        if not points and not any(map(_is_number, row)):  # the names of the columns
+            continue
         try:
             x, y = (float(cell) for cell in row)
         except ValueError:
@@ -171,3 +174,11 @@ def read_points(name: object) -> list[list[float]]:
             "file",
         )
     return points
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
