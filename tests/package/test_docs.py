@@ -16,6 +16,8 @@ from typer.main import get_command
 import palmbots as pb
 from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
+from palmbots.optimum.opening import Grid
+from palmbots.optimum.optimal_controllers import _policy
 
 ROOT = Path(__file__).parent.parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -49,18 +51,36 @@ def test_generated_parts_are_up_to_date() -> None:
     assert checked.returncode == 0, checked.stdout
 
 
-# What would take long is done with less.
+NEAR = ["--set", "task.distance_m=0.3"]
+# What would take long is done with less: by the command, or its first three words.
 FEW = {
     "carry --out": ["--set", "task.distance_m=0.1"],
+    "carry -c optimal": ["--set", "task.distance_m=0.1"],
+    "carry -c optimal-stopping": ["--set", "task.distance_m=0.1"],
     "compare": ["--carries", "2"],
     "design": ["--resolution-deg", "2", "--set", "task.distance_m=0.1"],
-    "drop-rate": ["--effort", "50", "--relative-error-percent", "100"],
+    "drop-rate": ["--effort", "20", "--relative-error-percent", "100", *NEAR],
     "bound": ["--set", "task.distance_m=0.05"],
     "noise-limit": ["--relative-error-percent", "10", "--set", "task.distance_m=0.2"],
     "study": ["--carries", "2"],
     "speed-limits": ["--carries", "1", "--set", "task.distance_m=0.05"],
     "validate": ["--states", "3", "--carries", "1", "--set", "task.distance_m=0.1"],
 }
+# What is done with less where no option says so: nobody looks at these numbers.
+GRID = Grid(32, 16, 1.0)
+OPTIMUM, LIMITS = "palmbots.optimum", "palmbots.mujoco.validation.speed_limits"
+OPTIMAL = {
+    f"{OPTIMUM}.optimal_controllers.FINE": GRID,
+    f"{OPTIMUM}.optimal_controllers.COARSE": GRID,
+    f"{OPTIMUM}.optimal_controllers._policy": _policy.__wrapped__,  # keeps nothing
+}
+SMALLER: dict[str, dict[str, Any]] = {
+    "bound": {f"{OPTIMUM}.drop_bound.FINE": GRID, f"{OPTIMUM}.drop_bound.COARSE": GRID},
+    "carry -c optimal": OPTIMAL,
+    "carry -c optimal-stopping": OPTIMAL,
+    "speed-limits": {f"{LIMITS}.FRICTIONS": (0.3,), f"{LIMITS}.FACTORS": (1.0,)},
+}
+DATA = ROOT / "src" / "palmbots" / "studies" / "data"
 # Named in the text without their arguments.
 NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"], ["up"], ["world"], ["robot"],
          ["robot", "--json"], ["station"], ["ros2"], ["calibrate"], ["firmware"],
@@ -86,11 +106,28 @@ def transcript(command: str) -> list[str]:
     return [line[4:] for text in itertools.chain(*shown) for line in text.splitlines()]
 
 
+def shortened(command: str) -> str | None:
+    """The entry of `FEW` for a command that would take long; None: it does not."""
+    words = shlex.split(command)[1:]
+    if words[0] == "carry" and "--out" in words:
+        return "carry --out"
+    return next((key for key in (" ".join(words[:3]), words[0]) if key in FEW), None)
+
+
 def fewer(command: str) -> list[str]:
     """Options that shorten a command that would take long; none: it does not."""
-    words = shlex.split(command)[1:]
-    films = words[0] == "carry" and "--out" in words
-    return FEW["carry --out" if films else words[0]] if films or words[0] in FEW else []
+    key = shortened(command)
+    return FEW[key] if key else []
+
+
+def with_few_points(name: str, folder: Path) -> str:
+    """A shipped study; one with thousands of points: a file of its name, with few of them."""
+    file = DATA / f"{name}.toml"
+    few, reduced = re.subn(r"^points = \d+$", "points = 8", file.read_text(), flags=re.MULTILINE)
+    if not reduced:
+        return name
+    (folder / file.name).write_text(few)
+    return file.name
 
 
 @pytest.mark.parametrize("command", commands())
@@ -111,6 +148,13 @@ def test_commands_run(
     ):
         return
     less = fewer(command)
+    smaller = SMALLER.get(shortened(command) or "", {})
+    if smaller:
+        monkeypatch.setenv("PALMBOTS_CACHE", str(tmp_path / "cache"))  # not for other tests
+    for name, value in smaller.items():
+        monkeypatch.setattr(name, value)
+    if words[0] == "study":
+        words[1] = with_few_points(words[1], tmp_path)
     assert cli.run([*words, *less]) in (cli.DONE, cli.FAILED)
     printed = capsys.readouterr()
     assert printed.out
