@@ -85,12 +85,19 @@ def worker(address: str, env: dict[str, str] | None = None) -> Iterator[subproce
         yield up[0]
 
 
+@pytest.fixture(scope="module")
+def shared() -> Iterator[str]:
+    """The address of a scheduler with a worker, which no test ends."""
+    with scheduler() as address, worker(address):
+        yield address
+
+
 def test_killed_worker_is_named_and_another_one_takes_over(
-    long: Path, whole: str, tmp_path: Path
+    shared: str, long: Path, whole: str, tmp_path: Path
 ) -> None:
     root = tmp_path / "study"
-    with scheduler() as address, worker(address) as first, worker(address):
-        words = ("study", long, "--out", root, "--chunk-size", 200, "--scheduler", address)
+    with worker(shared) as first:
+        words = ("study", long, "--out", root, "--chunk-size", 400, "--scheduler", shared)
         process = subprocess.Popen(
             at_call.command("SIGSTOP", "after", Store.write, 4, *words, "--json"),
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -98,9 +105,8 @@ def test_killed_worker_is_named_and_another_one_takes_over(
         with process:
             at_call.wait_until_stopped(process)
             first.kill()
-            with worker(address):
-                process.send_signal(signal.SIGCONT)
-                out, error = process.communicate(timeout=TIMEOUT_S)
+            process.send_signal(signal.SIGCONT)
+            out, error = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == 0, error
     result = json.loads(out)
     assert result["hash"] == whole
@@ -113,7 +119,7 @@ def test_study_continues_without_a_lost_scheduler(long: Path, whole: str, tmp_pa
     with contextlib.ExitStack() as stack:
         address = stack.enter_context(scheduler())
         stack.enter_context(worker(address))
-        words = ("study", long, "--out", root, "--chunk-size", 200, "--scheduler", address)
+        words = ("study", long, "--out", root, "--chunk-size", 400, "--scheduler", address)
         process = subprocess.Popen(
             at_call.command("SIGSTOP", "after", Store.write, 4, *words),
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -129,7 +135,7 @@ def test_study_continues_without_a_lost_scheduler(long: Path, whole: str, tmp_pa
     assert kept
     summary = said_here(long, "--out", root)
     assert summary["hash"] == whole
-    assert summary["resumed"] == 200 * len(kept)
+    assert summary["resumed"] == 400 * len(kept)
 
 
 def test_client_that_cannot_be_closed_hides_no_message(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -175,7 +181,7 @@ def test_ctrl_c_ends_the_workers_and_prints_one_line(
 ) -> None:
     """No process is left, and completed chunks are kept."""
     root = tmp_path / "study"
-    words = ("study", long, "--out", root, "--chunk-size", 200, "--local-cluster", 2)
+    words = ("study", long, "--out", root, "--chunk-size", 400, "--local-cluster", 2)
     process = subprocess.Popen(
         at_call.command("SIGSTOP", when, function, count, *words),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -197,46 +203,43 @@ palmbots.studies.chunk_task.__version__ = "0.0.9"
 """
 
 
-def test_worker_with_another_version_is_refused(long: Path, tmp_path: Path) -> None:
+def test_worker_with_another_version_is_refused(shared: str, long: Path, tmp_path: Path) -> None:
     """One that is there, and one that comes when the study has begun."""
     (tmp_path / "sitecustomize.py").write_text(OTHER)
     before = os.environ.get("PYTHONPATH")
     path = {"PYTHONPATH": os.pathsep.join([str(tmp_path), *([before] if before else [])])}
-    with scheduler() as address:
-        arguments = (long, "--out", tmp_path / "study", "--chunk-size", 200, "--scheduler", address)
-        with worker(address, path):
-            refused(study(*arguments), "the worker tcp://", "has palmbots 0.0.9", "same version")
-        with worker(address):
-            process = subprocess.Popen(
-                at_call.command("SIGSTOP", "after", Store.write, 2, "study", *arguments),
-                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            )  # fmt: skip
-            at_call.wait_until_stopped(process)
-            with worker(address, path):
-                process.send_signal(signal.SIGCONT)
-                out, error = process.communicate(timeout=TIMEOUT_S)
-        done = subprocess.CompletedProcess([], process.returncode, out, error)
-        refused(done, "has palmbots 0.0.9", "same version")
+    arguments = (long, "--out", tmp_path / "study", "--chunk-size", 400, "--scheduler", shared)
+    with worker(shared, path):
+        refused(study(*arguments), "the worker tcp://", "has palmbots 0.0.9", "same version")
+    process = subprocess.Popen(
+        at_call.command("SIGSTOP", "after", Store.write, 2, "study", *arguments),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    at_call.wait_until_stopped(process)
+    with worker(shared, path):
+        process.send_signal(signal.SIGCONT)
+        out, error = process.communicate(timeout=TIMEOUT_S)
+    done = subprocess.CompletedProcess([], process.returncode, out, error)
+    refused(done, "has palmbots 0.0.9", "same version")
     assert marks(tmp_path / "study")
 
 
 def test_two_chunk_sizes_on_one_scheduler_do_not_mix(
-    long: Path, whole: str, tmp_path: Path
+    shared: str, long: Path, whole: str, tmp_path: Path
 ) -> None:
     """Side by side on one scheduler: equal chunk numbers, unlike chunks."""
-    with scheduler() as address, worker(address):
-        running = [
-            subprocess.Popen(
-                command(
-                    long, "--out", tmp_path / n, "--chunk-size", n, "--scheduler", address, "--json"
-                ),
-                stdout=subprocess.PIPE, text=True,
-            )
-            for n in ("500", "700")
-        ]  # fmt: skip
-        for process in running:
-            out, _ = process.communicate(timeout=2 * TIMEOUT_S)
-            assert f'"hash": "{whole}"' in out
+    running = [
+        subprocess.Popen(
+            command(
+                long, "--out", tmp_path / n, "--chunk-size", n, "--scheduler", shared, "--json"
+            ),
+            stdout=subprocess.PIPE, text=True,
+        )
+        for n in ("1500", "1700")
+    ]  # fmt: skip
+    for process in running:
+        out, _ = process.communicate(timeout=2 * TIMEOUT_S)
+        assert f'"hash": "{whole}"' in out
 
 
 def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: Path) -> None:
