@@ -46,7 +46,7 @@ def test_core_under_sanitizers(name: str) -> None:
 
 
 def test_modes_of_robots_that_rejoin() -> None:
-    """All their states, without sanitizers, which would take four times as long."""
+    """All their states, without sanitizers, with which it takes two to three times as long."""
     passes("runtime/mode_search-O2", "1")
 
 

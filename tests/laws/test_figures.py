@@ -77,7 +77,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
         yield name, analysis
     for quantity in ("com", "friction"):  # with a unit and without
         angles = {"angle_range_deg": (5, 15), "resolution_deg": 2.5}
-        yield "palm-angles", pb.design("paper", maximize=quantity, **angles)
+        yield "palm-angles", pb.design("paper", maximize=quantity, overrides=SHORT, **angles)
     yield "noise_limit", pb.noise_limit("paper", drop_rate=0.2, **COARSE)
     yield "bound", pb.bound("paper", "corrections", overrides=SHORT)
     law = [LawPoint(key, f, 0.04 * f, 0.041 * f) for key in KEYS for f in (1.0, 2.0)]

@@ -132,7 +132,7 @@ def speed_limits() -> SpeedLimits:
 
 def design() -> Any:
     grid: dict[str, Any] = {"angle_range_deg": (5, 15), "resolution_deg": 5}
-    return pb.design("paper", maximize="com", **grid)
+    return pb.design("paper", maximize="com", overrides=SHORT, **grid)
 
 
 def study(folder: Path) -> Any:

@@ -17,6 +17,7 @@ import at_call
 import palmbots as pb
 from palmbots.cli import INTERRUPTION_LINE
 from palmbots.cli import main as cli
+from palmbots.mujoco import film
 from palmbots.mujoco.film import (
     VideoRenderer,
     check_film,
@@ -28,6 +29,12 @@ from palmbots.mujoco.overlay import METRES_PER_NEWTON, Overlay
 from palmbots.simulation.result import Carry
 
 SMALL, TINY = (480, 270), (240, 136)
+
+
+@pytest.fixture(autouse=True)
+def few_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A quarter or half of them: films last as long, and no test is about their number."""
+    monkeypatch.setattr(film, "_FPS", dict.fromkeys(film._FPS, 5.0))
 
 
 @pytest.fixture(scope="module")
@@ -178,7 +185,7 @@ def test_interrupted_video_leaves_no_partial_file(tmp_path: Path) -> None:
     process = subprocess.Popen(
         at_call.command(
             "SIGSTOP", "after", VideoRenderer.picture, 6, "carry", "--world", "mujoco", "--video",
-            "--animation", "none", "--out", tmp_path, "--set", "task.distance_m=0.1",
+            "--animation", "none", "--out", tmp_path, "--set", "task.distance_m=0.02",
         ),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
@@ -198,9 +205,9 @@ def test_command_writes_video_and_still(tmp_path: Path) -> None:
          "--set", "task.distance_m=0.02"]
     )  # fmt: skip
     assert status == 0
-    film = {"carry-3d.mp4", "carry-3d.png"}
-    assert film <= {p.name for p in tmp_path.iterdir()}
+    films = {"carry-3d.mp4", "carry-3d.png"}
+    assert films <= {p.name for p in tmp_path.iterdir()}
     # Of the next carry it would be the wrong film.
     command = ["carry", "--out", str(tmp_path), "--animation", "none"]
     assert cli.run([*command, "--set", "task.distance_m=0.02"]) == 0
-    assert not film & {p.name for p in tmp_path.iterdir()}
+    assert not films & {p.name for p in tmp_path.iterdir()}
