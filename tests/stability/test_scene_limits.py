@@ -34,7 +34,7 @@ def test_acceleration_beyond_the_limit_is_reported_by_all() -> None:
     """Robots that accelerate at 0.5 m/s², where the properties hold up to 0.16 m/s²."""
     (warning,) = self_check(CRATE)
     assert "robot.acceleration_m_s2 is 0.5" in warning
-    assert "only up to 0.16 m/s²" in warning
+    assert "only up to 0.157 m/s²" in warning
     analysis = pb.analyze(CRATE)
     assert analysis.warnings == (warning,)
     assert analysis.summary()["warnings"] == [warning]
@@ -64,7 +64,7 @@ def test_neglected_inertia_has_no_acceleration_limit() -> None:
 
 def test_smaller_region_allows_more() -> None:
     (warning,) = self_check(CRATE, region_m=(-0.005, 0.005))
-    assert "only up to 0.29 m/s² for contacts from -5.0 to 5.0 mm" in warning
+    assert "only up to 0.292 m/s² for contacts from -5.0 to 5.0 mm" in warning
 
 
 def test_slope_out_of_range_is_reported() -> None:

@@ -82,7 +82,7 @@ def _warnings(
         if value > limit:
             yield (
                 f"robot.acceleration_m_s2 is {value:g}, but properties 1 and 2 hold only up to "
-                f"{limit:.2f} m/s² {where}"
+                f"{math.floor(1e3 * limit) / 1e3:g} m/s² {where}"
             )
     if failing:
         names = " and ".join(f"property {n}" for n in failing)

@@ -10,6 +10,8 @@ The label of an axis ends with the unit in square brackets, as in "contact p [mm
 """
 
 import contextlib
+import io
+import sys
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
@@ -157,7 +159,28 @@ def styled() -> Iterator[None]:
     """
     import matplotlib  # here, because carry logs need only the colours
 
+    _show_in_notebooks()
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_SETTINGS)
         yield
+
+
+def _show_in_notebooks() -> None:
+    """Show a figure at the end of a cell as a picture, also without ``%matplotlib inline``."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    if shell is None:
+        return
+    from matplotlib.figure import Figure
+
+    pictures = shell.display_formatter.formatters["image/png"]
+    try:
+        pictures.lookup_by_type(Figure)  # of the user, or of ``%matplotlib inline``
+    except KeyError:
+        pictures.for_type(Figure, _as_png)
+
+
+def _as_png(figure: Any) -> bytes:
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=100)
+    return stream.getvalue()
