@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from palmbots import viz as viz
     from palmbots import wire as wire
     from palmbots._version import __version__ as __version__
+    from palmbots.assessment.assess import assess as assess
     from palmbots.control.controller_list import controllers as controllers
     from palmbots.derivation.deriving import derive_policy as derive_policy
     from palmbots.errors import PalmbotsError as PalmbotsError

@@ -2,6 +2,7 @@
 """What the commands have in common: the scene, warnings, and the presentation of a result."""
 
 import json
+import shlex
 import signal
 import threading
 from collections.abc import Iterator, Sequence
@@ -64,7 +65,9 @@ def load(source: str, changes: list[str] | None) -> "Scene":
     from palmbots.scene.scene import load_scene
 
     overrides = parse_overrides(changes or [])
-    return load_scene(source, overrides, called="--set", on_warning=warn)
+    scene = load_scene(source, overrides, called="--set", on_warning=warn).model_copy()
+    scene.spell(shlex.join([source, *(word for one in changes or () for word in ("--set", one))]))
+    return scene
 
 
 def controller_of(

@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Self, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, PrivateAttr, ValidationError, model_validator
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Overrides, Side
@@ -54,6 +54,16 @@ class Scene(Section):
     start: Start = Start()
     task: Task = Task()
     mujoco: MujocoParameters = MujocoParameters()
+    _spelled: str = PrivateAttr("SCENE")
+
+    @property
+    def spelled(self) -> str:
+        """How a command line names it, for commands in reports; SCENE if it is not known."""
+        return self._spelled
+
+    def spell(self, words: str) -> None:
+        """Remember how a command line names it."""
+        self._spelled = words
 
     def palm_of(self, side: Side) -> PalmParameters:
         """The palm of one side: `palm` with the overrides of `palm.left` or `palm.right`.

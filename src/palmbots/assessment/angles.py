@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Other palm angles for a scene, tried by carries of this scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from palmbots._types import Interval
+from palmbots._util.confidence_intervals import rate_interval
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene
+from palmbots.simulation.batch import DELIVERED
+from palmbots.simulation.outcome_counts import carry_seeds, default_carries
+from palmbots.simulation.prepare import Prepared, prepare
+from palmbots.stability.analysis import analyze
+from palmbots.stability.angle_certificate import scene_at
+
+SHALLOW_DEG = (2.0, 4.0, 6.0, 8.0, 10.0)
+BETWEEN_DEG = (5.0, 8.0, 10.0, 12.0, 15.0)
+"""Tried as the shallow angle, and as the angle by which the steep palm is steeper."""
+FRESH = 1_000_000
+"""First seed of the comparison: the pair that is best by luck on the seeds that chose it is not
+judged by them."""
+
+
+@dataclass(frozen=True)
+class AngleTrial:
+    """How often the scene fails at its own palm angles, and at the best of the others."""
+
+    controller: str
+    tried: int
+    """Pairs of angles at which all properties hold."""
+    least_failure_rate: float
+    """Over these pairs, on the seeds that chose the best pair."""
+    most_failure_rate: float
+    carries: int
+    """Of the own and of the best pair, on fresh seeds."""
+    own_failures: int
+    best_deg: Interval
+    """(shallow, steep)."""
+    best_failures: int
+    own_clearance_deg: float
+    best_clearance_deg: float
+    """How far a palm may turn until the outline touches it."""
+
+    @property
+    def is_better(self) -> bool:
+        """Whether the interval of the best pair lies below that of the scene's own angles."""
+        own, best = (
+            rate_interval(n, self.carries) for n in (self.own_failures, self.best_failures)
+        )
+        return best[1] < own[0]
+
+
+def try_angles(
+    scene: Scene, controller: str, report: Callable[[float], None] = lambda fraction: None
+) -> AngleTrial | None:
+    """Carry with other pairs of angles, the same on both palms.
+
+    None: at no pair do all properties hold, or carries of this scene take long.
+    """
+    own = prepare(scene, controller)
+    count = default_carries(own)
+    if count is None:
+        return None
+    clearances: dict[Interval, float] = {}
+    found: dict[Interval, Prepared] = {}
+    pairs = [(shallow, shallow + more) for shallow in SHALLOW_DEG for more in BETWEEN_DEG]
+    for pair in pairs:
+        try:
+            candidate = scene_at(scene, pair)
+            analysis = analyze(candidate)
+            if analysis.holds:
+                found[pair] = prepare(candidate, controller)
+                clearances[pair] = analysis.clearance_deg
+        except PalmbotsError:
+            continue
+    report(0.3)
+    if not found:
+        return None
+    failures = {}
+    for k, (pair, prepared) in enumerate(found.items()):
+        failures[pair] = _failures(prepared, 0, count)
+        report(0.3 + 0.6 * (k + 1) / len(found))
+    best = min(failures, key=lambda pair: (failures[pair], -clearances[pair]))
+    return AngleTrial(
+        controller=controller,
+        tried=len(found),
+        least_failure_rate=min(failures.values()) / count,
+        most_failure_rate=max(failures.values()) / count,
+        carries=count,
+        own_failures=_failures(own, FRESH, count),
+        best_deg=best,
+        best_failures=_failures(found[best], FRESH, count),
+        own_clearance_deg=analyze(scene).clearance_deg,
+        best_clearance_deg=clearances[best],
+    )
+
+
+def _failures(prepared: Prepared, first: int, count: int) -> int:
+    return int(np.count_nonzero(carry_seeds(prepared, first, count)["outcome"] != DELIVERED))

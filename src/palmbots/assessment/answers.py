@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Answers in words: from what was measured to a verdict, one sentence and the next command."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from palmbots._util.confidence_intervals import rate_text
+from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, quiet, warn_word
+from palmbots._util.text import millimetres
+from palmbots.assessment.angles import AngleTrial
+from palmbots.assessment.turns import TurnTrial
+from palmbots.control.registry import describe
+from palmbots.control.tolerated_noise import RECOMMENDED
+from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
+from palmbots.stability.analysis import Analysis
+
+Verdict = Literal["yes", "partly", "no", "open"]
+WORDS: dict[Verdict, Marked] = {
+    "yes": good("YES"),
+    "partly": warn_word("PARTLY"),
+    "no": bad("NO"),
+    "open": quiet("NOT TRIED"),
+}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One question about the scene, and its answer in words."""
+
+    question: str
+    verdict: Verdict
+    """``yes``: nothing to change. ``partly``: with conditions. ``open``: not tried."""
+    text: str
+    command: str
+    """What goes deeper."""
+
+    @property
+    def word(self) -> str:
+        """The verdict as people read it."""
+        return WORDS[self.verdict]
+
+    def lines(self, table: Table | None = None) -> Iterator[Item]:
+        """The answer, and the numbers behind it."""
+        yield Line(bold(f"{self.question}  "), WORDS[self.verdict], f"  {self.text}")
+        if table is not None:
+            yield table
+        yield Line(quiet(f"more: {self.command}"), indent=2, is_whole=True)
+
+
+@dataclass(frozen=True)
+class RadioTrial:
+    """How often the scene fails if this share of messages is lost."""
+
+    loss: float
+    counts: tuple[OutcomeCounts, ...]
+
+
+def failures(one: OutcomeCounts) -> str:
+    """The share of carries that do not deliver, in words."""
+    return rate_text(one.dropped + one.stalled, one.carries)
+
+
+def suffices(one: OutcomeCounts) -> bool:
+    """Whether it fails so rarely that the interval lies below the rate at which σ* is defined."""
+    return one.failure_interval[1] <= SMALL
+
+
+def best_of(counts: Sequence[OutcomeCounts]) -> OutcomeCounts | None:
+    """The recommended controller if it suffices, else the one that fails least often; None: no
+    carry of any controller succeeds."""
+    usable = [one for one in counts if one.failure_rate < 1]
+    named = [one for one in usable if one.controller == RECOMMENDED and suffices(one)]
+    return (named or sorted(usable, key=lambda one: one.failure_rate) or [None])[0]
+
+
+def on_mechanics(analysis: Analysis, name: str) -> Answer:
+    """Whether the object can be carried at all, and what is tightest."""
+    question, command = "Can it be carried?", f"palmbots analyze {name}"
+    if analysis.holds and not analysis.warnings:
+        return Answer(question, "yes", _tightest(analysis), command)
+    if analysis.holds:
+        return Answer(question, "partly", analysis.warnings[0], command)
+    failing = next(one for one in analysis.properties.values() if not one.holds)
+    return Answer(
+        question, "no", f"with the {failing.shallow} palm shallow, {failing.binding}", command
+    )
+
+
+def _tightest(analysis: Analysis) -> str:
+    parts = []
+    if analysis.angle_error_deg is not None:
+        parts.append(f"the palm angles may be wrong by ±{analysis.angle_error_deg:.1f}°")
+    if analysis.com_x_m is not None:
+        low, high = analysis.com_x_m
+        x = analysis.problem.com[0]
+        parts.append(f"the COM by {millimetres(min(x - low, high - x))}")
+    parts.append(f"a palm touches the object after a turn of {analysis.clearance_deg:.2f}°")
+    return ", ".join(parts)
+
+
+def on_drops(counts: Sequence[OutcomeCounts], name: str) -> Answer:
+    """How often the scene fails with the best controller."""
+    question = "How often does it fail?"
+    best = best_of(counts)
+    if best is None:
+        return Answer(question, "no", "no controller delivers it", f"palmbots carry {name}")
+    command = f"palmbots drop-rate {name} -c {best.controller}"
+    verdict: Verdict = "yes" if suffices(best) else "no" if best.failure_rate > 0.5 else "partly"
+    text = f"{best.controller}: {failures(best)} of carries"
+    return Answer(question, verdict, text, command)
+
+
+def on_controllers(counts: Sequence[OutcomeCounts], name: str) -> Answer:
+    """Which controllers suffice, and what each of them needs."""
+    question, command = "Which controllers suffice?", f"palmbots compare {name}"
+    enough = [one.controller for one in counts if suffices(one)]
+    if not enough:
+        text = f"none fails in less than {100 * SMALL:g} % of carries"
+        return Answer(question, "no", text, command)
+    text = ", ".join(enough)
+    return Answer(question, "yes" if RECOMMENDED in enough else "partly", text, command)
+
+
+def needs_table(counts: Sequence[OutcomeCounts]) -> Table | None:
+    """What each controller that suffices needs."""
+    enough = [one.controller for one in counts if suffices(one)]
+    if not enough:
+        return None
+    rows = [(f"  {one}", need) for one in enough for need in describe(one).requirements or ("",)]
+    return Table(rows, ("  controller", "needs"))
+
+
+def on_angles(trial: AngleTrial | None, name: str) -> Answer:
+    """Which palm angles, and whether they matter."""
+    question, command = "Are the palm angles right?", f"palmbots design {name}"
+    if trial is None:
+        return Answer(question, "open", "no other pair of angles could be tried", command)
+    least, most = 100 * trial.least_failure_rate, 100 * trial.most_failure_rate
+    spread = f"{least:.3g} to {most:.3g} % at the {trial.tried} pairs that were tried"
+    if most == 0:
+        spread = f"none at any of the {trial.tried} pairs that were tried, so they do not matter"
+    own, best = (rate_text(n, trial.carries) for n in (trial.own_failures, trial.best_failures))
+    if not trial.is_better:
+        return Answer(
+            question, "yes", f"{trial.controller} fails in {own} at these angles; {spread}", command
+        )
+    shallow, steep = trial.best_deg
+    text = (
+        f"{best} at {shallow:g}° and {steep:g}°, {own} at these angles; the clearance becomes "
+        f"{trial.best_clearance_deg:.2f}° (now {trial.own_clearance_deg:.2f}°)"
+    )
+    return Answer(question, "partly", text, command)
+
+
+def on_radio(trials: Sequence[RadioTrial], name: str) -> Answer:
+    """What lost messages do."""
+    question = "Does it survive lost messages?"
+    command = f"palmbots compare {name} --vary radio.loss=0,0.05,0.2,0.5"
+    if not trials:
+        return Answer(question, "open", "the controllers that suffice use no radio", command)
+    worst = trials[-1]
+    kept = [one.controller for one in worst.counts if suffices(one)]
+    if kept:
+        text = f"{', '.join(kept)}: also if {100 * worst.loss:g} % are lost"
+        return Answer(question, "yes", text, command)
+    held = [row.loss for row in trials if any(map(suffices, row.counts))]
+    text = f"up to {100 * held[-1]:g} % lost" if held else "it fails without losses, too"
+    return Answer(question, "partly" if len(held) > 1 else "no", text, command)
+
+
+def on_curve(trial: TurnTrial | None, name: str) -> Answer:
+    """What a curve does."""
+    question = "Does it survive a curve?"
+    command = f"palmbots carry {name} --world mujoco"
+    if trial is None:
+        return Answer(question, "open", "", command)
+    if trial.radius_m is not None:
+        keys = {"kind": "arc", "radius_m": f"{trial.radius_m:g}", "angle_deg": "90"}
+        command += "".join(f" --set task.path.{key}={value}" for key, value in keys.items())
+    where = "on its path" if trial.radius_m is None else f"90° with radius {trial.radius_m:g} m"
+    forecast, counts = trial.forecast, trial.counts
+    if forecast is None:
+        return Answer(question, "no", f"{where}: {trial.refusal}", command)
+    if counts is None:
+        text = f"{where}: {forecast.text()}"
+        return Answer(question, "no", text, f"{command} --allow-drift-beyond-budget")
+    drift = f"it drifts {millimetres(forecast.mean_m)} sideways"
+    room = f"of {millimetres(forecast.budget_m)}"
+    verdict: Verdict = "yes" if counts.failure_rate == 0 else "partly"
+    if counts.failure_rate > 0.5:
+        verdict = "no"
+    text = f"{where}: {counts.controller} fails in {failures(counts)} in MuJoCo; {drift} {room}"
+    return Answer(question, verdict, text, f"{command} --seeds 100 -c {counts.controller}")
+
+
+def counts_table(counts: Sequence[OutcomeCounts]) -> Table:
+    """Drops and stalls by controller."""
+    heads = ("  controller", "drops", "stalls", "carries")
+    rows = [
+        (f"  {one.controller}", rate_text(one.dropped, one.carries),
+         rate_text(one.stalled, one.carries), f"{one.carries:,}")
+        for one in counts
+    ]  # fmt: skip
+    return Table(rows, heads)
+
+
+def radio_table(trials: Sequence[RadioTrial]) -> Table | None:
+    """Failures by the share of lost messages."""
+    if not trials:
+        return None
+    heads = ("  messages lost", *(one.controller for one in trials[0].counts))
+    rows = [(f"  {100 * row.loss:g} %", *map(failures, row.counts)) for row in trials]
+    return Table(rows, heads)

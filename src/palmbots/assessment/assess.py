@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One page on a scene: will it be carried, how often will it drop, and what should be changed?
+
+Each answer comes from the function behind the command that it names and, where carries are
+counted, from carries of this scene. Nothing is taken from the default scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+from palmbots._types import Overrides
+from palmbots._util.command import Option, command
+from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item, Line, Table
+from palmbots._util.results import Result
+from palmbots.assessment.angles import AngleTrial, try_angles
+from palmbots.assessment.answers import (
+    WORDS,
+    Answer,
+    RadioTrial,
+    Verdict,
+    best_of,
+    counts_table,
+    failures,
+    needs_table,
+    on_angles,
+    on_controllers,
+    on_curve,
+    on_drops,
+    on_mechanics,
+    on_radio,
+    radio_table,
+    suffices,
+)
+from palmbots.assessment.turns import TurnTrial, try_turn
+from palmbots.control.registry import describe, shipped_names
+from palmbots.errors import SceneError
+from palmbots.scene.path_section import Path
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
+from palmbots.stability.analysis import Analysis, analyze
+
+LOSSES = (0.0, 0.05, 0.2, 0.5)
+"""Shares of lost messages that are tried."""
+QUESTIONS = ("carried", "drops", "controllers", "angles", "radio", "curve")
+"""Fields of `Answers`, in the order of the page."""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """The answers in words, in the order in which they matter."""
+
+    carried: Answer
+    drops: Answer
+    controllers: Answer
+    angles: Answer
+    radio: Answer
+    curve: Answer
+
+
+@dataclass(frozen=True, repr=False)
+class Assessment(Result):
+    """What a user needs to know about a scene, and the numbers behind it."""
+
+    answers: Answers
+    counts: tuple[OutcomeCounts, ...]
+    """Of all shipped controllers that accept the scene, on the same seeds; on a straight path."""
+    angles: AngleTrial | None
+    """None: no carry is delivered, or no other pair of angles qualifies."""
+    radio: tuple[RadioTrial, ...]
+    """By the share of lost messages, of the controllers that use a radio and suffice. If none
+    suffices, of the best one."""
+    curve: TurnTrial | None
+    """None: not tried."""
+    scene: Scene
+    analysis: Analysis = field(metadata=NOT_IN_JSON)
+
+    @derived
+    def verdict(self) -> Verdict:
+        """Whether the object will be carried: the worse of the first two answers."""
+        order: tuple[Verdict, ...] = ("no", "partly", "open", "yes")
+        return min((self.answers.carried.verdict, self.answers.drops.verdict), key=order.index)
+
+    @derived
+    def controller(self) -> str | None:
+        """The one to use: the recommended one if it suffices, else the one that fails least often.
+        None: no carry is delivered."""
+        best = best_of(self.counts)
+        return None if best is None else best.controller
+
+    @property
+    def conclusion(self) -> str:
+        """The verdict in one sentence."""
+        best = best_of(self.counts)
+        if best is None:
+            return "no shipped controller carries this object"
+        return f"use {best.controller}: it fails in {failures(best)} of carries"
+
+    def paragraphs(self) -> Iterator[tuple[Answer, Table | None]]:
+        """Each answer, and the numbers behind it."""
+        tables = {
+            "drops": counts_table(self.counts),
+            "controllers": needs_table(self.counts),
+            "radio": radio_table(self.radio),
+        }
+        for name in QUESTIONS:
+            yield getattr(self.answers, name), tables.get(name)
+
+    def lines(self) -> Iterator[Item]:
+        """The verdict, then a paragraph for each question."""
+        yield Line(WORDS[self.verdict], f"  {self.conclusion}")
+        for answer, table in self.paragraphs():
+            yield from answer.lines(table)
+
+
+@command(
+    order=15,
+    example="palmbots assess crate.toml --out crate.html",
+    progress="assessing",
+    turn_radius_m=Option(least=0.0, most=100.0),
+)
+def assess(
+    scene: SceneLike = "paper",
+    *,
+    turn_radius_m: float = 1.0,
+    overrides: Overrides = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> Assessment:
+    """Answer whether a scene will be carried, how often it fails, and what to change.
+
+    Carries of this scene are counted with every shipped controller, with other palm angles, with
+    lost messages, and on a curve.
+
+    Args:
+        scene: as in `palmbots.carry`.
+        turn_radius_m: of the 90° turn that is tried in the MuJoCo world if the path is straight; 0:
+            no curve is tried.
+        overrides: scene keys to set.
+        on_progress: called with the completed fraction.
+
+    Raises:
+        SceneError: the scene cannot be read or is not valid.
+        PalmbotsError: another argument is not allowed.
+    """
+    chosen = load_scene(scene, overrides)
+    name = chosen.spelled
+    report = on_progress or (lambda fraction: None)
+    straight = chosen.model_copy(update={"task": chosen.task.model_copy(update={"path": Path()})})
+    analysis = analyze(straight)
+    counts = tuple(_counted(straight))
+    report(0.1)
+    best = best_of(counts)
+    angles = curve = None
+    if best is not None:
+        angles = try_angles(straight, best.controller, lambda done: report(0.1 + 0.2 * done))
+    radio = tuple(_with_losses(straight, counts))
+    report(0.4)
+    if best is not None and turn_radius_m > 0:
+        curve = try_turn(
+            chosen, best.controller, turn_radius_m, lambda done: report(0.4 + 0.6 * done)
+        )
+    report(1.0)
+    answers = Answers(
+        carried=on_mechanics(analysis, name),
+        drops=on_drops(counts, name),
+        controllers=on_controllers(counts, name),
+        angles=on_angles(angles, name),
+        radio=on_radio(radio, name),
+        curve=on_curve(curve, name),
+    )
+    return Assessment(answers, counts, angles, radio, curve, chosen, analysis)
+
+
+def _counted(scene: Scene) -> Iterator[OutcomeCounts]:
+    for name in shipped_names():
+        try:
+            yield count_outcomes(scene, name)
+        except SceneError:  # of this controller only: `analyze` has accepted the scene
+            continue
+
+
+def _with_losses(scene: Scene, counts: tuple[OutcomeCounts, ...]) -> Iterator[RadioTrial]:
+    best = best_of(counts)
+    tried = [one for one in counts if suffices(one)] or ([best] if best else [])
+    names = [one.controller for one in tried if describe(one.controller).uses_radio]
+    for loss in LOSSES if names else ():
+        found = [count_outcomes(scene, name, overrides={"radio.loss": loss}) for name in names]
+        yield RadioTrial(loss, tuple(found))
