@@ -147,6 +147,7 @@ def noise_limit() -> NoiseLimit:
 # One of each kind of result; `folder` is an empty one.
 EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "Analysis": lambda folder: analysis(),
+    "Assessment": lambda folder: pb.assess("paper", turn_radius_m=0.0, overrides=SHORT),
     "Bound": lambda folder: pb.bound("paper", "corrections", overrides=SHORT),
     "Bounds": lambda folder: bounds_of(Scene()),
     "DriftBudget": lambda folder: DriftBudget(0.035, 0.01, 0.02, 16, 7.2, False, 0.0),

@@ -16,7 +16,8 @@ from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots.assessment.angles import AngleTrial, try_angles
-from palmbots.assessment.answers import (
+from palmbots.assessment.turns import TurnTrial, try_turn
+from palmbots.assessment.verdicts import (
     WORDS,
     Answer,
     RadioTrial,
@@ -34,7 +35,6 @@ from palmbots.assessment.answers import (
     radio_table,
     suffices,
 )
-from palmbots.assessment.turns import TurnTrial, try_turn
 from palmbots.control.registry import describe, shipped_names
 from palmbots.errors import SceneError
 from palmbots.scene.path_section import Path
@@ -80,7 +80,7 @@ class Assessment(Result):
     @derived
     def verdict(self) -> Verdict:
         """Whether the object will be carried: the worse of the first two answers."""
-        order: tuple[Verdict, ...] = ("no", "partly", "open", "yes")
+        order: tuple[Verdict, ...] = ("no", "partly", "open", "likely", "yes")
         return min((self.answers.carried.verdict, self.answers.drops.verdict), key=order.index)
 
     @derived

@@ -25,7 +25,7 @@ table { border-collapse: collapse; margin: .4rem 0; }
 th, td { padding: .1rem 1rem .1rem 0; text-align: left; }
 p { margin: .2rem 0; } h2 { margin: 1.4rem 0 .2rem; font-size: 1.15rem; }
 img { max-width: 100%; margin: .6rem 0; } code, .open { color: #555; }
-.yes { color: #00694f; } .partly { color: #7a5200; } .no { color: #a33c00; }
+.yes, .likely { color: #00694f; } .partly { color: #7a5200; } .no { color: #a33c00; }
 @media print { h2, table, img { break-inside: avoid; } }
 """
 

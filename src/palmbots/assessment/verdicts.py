@@ -17,9 +17,10 @@ from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.stability.analysis import Analysis
 
-Verdict = Literal["yes", "partly", "no", "open"]
+Verdict = Literal["yes", "likely", "partly", "no", "open"]
 WORDS: dict[Verdict, Marked] = {
     "yes": good("YES"),
+    "likely": good("LIKELY"),
     "partly": warn_word("PARTLY"),
     "no": bad("NO"),
     "open": quiet("NOT TRIED"),
@@ -32,7 +33,8 @@ class Answer:
 
     question: str
     verdict: Verdict
-    """``yes``: nothing to change. ``partly``: with conditions. ``open``: not tried."""
+    """``yes``: nothing to change. ``likely``: it never failed, in few trials. ``partly``: with
+    conditions. ``open``: not tried."""
     text: str
     command: str
     """What goes deeper."""
@@ -189,7 +191,7 @@ def on_curve(trial: TurnTrial | None, name: str) -> Answer:
         return Answer(question, "no", text, f"{command} --allow-drift-beyond-budget")
     drift = f"it drifts {millimetres(forecast.mean_m)} sideways"
     room = f"of {millimetres(forecast.budget_m)}"
-    verdict: Verdict = "yes" if counts.failure_rate == 0 else "partly"
+    verdict: Verdict = "likely" if counts.failure_rate == 0 else "partly"
     if counts.failure_rate > 0.5:
         verdict = "no"
     text = f"{where}: {counts.controller} fails in {failures(counts)} in MuJoCo; {drift} {room}"
