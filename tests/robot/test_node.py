@@ -127,7 +127,7 @@ def test_a_signal_while_it_ends_does_not_cut_off_its_log(tmp_path: Path) -> None
     code = f"""
 import os, signal, sys
 from palmbots.cli.main import run
-from palmbots.robot.robot_log import RobotLog
+from palmbots.robot.logged_steps import RobotLog
 close = RobotLog.close
 def ended_meanwhile(robot):
     os.kill(os.getpid(), signal.SIGTERM)

@@ -27,6 +27,6 @@ if TYPE_CHECKING:
     from palmbots.control.registry import unregister as unregister
     from palmbots.control.resilient_timing import Bounds as Bounds
     from palmbots.control.resilient_timing import bounds_of as bounds_of
-    from palmbots.control.silent_controller import SilentController as SilentController
+    from palmbots.control.stepped_by_hand import SilentController as SilentController
 else:
     __getattr__, __dir__ = lazy_names(__name__)

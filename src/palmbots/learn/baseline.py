@@ -20,7 +20,7 @@ import numpy as np
 from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots.control.interface import DistributedController, MessageKind, StepInput
-from palmbots.control.silent_controller import SilentController
+from palmbots.control.stepped_by_hand import SilentController
 from palmbots.errors import PalmbotsError
 from palmbots.learn.spaces import MESSAGES, OBSERVATION, action
 from palmbots.scene.scene import Scene, load_scene

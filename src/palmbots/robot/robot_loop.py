@@ -24,7 +24,7 @@ from palmbots.links.packet_statistics import PacketStatistics, StatisticsTable
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.stored_state import StoredState
 from palmbots.robot.reading_gauge import ReadingGauge
-from palmbots.robot.robot_log import RobotLog
+from palmbots.robot.logged_steps import RobotLog
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role, Verdict
 

@@ -23,7 +23,7 @@ from palmbots.control.registry import recover
 from palmbots.errors import PalmbotsError
 from palmbots.logs.replaying import ReplayResult, replay
 from palmbots.logs.run_log_reader import RunLog, is_run_log, read_run_log
-from palmbots.robot.robot_log import READING
+from palmbots.robot.logged_steps import READING
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.views.log_alignment import ClockFit, align
