@@ -19,8 +19,8 @@ from palmbots.links.link import Link
 from palmbots.links.lockstep import Input, LockstepLine
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState, booted
-from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.logged_steps import RobotLog
+from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
 from palmbots.robot.robot_program import robot_program
 from palmbots.robot.state_keeper import StateKeeper

@@ -23,8 +23,8 @@ from palmbots.links.link import Link
 from palmbots.links.packet_statistics import PacketStatistics, StatisticsTable
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.stored_state import StoredState
-from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.logged_steps import RobotLog
+from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role, Verdict
 

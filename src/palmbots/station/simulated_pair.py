@@ -22,8 +22,8 @@ from palmbots.links.local_connection import ConnectionLost
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import StoredState
 from palmbots.robot.live_robot import logged_program, ticks_in
-from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.logged_steps import RobotLog
+from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotLoop
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.imperfections import Imperfections
