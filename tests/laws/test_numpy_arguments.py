@@ -67,7 +67,7 @@ CALLS: dict[str, dict[str, Any]] = {
     "studies.load_plan": {"source": STUDY, "carries": 3},
     "studies.run_study": {"out": Path(), "threads": 1, "chunk_size": 4},
     "study": {"source": STUDY, "out": Path(), "carries": 2, "threads": 1, "chunk_size": 4},
-    "validate": {"states": 2, "carries": 1},
+    "validate": {"states": 2, "carries": 1, "scene": pb.load_scene("paper", SHORT)},
     "viz.draw_carry": {"window": (0, 1.5)},
     "viz.draw_message_sequence": {"window": (0, 1.5)},
     "viz.draw_side_view": {"time_s": 0.5},
