@@ -23,6 +23,7 @@ def test_there_are_core_tests() -> None:
 MANY = {
     "batch/bitslice_test": "200000",
     "batch/lane_carries_test": "60",
+    "control/resilient_test": "400",
     "control/resilient_world_test": "20000",
     "runtime/mode_search_test": "2",
     "sim/carry_test": "20",

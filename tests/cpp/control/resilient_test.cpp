@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The resilient controller step by step against an oracle written as plain conditions, over random
 // inputs that reach every state with every sign and message.
+//
+// resilient_test [WALKS]   WALKS: of 4000 steps each, with every kind of robot; 10 if not given
 #include "palmbots/control/resilient.hpp"
 
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 
 #include "palmbots/base/philox.hpp"
@@ -81,14 +84,14 @@ void walk(const Times& times, std::uint64_t seed, bool yields, bool assisted, Se
   }
 }
 
-void test_agrees_with_oracle() {
+void test_agrees_with_oracle(std::uint64_t walks) {
   Seen seen;
   std::uint64_t seed = 0;
   for (const Times& times : {Times{1, 2, {3, 0, 0}}, Times{5, 50, {67, 6, 6}},
                              Times{3, 9, {4, 1, 2}}, Times{4, 9, {6, 1, 2}}}) {
     for (const bool yields : {false, true}) {
       for (const bool assisted : {false, true}) {
-        for (int i = 0; i < 40; ++i) walk(times, seed++, yields, assisted, seen);
+        for (std::uint64_t i = 0; i < walks; ++i) walk(times, seed++, yields, assisted, seen);
       }
     }
   }
@@ -153,8 +156,8 @@ void test_receiver_accepts_newest_beacon_only() {
 
 }  // namespace
 
-int main() {
-  test_agrees_with_oracle();
+int main(int argc, char** argv) {
+  test_agrees_with_oracle(argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 10);
   test_counters_do_not_wrap();
   test_receiver_accepts_newest_beacon_only();
 }
