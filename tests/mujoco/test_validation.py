@@ -140,13 +140,13 @@ def test_delivery_rates_are_reported(done: Validation) -> None:
 
 @pytest.mark.parametrize(
     ("noise", "least", "most"),
-    [pytest.param(0.04, 0.6, 0.95, marks=pytest.mark.soak), (0.05, 0.3, 0.8)],
+    [pytest.param(0.04, 0.6, 0.95, marks=pytest.mark.soak), (0.055, 0.3, 0.8)],
 )
 def test_at_high_noise_both_worlds_deliver_as_often(
     noise: float, least: float, most: float
 ) -> None:
     """Where many carries fail, MuJoCo's interval holds the quasistatic rate."""
-    scene = load_scene("paper", {"robot.noise_m_s": noise, "task.distance_m": 0.3})
+    scene = load_scene("paper", {"robot.noise_m_s": noise, "task.distance_m": 0.2})
     known = run_seeds(to_spec(scene), "distributed", 0, 4000, "double")["outcome"]
     rate = float((known == DELIVERED).mean())
     n = 60
