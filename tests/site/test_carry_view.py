@@ -296,7 +296,7 @@ def test_a_bad_scene_file_gives_one_line(
 
 
 def test_a_picture(open_page: Open, tmp_path: Path) -> None:
-    page = open_page(hash_of("carry", {**FIGURE8, "t": 5.9, "speed": 2}))
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 5.9, "speed": 2}), width=1366)
     with page.expect_download() as found:
         page.locator("#save-picture").click()
     found.value.save_as(tmp_path / "picture.png")
