@@ -2,6 +2,7 @@
 """The check of derived algorithms: against an independent search, and on ones with a defect."""
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +25,18 @@ def policy(name: str) -> PolicyTable:
 Defect = Callable[[MachineRow], MachineRow | None]
 
 
+def machines_with(name: str, defect: Defect | None) -> Machines:
+    """The machines of an example, with every row replaced by what `defect` makes of it."""
+    left, right = machines_of(policy(name))
+    if defect is None:
+        return left, right
+    return with_defect(left, defect), with_defect(right, defect)
+
+
+@cache
 def check(name: str, defect: Defect | None = None) -> Verification:
-    """The check of an example, with every row replaced by what `defect` makes of it."""
-    table = policy(name)
-    machines = machines_of(table)
-    if defect is not None:
-        left, right = (with_defect(machine, defect) for machine in machines)
-        machines = left, right
-    return verify(machines, table.rest)
+    """The check of `machines_with`: several tests look at each."""
+    return verify(machines_with(name, defect), policy(name).rest)
 
 
 def with_defect(machine: Machine, defect: Defect) -> Machine:
@@ -56,10 +61,9 @@ def test_examples_hold(name: str, states: int, turns: int) -> None:
 def test_independent_search_finds_the_same(name: str) -> None:
     """As many states, the same longest way to the goal, and S1 by hand."""
     table = policy(name)
-    machines = machines_of(table)
-    search = MachineSearch(machines, reach=REACH, delay=DELAY, turning=TURNING)
+    search = MachineSearch(machines_of(table), reach=REACH, delay=DELAY, turning=TURNING)
     graph = search.all_states(SPAN)
-    found = verify(machines, table.rest)
+    found = check(name)
     assert found.states == len(graph)
     turns = [turn for some in graph.values() for turn in some]
     fights = any({move, others} == {"away", "closer"} for _, move, others, *_ in turns)
@@ -139,12 +143,9 @@ def test_counterexamples_are_runs(defect: Defect | None) -> None:
     """Each step follows from the one before by the independent search, and the last one breaks the
     property; a loop ends where it began."""
     name = "rest-mixed" if defect is None else "table-1"
-    machines = machines_of(policy(name))
-    if defect is not None:
-        machines = with_defect(machines[0], defect), with_defect(machines[1], defect)
-    found = verify(machines, policy(name).rest)
+    found = check(name, defect)
     assert found.fails
-    search = MachineSearch(machines, reach=REACH, delay=DELAY, turning=TURNING)
+    search = MachineSearch(machines_with(name, defect), reach=REACH, delay=DELAY, turning=TURNING)
     for prop, run in found.counterexamples.items():
         here = {search.start(found.starts[prop])}
         places = []
