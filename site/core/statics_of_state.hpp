@@ -207,8 +207,8 @@ class StaticsOfState {
   }
 
   Region<double> whole_palms() const {
-    return {Interval<double>{-model_.half_length[left], model_.half_length[left]},
-            Interval<double>{-model_.half_length[right], model_.half_length[right]}};
+    return {Interval<double>{-model_.reach[left], model_.reach[left]},
+            Interval<double>{-model_.reach[right], model_.reach[right]}};
   }
 
   const Model<double>& model() const { return model_; }
@@ -220,7 +220,7 @@ class StaticsOfState {
   }
 
   double place(std::size_t side, std::size_t i, std::size_t n, double reach) const {
-    const double half = reach * model_.half_length[side];
+    const double half = reach * model_.reach[side];
     return -half + 2 * half * (double(i) + 0.5) / double(n);
   }
 

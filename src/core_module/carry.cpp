@@ -175,7 +175,7 @@ std::string hex(std::uint64_t value) {
 
 void bind_carry(nb::module_& m) {
   m.attr("carry_outcomes") = names_to(Outcome::stalled);
-  m.attr("drop_reasons") = names_to(DropReason::lifting);
+  m.attr("drop_reasons") = names_to(DropReason::robot_tipped);
   nb::class_<Run>(m, "Run", "A finished carry.")
       .def_prop_ro("outcome", [](const Run& r) { return name_of(r.metrics.outcome); })
       .def_prop_ro("reason",

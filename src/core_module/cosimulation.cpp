@@ -73,7 +73,7 @@ struct CoSimulationHandle {
 };
 
 DropReason reason_of(const std::string& name) {
-  for (int i = 0; i <= static_cast<int>(DropReason::lifting); ++i) {
+  for (int i = 0; i <= static_cast<int>(DropReason::robot_tipped); ++i) {
     const auto reason = static_cast<DropReason>(i);
     if (name == name_of(reason)) return reason;
   }

@@ -72,7 +72,7 @@ class Climb {
     const PerSide<double> at = world.touched();
     double highest = 0;
     for (const std::size_t side : {left, right}) {
-      highest = std::max(highest, std::abs(at[side]) / world.model().half_length[side]);
+      highest = std::max(highest, std::abs(at[side]) / world.model().reach[side]);
     }
     return highest;
   }

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from palmbots.mechanics.contact_modes import contact_modes_batch as contact_modes_batch
     from palmbots.mechanics.contact_modes import feasible_contact_modes as feasible_contact_modes
     from palmbots.mechanics.contact_points import contacts as contacts
+    from palmbots.mechanics.load_limits import load_limits as load_limits
     from palmbots.mujoco.carry_files import save_carry as save_carry
     from palmbots.mujoco.export import export as export
     from palmbots.mujoco.validation.validation import validate as validate

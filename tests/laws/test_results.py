@@ -173,6 +173,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
         design_points(pb.studies.load_plan(SMALL)),
     ),
     "Design": lambda folder: design(),
+    "LoadLimits": lambda folder: pb.load_limits(),
     "DesignLaw": lambda folder: DesignLaw(
         tuple(LawPoint(key, f, 0.04 * f, 0.041 * f) for key in KEYS for f in (1.0, 2.0)), Scene()
     ),

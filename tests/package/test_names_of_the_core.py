@@ -72,7 +72,10 @@ def test_numbers_are_those_of_the_core() -> None:
     """Columns of results, study stores and packets are written with these numbers."""
     outcomes = {"delivered": 1, "dropped": 2, "stalled": 3}
     assert {name: batch.OUTCOMES.index(name) for name in outcomes} == outcomes
-    reasons = ("none", "off-palm", "sliding", "flush", "tip", "tipping", "jammed", "lifting")
+    reasons = (
+        "none", "off-palm", "sliding", "flush", "tip", "tipping", "jammed", "lifting",
+        "robot tipped",
+    )  # fmt: skip
     codes = {name: code for code, name in enumerate(reasons)}
     stored = [{"not carried": 0} | outcomes | {"missing": 255}, codes | {"missing": 255}]
     assert stored == [variables.OUTCOMES, variables.REASONS]

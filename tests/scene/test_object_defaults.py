@@ -147,3 +147,30 @@ def test_mujoco_inertia_of_an_outline_is_that_of_its_material(vertices: list) ->
     about_y = scene.object.mass_kg * second / count
     assert min(abs(body.inertia - about_y)) < 0.02 * about_y
     assert body.ipos == pytest.approx([cx, 0, cy], abs=5e-4)
+
+
+def test_box_and_closed_ring_are_outlines() -> None:
+    ring = [[0, 0], [0.4, 0], [0.4, 0.2], [0, 0.2]]
+    wanted = load_scene({"object": {"vertices_m": ring}})
+    assert load_scene({"object": {"box_m": [0.4, 0.2]}}) == wanted
+    assert load_scene({"object": {"vertices_m": [*ring, ring[0]]}}) == wanted
+    # Over an object of its own, in either direction: the later one counts, and brings its COM.
+    tray = load_scene("paper", {"object": "tray", "object.depth_m": 0.1})
+    assert load_scene(tray, {"object.box_m": [0.4, 0.2]}).object == wanted.object
+    boxed = {"object": {"box_m": [0.3, 0.1]}}
+    assert load_scene(boxed, {"object.vertices_m": ring}).object == wanted.object
+
+
+def test_com_of_the_papers_box_in_another_outline_is_named() -> None:
+    """`init scene` states it; an outline that is edited there keeps it."""
+    found = pb.carry(
+        {
+            "object": {
+                "vertices_m": [[0, 0], [0.4, 0], [0.4, 0.2], [0, 0.2]],
+                "com_m": [0.125, 0.04],
+            }
+        },
+        record=False,
+    )
+    assert any("object.com_m is [0.125, 0.04]" in line for line in found.warnings)
+    assert not any("object.com_m" in line for line in pb.carry(record=False).warnings)

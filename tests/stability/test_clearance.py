@@ -3,7 +3,7 @@
 
 import math
 from itertools import product
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -17,22 +17,22 @@ from palmbots.stability.clearance import Clearance, ClosestState, outline_cleara
 from palmbots.stability.problem import StabilityProblem, stability_problem
 
 Array = NDArray[np.float64]
-Region = tuple[float, float] | None
+Region = tuple[float, float] | Literal["palm"]
 
 CASES: list[tuple[dict[str, Any], Region, dict[str, Any]]] = [
-    ({}, None, {}),
-    ({}, None, {"palm.shallow_deg": 3.0}),
+    ({}, "palm", {}),
+    ({}, "palm", {"palm.shallow_deg": 3.0}),
     (lips(0.03), (-0.02, 0.02), {}),
-    (lips(0.03), None, {}),
+    (lips(0.03), "palm", {}),
     (lips(0.02), (-0.01, 0.01), {}),
     (lips(0.02), (-0.02, 0.02), {}),
     (lips(0.01), (-0.01, 0.012), {"palm.right.length_m": 0.14}),
     (lips(0.005), (-0.01, 0.01), {"palm.left.pivot_offset_m": 0.01}),
-    (arch(0.02), None, {"palm.shallow_deg": 2.0}),
-    (arch(0.03), None, {"palm.shallow_deg": 2.0}),
-    (arch(0.03), None, {"palm.shallow_deg": -3.0}),
+    (arch(0.02), "palm", {"palm.shallow_deg": 2.0}),
+    (arch(0.03), "palm", {"palm.shallow_deg": 2.0}),
+    (arch(0.03), "palm", {"palm.shallow_deg": -3.0}),
     (keel(0.01), (-0.04, 0.05), {"palm.shallow_deg": 1.0}),
-    (keel(0.003), None, {"palm.shallow_deg": 3.0, "palm.left.length_m": 0.12}),
+    (keel(0.003), "palm", {"palm.shallow_deg": 3.0, "palm.left.length_m": 0.12}),
     (keel(0.003), (-0.03, 0.03), {"palm.shallow_deg": 0.0}),
 ]
 

@@ -94,7 +94,7 @@ def objects(draw: st.DrawFn) -> dict[str, Any]:
         "vertices_m": [placed(outline[k]) for k in order],
         "contacts": [order.index(0), order.index(right)],
         "com_m": placed(com),
-        "mass_kg": draw(numbers(0.05, 5)),
+        "mass_kg": draw(numbers(0.02, 0.1)),  # light enough for the robots wherever it starts
         "depth_m": draw(numbers(0.02, 0.3)),
     }
 

@@ -14,18 +14,19 @@ namespace palmbots {
 // Why a carry ended with a drop.
 enum class DropReason : std::uint8_t {
   none,
-  off_palm,  // a contact passed an end of its palm
-  sliding,   // no squeeze balances the object: it slides on both palms
-  flush,     // an edge of the object came to lie on a palm
-  tip,       // a palm's end met an edge of the object
-  tipping,   // the COM passed a contact
-  jammed,    // no motion balances, and the robots still drive
-  lifting,   // the object lifted off one palm and rests on the other alone
+  off_palm,      // a contact passed an end of the usable part of its palm
+  sliding,       // no squeeze balances the object: it slides on both palms
+  flush,         // an edge of the object came to lie on a palm
+  tip,           // a palm's end met an edge of the object
+  tipping,       // the COM passed a contact
+  jammed,        // no motion balances, and the robots still drive
+  lifting,       // the object lifted off one palm and rests on the other alone
+  robot_tipped,  // a robot lost its balance; only worlds with mass know it
 };
 
 constexpr const char* name_of(DropReason reason) {
-  constexpr const char* names[] = {"",    "off-palm", "sliding", "flush",
-                                   "tip", "tipping",  "jammed",  "lifting"};
+  constexpr const char* names[] = {"",        "off-palm", "sliding", "flush",       "tip",
+                                   "tipping", "jammed",   "lifting", "robot tipped"};
   return names[static_cast<int>(reason)];
 }
 
@@ -79,7 +80,7 @@ template <class Real>
       slip_order(params.moments, cones[left].down, cones[right].up).at(contact_vector);
   MaskOf<Real> held = (left_up >= Real(0)) & (right_up <= Real(0));
   on_both_sides([&](std::size_t side) {
-    const MaskOf<Real> on_palm = within(contacts[side], params.half_length[side]);
+    const MaskOf<Real> on_palm = within(contacts[side], params.reach[side]);
     const Real arm =
         params.moments.moment_arm(side, contact_vector.dx, mirrored(side, contact_vector.dy));
     const MaskOf<Real> clear =
@@ -97,8 +98,7 @@ template <class Real>
                                          ContactVector<Real> contact_vector) {
   for (const std::size_t side : {left, right}) {
     const Real p = contacts[side];
-    if (!(p >= -model.half_length[side] && p <= model.half_length[side]))
-      return DropReason::off_palm;
+    if (!(p >= -model.reach[side] && p <= model.reach[side])) return DropReason::off_palm;
   }
   bool at_tip = false;
   for (const std::size_t side : {left, right}) {

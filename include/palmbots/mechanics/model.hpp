@@ -14,6 +14,7 @@ struct ModelParams {
   PerSide<ClearCone<Real>> clear;
   PerSide<Real> offset;       // of the palm's surface from its pivot [m]
   PerSide<Real> half_length;  // of the palm [m]
+  PerSide<Real> reach;        // how far from the foot of the pivot a contact may be [m]
   PerSide<Real> friction;
   // The object is held while both |p| are at most this [m], at every pair of angles that the palms
   // can take (stability/safe_reach.hpp). Negative where no such bound is known.

@@ -61,7 +61,7 @@ inline double extreme_separation(const Spec& spec, double sense) {
     int rest = i;
     for (const std::size_t side : {left, right}) {
       const PalmSpec& palm = spec.palms[side];
-      const double half = model.half_length[side];
+      const double half = model.reach[side];
       at.palms[side] = PalmAngle<double>::at(part(palm.shallow, palm.steep, rest % (parts + 1)));
       rest /= parts + 1;
       at.contacts[side] = part(-half, half, rest % (parts + 1));

@@ -28,7 +28,7 @@ class StandingTeam : public ReferenceTeam {
       : ReferenceTeam(spec, true), spec_(spec), creeps_(feedback.creeps) {
     for (const std::size_t side : {left, right}) {
       const RobotSpec& robot = spec.robots[side];
-      half_[side] = 0.5 * spec.palms[side].length;
+      half_[side] = spec.palms[side].reach();
       memory_[side] = memory_of<double>(spec.period, robot.noise_tau);
     }
   }

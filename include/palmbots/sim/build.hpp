@@ -34,6 +34,7 @@ Model<Real> model_of(const Spec& spec) {
     model.clear[side] = clear_cone(model.outline, side);
     model.offset[side] = Real(spec.palms[side].offset);
     model.half_length[side] = Real(0.5 * spec.palms[side].length);
+    model.reach[side] = Real(spec.palms[side].reach());
     model.friction[side] = Real(spec.palms[side].friction);
   }
   model.safe_reach = Real(spec.safe_reach);
@@ -243,10 +244,10 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
     error = larger(error, std::abs(robot.bias) + robot.noise);
   }
   double flattest = 1;  // cosine of the steepest palm
-  double half = spec.palms[left].length;
+  double half = spec.palms[left].reach();
   for (const PalmSpec& palm : spec.palms) {
     flattest = smaller(flattest, sin_cos(palm.steep).cos);
-    half = smaller(half, 0.5 * palm.length);
+    half = smaller(half, palm.reach());
   }
   const auto delay = double(channel_of(spec).longest());
   return ResilientTiming::of({

@@ -14,14 +14,19 @@ namespace palmbots {
 
 struct PalmSpec {
   double length = 0.15;
-  double offset = 0;  // of the surface from the pivot
+  double usable = unset;  // of the length; unset: all of it
+  double offset = 0;      // of the surface from the pivot
   double friction = 0.3;
   double shallow = 5 * radians_per_degree<double>;
   double steep = 15 * radians_per_degree<double>;
   double rate = 50 * radians_per_degree<double>;  // [rad/s]
+
+  // How far from the foot of the pivot a contact may be [m].
+  constexpr double reach() const { return 0.5 * (usable < length ? usable : length); }
 };
 inline constexpr Key palm_keys[] = {
     number<&PalmSpec::length>("length_m", Unit::m, 0.001, 10),
+    number<&PalmSpec::usable>("usable_m", Unit::m, 0.001, 10),
     number<&PalmSpec::offset>("pivot_offset_m", Unit::m, -1, 1),
     number<&PalmSpec::friction>("friction", Unit::none, 0.001, 100),
     source_number("friction_angle_deg", Unit::degrees, 0.1, 89),

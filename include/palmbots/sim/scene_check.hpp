@@ -49,6 +49,11 @@ inline void check_palms(const SceneValues& scene, Problems& problems) {
              "a number in degrees, more than {0} and less than 80", {shallow});
     }
     const double steepest = larger(std::abs(steep), std::abs(shallow));
+    const double length = scene.of<"palm.length_m">(own(side));
+    if (scene.of<"palm.usable_m">(own(side)) > length) {
+      report(problems, "palm.usable_m", place_of<"palm.usable_m">(scene, side),
+             "is more than length_m, which is {0}", "a number in m, from 0.001 to {0}", {length});
+    }
     const double friction = friction_of(scene, side);
     const double most = 1 / tangent(steepest * radians_per_degree<double>);  // infinite if level
     if (friction >= most) {
@@ -247,10 +252,13 @@ inline void check_start(const SceneValues& scene, Problems& problems) {
   const std::array<double, 2> start = {scene.of<"start.left_m">(), scene.of<"start.right_m">()};
   std::array<double, 2> heights{};
   for (const std::size_t side : {left, right}) {
-    const double half = scene.of<"palm.length_m">(own(side)) / 2;
+    const double usable = scene.of<"palm.usable_m">(own(side));
+    const double length = scene.of<"palm.length_m">(own(side));
+    const double half = (usable < length ? usable : length) / 2;
     if (std::abs(start[side]) > half) {
       report(problems, side == left ? "start.left_m" : "start.right_m", common,
-             "is not on the palm", "a number in m, from {0} to {1}", {-half, half});
+             usable < length ? "is not on the usable part of the palm" : "is not on the palm",
+             "a number in m, from {0} to {1}", {-half, half});
     }
     const auto angle = sin_cos(scene.of<"palm.steep_deg">(own(side)) * radians_per_degree<double>);
     heights[side] =

@@ -162,7 +162,9 @@ inline Spec spec_of(const SceneValues& scene) {
   detail::put_lists(scene, spec);
   static_cast<ObjectSpec&>(spec) = object_frame(object_of(scene));
   for (const std::size_t side : {left, right}) {
-    spec.palms[side].friction = detail::friction_of(scene, side);
+    PalmSpec& palm = spec.palms[side];
+    palm.friction = detail::friction_of(scene, side);
+    if (!(palm.usable == palm.usable)) palm.usable = palm.length;
     spec.robots[side].stride = detail::stride_of(scene, side);
   }
   detail::derive_zones(scene, spec);

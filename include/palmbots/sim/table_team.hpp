@@ -25,7 +25,7 @@ inline TableTiming table_timing_of(const Spec& spec) {
     timing.turn = larger(timing.turn, std::abs(palm.steep - palm.shallow) / palm.rate);
     const RobotSpec& robot = spec.robots[side];
     if (robot.correction > 0) {
-      timing.reach = larger(timing.reach, 0.5 * palm.length / robot.correction);
+      timing.reach = larger(timing.reach, palm.reach() / robot.correction);
     }
     // At constant acceleration, a robot is late by half the time that it needs to reach its speed.
     if (robot.speed > 0) {

@@ -59,9 +59,8 @@ inline double safe_reach(const Model<double>& model, const PerSide<AnglePair<dou
     // Squeezes and heights grow with the angle only from the horizontal on.
     if (!(palm.shallow.angle >= 0 && palm.shallow.angle < palm.steep.angle)) return -1;
   }
-  const double longest = model.half_length[left] < model.half_length[right]
-                             ? model.half_length[left]
-                             : model.half_length[right];
+  const double longest =
+      model.reach[left] < model.reach[right] ? model.reach[left] : model.reach[right];
   constexpr int steps = 16;
   for (int i = steps; i > 0; --i) {
     const double extent = longest * i / steps;

@@ -88,8 +88,8 @@ class InstantMotions {
       const ContactPoint<Real>& p = point(i);
       touched[p.support.side] = true;
       // A vertex this near to a palm's end (nanometres) and that end count as one contact.
-      const Real half = model_.half_length[p.support.side] -
-                        Real(200) * closed_tolerance<Real> * model_.object.width;
+      const Real half =
+          model_.reach[p.support.side] - Real(200) * closed_tolerance<Real> * model_.object.width;
       const Real at = configuration_.contacts[p.support.side];
       if (own(p) && !(at >= -half && at <= half)) return DropReason::off_palm;
     }
@@ -265,7 +265,7 @@ class InstantMotions {
   std::size_t leading(const PerSide<std::size_t>& beside,
                       const PerSide<std::size_t>& stuck = {}) const {
     const auto ranks = [&](std::size_t side) {
-      return std::array<Real, 9>{
+      return std::array<Real, 10>{
           Real(beside[side]),
           configuration_.palms[side].angle,
           configuration_.contacts[side],
@@ -273,6 +273,7 @@ class InstantMotions {
           model_.friction[side],
           model_.offset[side],
           model_.half_length[side],
+          model_.reach[side],
           side == left ? model_.object.com_left : model_.object.com_right,
           mirrored(side, model_.object.slope + push_),
       };

@@ -66,6 +66,22 @@ function plain(value: unknown): Json {
   return Object.fromEntries(Object.entries(value).map(([key, entry]) => [key, plain(entry)]));
 }
 
+// A scene with the outline of its object.box_m, and without a first vertex repeated at the end: an
+// outline closes itself.
+function outlined(scene: Scene): Scene {
+  const { box_m: box, ...object } = (scene.object ?? {}) as Scene;
+  if (box !== undefined) {
+    if (object.vertices_m) refuse("object.box_m", box, "is given beside vertices_m", "one of the two");
+    const [length, height] = box as number[];
+    object.vertices_m = [[0, 0], [length, 0], [length, height], [0, height]];
+  }
+  const vertices = object.vertices_m as number[][] | undefined;
+  const isClosed = vertices && vertices.length > 3
+    && JSON.stringify(vertices[0]) === JSON.stringify(vertices.at(-1));
+  if (isClosed) object.vertices_m = vertices.slice(0, -1);
+  return scene.object ? { ...scene, object } : scene;
+}
+
 // The overrides that turn the scene `paper` into the one of a scene file; `hasBigints`: its whole
 // numbers are bigints. Throws an Error with one line for a person.
 export function overridesOf(
@@ -78,7 +94,7 @@ export function overridesOf(
     refuse("object", named, "is no built-in object", `a table, or one of ${names}`);
   }
   checkShape("", known ? others : file, tables.rules, hasBigints);
-  const given = plain(known ? { ...others, object: known.object } : file) as Scene;
+  const given = outlined(plain(known ? { ...others, object: known.object } : file) as Scene);
   core.check(given);
   const found: Overrides = known ? { object: known.name } : {};
   if (known) delete given.object;

@@ -331,7 +331,7 @@ export function DesignView() {
       </section>
       <AtHome
         lines={[
-          `palmbots certify ${SCENE_FILE} --region-m ${ends(-region.value)} ${ends(region.value)} -o box.json`,
+          `palmbots certify ${SCENE_FILE} --region ${ends(-region.value)},${ends(region.value)} -o box.json`,
           `palmbots noise-limit ${SCENE_FILE} --controller ${controllerWord(controller.value)}`,
         ]}
         runs={run ? [{ command: carryOf([SCENE_FILE], controller.value, seed.value, forks.value), hash: run.hash }] : []}

@@ -17,6 +17,7 @@ from palmbots._types import SIDES, Side
 from palmbots._util.text import millimetres as _mm
 from palmbots.control.registry import ControllerEntry, resolve
 from palmbots.control.table_timing import short_lease_warning
+from palmbots.scene.object_section import Object
 from palmbots.scene.palm_overlap import overlap_m
 from palmbots.scene.robot_section import RobotParameters
 from palmbots.scene.scene import Scene
@@ -116,6 +117,12 @@ def warnings_before(scene: Scene, controller: str | ControllerEntry) -> tuple[st
             f"{scene.object.rest_angle_deg:.0f}° (object.contacts are upper vertices of "
             "object.vertices_m)"
         )
+    usual = Object()
+    if scene.object.com_m == usual.com_m and scene.object.vertices_m != usual.vertices_m:
+        lines.append(
+            f"object.com_m is {list(usual.com_m)}, that of the paper's box, but the outline is "
+            "another one (without com_m it is the centroid)"
+        )
     if (overlap := overlap_m(scene)) > 0:
         lines.append(
             f"the palms overlap by {_mm(overlap)} under the object and would collide; neither "
@@ -127,7 +134,7 @@ def warnings_before(scene: Scene, controller: str | ControllerEntry) -> tuple[st
 def _blind(scene: Scene, side: Side) -> str | None:
     """The warning for a palm whose sensor reads 0 up to an end: it cannot foresee a drop there."""
     low, high = zero_zone_edges_m(scene)
-    half = 0.5 * scene.palm_of(side).length_m
+    half = scene.palm_of(side).reach_m
     ends = [name for name, sees in (("-", low > -half), ("+", high < half)) if not sees]
     if not ends:
         return None

@@ -49,7 +49,7 @@ class RewardTerms:
     def __init__(self, rewards: RewardWeights, scene: Scene) -> None:
         speed = sum(scene.robot_of(side).speed_m_s for side in SIDES) / 2
         distance, period = scene.task.distance_m, scene.control.period_s
-        left, right = (scene.palm_of(side).length_m / 2 for side in SIDES)
+        left, right = (scene.palm_of(side).reach_m for side in SIDES)
         sense = 1.0 if scene.task.direction == "forward" else -1.0
         self._progress = rewards.progress * sense / distance
         per_tick = rewards.centring * period * speed / distance

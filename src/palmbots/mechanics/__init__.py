@@ -13,5 +13,7 @@ if TYPE_CHECKING:
     from palmbots.mechanics.contact_modes import ContactModes as ContactModes
     from palmbots.mechanics.contact_modes import ContactModesBatch as ContactModesBatch
     from palmbots.mechanics.contact_points import Contact as Contact
+    from palmbots.mechanics.load_limits import LoadLimit as LoadLimit
+    from palmbots.mechanics.load_limits import LoadLimits as LoadLimits
 else:
     __getattr__, __dir__ = lazy_names(__name__)

@@ -19,8 +19,8 @@ from palmbots.mujoco.edge_contacts import fit_edges
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.mjcf import layout
 from palmbots.mujoco.path_curve import LEAD_M, Curve, Spot, curve_of
-from palmbots.mujoco.robot_mjcf import axle_out, chassis
 from palmbots.mujoco.world import MujocoWorld, Point
+from palmbots.scene.chassis import axle_out, chassis
 from palmbots.scene.scene import Scene
 
 _AHEAD = 0.1  # m, distance within which a robot aims to return to its path

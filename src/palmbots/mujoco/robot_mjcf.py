@@ -1,25 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """The MJCF model of one robot: body on two wheels and a caster, arm, palm, and their motors.
 
-Outward is away from the partner. The wheels are outward of the middle of the body and the caster is
-inward, below the load. The visible shapes are those of `palmbots.viz.solids`; bodies state their
-mass and inertia.
+`palmbots.scene.chassis` states where they are. The visible shapes are those of
+`palmbots.viz.solids`; bodies state their mass and inertia.
 """
 
 import math
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
 
 from palmbots._types import Side
 from palmbots._util.xml_attributes import numbers, rgba
 from palmbots.mujoco.engine_settings import ARM, SHOULDER, WHEEL, WRIST, Servo
+from palmbots.scene.chassis import Chassis, axle_out, chassis, wheel_kg
+from palmbots.scene.mujoco_section import PALM_TORQUE
 from palmbots.scene.robot_dimensions import (
-    BODY_GAP,
     BODY_SIZE,
     CASTER_RADIUS,
-    GROUND_CLEARANCE,
     PALM_THICKNESS,
-    WHEEL_INSET,
     WHEEL_WIDTH,
 )
 from palmbots.scene.scene import Scene
@@ -29,50 +26,6 @@ from palmbots.viz.style import HUE, INK, QUIET
 LIP = 0.004  # m, thickness of the lips along the sides of a palm
 TIP = 1e-4  # m, radius of the contact balls: almost a point
 _ORIGIN = (0.0, 0.0, 0.0)
-_WHEEL_KG = 0.05
-_AXLE = 0.2  # m, outward of the pivot, if the scene does not state it; assumed
-
-
-@dataclass(frozen=True)
-class Chassis:
-    """Positions relative to the middle of the body on the floor [m]; x outward, z up."""
-
-    axle: float
-    caster: float
-    track: float
-    com: tuple[float, float]
-    shoulder: tuple[float, float]
-    pivot: tuple[float, float]
-    """The wrist, where the palm turns."""
-
-    @property
-    def arm(self) -> tuple[float, float]:
-        """From shoulder to wrist."""
-        return self.pivot[0] - self.shoulder[0], self.pivot[1] - self.shoulder[1]
-
-
-def axle_out(scene: Scene) -> float:
-    """Distance of the wheels outward of the pivot [m]."""
-    if scene.mujoco.axle_m is not None:
-        return scene.mujoco.axle_m
-    return 0.0 if scene.task.path.is_curved else _AXLE
-
-
-def chassis(height: float, axle: float = _AXLE) -> Chassis:
-    """The positions on a robot whose pivot is `height` above the floor [m].
-
-    The wheels are `axle` outward of the pivot [m], the caster is on the other side of the COM.
-    """
-    low, middle = GROUND_CLEARANCE, BODY_GAP + BODY_SIZE / 2
-    x, z = solids.shoulder("right", -height)
-    return Chassis(
-        axle=0.05 if axle == _AXLE else axle - middle,
-        caster=-0.07 if axle > middle + 0.02 else 0.07,
-        track=BODY_SIZE + 2 * WHEEL_INSET,
-        com=(0.02, low + 0.06),
-        shoulder=(x - middle, z + height),
-        pivot=(-BODY_GAP - BODY_SIZE / 2, height),
-    )
 
 
 def wheel_servo(scene: Scene) -> Servo:
@@ -81,6 +34,12 @@ def wheel_servo(scene: Scene) -> Servo:
     carried = keys.body_kg + keys.arm_kg + keys.palm_kg + 0.5 * scene.object.mass_kg
     inertia = 0.5 * carried * keys.wheel_radius_m**2 + WHEEL.armature
     return Servo(WHEEL.kp * inertia, WHEEL.kv * inertia, WHEEL.armature)
+
+
+def wrist_servo(scene: Scene) -> Servo:
+    """Gains of the motor of a palm: as stiff as the torque that it holds demands."""
+    strength = scene.mujoco.palm_torque_n_m / PALM_TORQUE
+    return Servo(WRIST.kp * strength, WRIST.kv * math.sqrt(strength), WRIST.armature)
 
 
 def box_inertia(mass: float, x: float, y: float, z: float) -> tuple[float, float, float]:
@@ -127,10 +86,13 @@ def _wheels(
         wheel = ET.SubElement(
             body, "body", name=f"{side}_{name}", pos=numbers(axle, across, radius)
         )
-        ET.SubElement(
+        joint = ET.SubElement(
             wheel, "joint", name=f"{side}_{name}", type="hinge", axis="0 1 0",
             armature=numbers(servo.armature),
         )  # fmt: skip
+        if scene.mujoco.drive_force_n is not None:
+            most = 0.5 * scene.mujoco.drive_force_n * radius
+            joint.set("actuatorfrcrange", numbers(-most, most))
         ET.SubElement(
             wheel, "inertial", pos="0 0 0", mass=numbers(mass),
             diaginertia=numbers(*wheel_inertia(mass, radius)),
@@ -206,11 +168,13 @@ def _palm(
     )  # fmt: skip
     _draw(body, solids.plate(side, palm), _ORIGIN, f"{side}_plate")
     # The contact plate is thicker, so that no shape can pass through it, and lies lower by the
-    # radius of a ball, so that a vertex is on the surface of the palm when its ball touches.
+    # radius of a ball, so that a vertex is on the surface of the palm when its ball touches. It is
+    # wider, too: MuJoCo pushes a ball that is inside a box out through the nearest face, and for a
+    # ball near the side of the palm a heavy object would make that the side.
     deep = 0.02
     ET.SubElement(
         body, "geom", {"class": "touch"}, name=f"{side}_palm", type="box",
-        rgba=rgba(HUE[side], 0.0), size=numbers(half, wide, deep / 2),
+        rgba=rgba(HUE[side], 0.0), size=numbers(half, wide + deep, deep / 2),
         pos=numbers(0.0, 0.0, offset - TIP - deep / 2),
     )  # fmt: skip
     for end, x in (("inner", -out * half), ("outer", out * half)):
@@ -228,7 +192,7 @@ def _palm(
                 rgba=rgba(HUE[side], 0.5), group="1",
             )  # fmt: skip
     ET.SubElement(body, "site", name=f"{side}_pivot", size="0.004", rgba=rgba(INK), group="1")
-    _drive(actuators, f"{side}_wrist", WRIST)
+    _drive(actuators, f"{side}_wrist", wrist_servo(scene))
 
 
 def _drive(actuators: ET.Element, joint: str, servo: Servo) -> None:
@@ -254,11 +218,6 @@ def _draw(body: ET.Element, solid: solids.Solid, origin: solids.Vector, name: st
         body, "geom", {"name": name} if name else {}, type=kind, size=numbers(*size),
         pos=numbers(*place), euler=numbers(*turn), rgba=rgba(solid.colour),
     )  # fmt: skip
-
-
-def wheel_kg(scene: Scene) -> float:
-    """Mass of one wheel, a part of the mass of the body."""
-    return min(_WHEEL_KG, 0.1 * scene.mujoco.body_kg)
 
 
 def wheel_radius(scene: Scene, name: str) -> float:

@@ -20,9 +20,9 @@ from palmbots.mujoco.edge_contacts import STAYS, edges_of, fit_edges
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.mjcf import layout, mjcf, steps_per_tick
-from palmbots.mujoco.robot_mjcf import axle_out, chassis
 from palmbots.mujoco.switches import Switches
 from palmbots.mujoco.trace_columns import Measured
+from palmbots.scene.chassis import axle_out, chassis
 from palmbots.scene.scene import Scene
 
 SLACK = math.radians(0.25)  # a wrist this close to its target has reached it; assumed
@@ -30,6 +30,7 @@ _SETTLE_S = 0.3  # before the carry, until motors and contacts carry the weights
 _HEADING = 5.0  # 1/s, gain with which a robot steers back to its heading
 _STICKS = 5e-4  # m/s; a contact that moves more slowly along its palm sticks
 _LET_GO_S = 0.25  # without load on a palm for this long, the object is no longer held
+_PITCHED = math.radians(10)  # a robot that pitches by more than the floor and this has tipped
 _TURNED = math.radians(60)  # an object turned further has tipped over
 _OUT = (-1.0, 1.0)
 
@@ -271,8 +272,11 @@ class MujocoWorld:
         self._body_mat = [d.xmat[bodies[f"{s}_body"]] for s in SIDES]
         self._object_pos, self._object_mat = d.xpos[object_body], d.xmat[object_body]
         spec = self.layout.spec
+        highest = max((ridge.height_m for ridge in self.scene.mujoco.ridges), default=0.0)
+        at = chassis(self.layout.height, axle_out(self.scene))
+        self._tipped = _PITCHED + math.atan(highest / abs(at.axle - at.caster))
         self._offset = [palm.offset for palm in spec.palms]
-        self._half = [palm.length / 2 for palm in spec.palms]
+        self._reach = [palm.usable / 2 for palm in spec.palms]
         self._half_width = [self.scene.palm_of(side).width_m / 2 for side in SIDES]
         self._edges = edges_of(m, self.scene)
         self._width = spec.width
@@ -391,7 +395,9 @@ class MujocoWorld:
     def _end(self, p: tuple[float, float], loaded: tuple[bool, bool]) -> str:
         """Why the object is no longer held; empty if it is held. `loaded`: each palm carries some
         of its weight."""
-        if any(abs(at) > half for at, half in zip(p, self._half, strict=True)):
+        if max(map(abs, self._pitches())) > self._tipped:
+            return "robot tipped"
+        if any(abs(at) > reach for at, reach in zip(p, self._reach, strict=True)):
             return "off-palm"
         if any(abs(y) > half for y, half in zip(self.lateral, self._half_width, strict=True)):
             return "off-palm"

@@ -15,9 +15,15 @@ from palmbots.scene.section import Section
 Force = Annotated[float, BeforeValidator(Range("N", least=0, most=1000))]
 Debounce = Annotated[float, BeforeValidator(Range("s", least=0, most=1))]
 Height = Annotated[float, BeforeValidator(Range("m", least=0.0001, most=0.05))]
+Torque = Annotated[float, BeforeValidator(Range("N m", least=0.001, most=1000))]
+Pull = Annotated[float, BeforeValidator(Range("N", least=0.01, most=10000))]
 Step = Annotated[float, BeforeValidator(Range("s", least=0.0001, most=0.005))]
 Axle = Annotated[float, BeforeValidator(Range("m", least=0, most=0.25))]
 Mismatch = Annotated[float, BeforeValidator(Range(least=-0.2, most=0.2))]
+
+
+PALM_TORQUE = 0.43
+"""Of the default servo [N m]."""
 
 
 class Ridge(Section):
@@ -48,7 +54,7 @@ Ridges = Annotated[
 
 
 class MujocoParameters(Section):
-    """[mujoco] What only the MuJoCo world uses."""
+    """[mujoco] What only the MuJoCo world and the check of the load use."""
 
     body_kg: Mass = 3.0
     """MuJoCo world: mass of a robot without arm and palm."""
@@ -66,6 +72,12 @@ class MujocoParameters(Section):
     path. On a curved path 0, because the axle follows the path and must be below the palm."""
     floor_friction: Friction = 0.8
     """MuJoCo world: Coulomb coefficient between wheels and floor."""
+    palm_torque_n_m: Torque = PALM_TORQUE
+    """MuJoCo world: torque with which a palm's servo still holds the palm within a quarter of a
+    degree of its commanded angle. Under more, a robot waits for a palm that does not arrive."""
+    drive_force_n: Pull | None = None
+    """MuJoCo world: largest force of both wheels of a robot together on the floor. Not set: as much
+    as the floor's friction allows."""
     ridges: Ridges = ()
     """MuJoCo world: ridges across the floor, a list of tables {at_m, height_m, length_m}."""
     switch_force_n: Force = 0.1

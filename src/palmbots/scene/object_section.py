@@ -8,11 +8,11 @@ centre of mass and mass follow from it, never from the paper's box.
 import math
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, TypeAdapter, ValidationError, model_validator
+from pydantic import AfterValidator, BeforeValidator, TypeAdapter, ValidationError, model_validator
 
 import palmbots._core as _core
 from palmbots.scene.core_keys import default_pair, default_points, key, limits, most_records
-from palmbots.scene.fields import field_error, from_list
+from palmbots.scene.fields import Size, field_error, from_list
 from palmbots.scene.object_frame import Point
 from palmbots.scene.section import Section
 
@@ -21,9 +21,20 @@ _MOST_VERTICES = most_records("object.vertices_m")
 Place = Annotated[float, limits("object.vertices_m[][0]")]
 Index = Annotated[int, limits("object.contacts[0]")]
 Coordinates = Annotated[tuple[Place, Place], _TWO_NUMBERS]
+
+
+def _opened(points: tuple[Point, ...]) -> tuple[Point, ...]:
+    """An outline without the first point repeated at its end: it closes itself."""
+    return points[:-1] if len(points) > 3 and points[0] == points[-1] else points
+
+
 Vertices = Annotated[
     tuple[Coordinates, ...],
     BeforeValidator(from_list(f"a list of 3 to {_MOST_VERTICES} points [x, y]", 3, _MOST_VERTICES)),
+    AfterValidator(_opened),
+]
+Box = Annotated[
+    tuple[Size, Size], BeforeValidator(from_list("[length, height], two numbers in m", 2, 2))
 ]
 Contacts = Annotated[
     tuple[Index, Index],
@@ -31,14 +42,17 @@ Contacts = Annotated[
 ]
 
 _VERTICES: TypeAdapter[tuple[Point, ...]] = TypeAdapter(Vertices)
+_BOX: TypeAdapter[tuple[float, float]] = TypeAdapter(Box)
 
 
 class Object(Section):
     """[object] An extruded polygon seen from the side, in any frame and turned in any way."""
 
     vertices_m: Vertices = default_points("object.vertices_m")
-    """The outline: a simple polygon, clockwise or counter-clockwise. If it is given, the three keys
-    below follow from it unless they are given, too."""
+    """The outline: a simple polygon, clockwise or counter-clockwise, which closes itself. If it is
+    given, contacts, centre of mass and mass follow from it unless they are given, too."""
+    box_m: Box | None = None
+    """In place of `vertices_m`: length and height of a box."""
     contacts: Contacts = default_pair("object.contacts")
     """The vertices that rest on the left and on the right palm. Not set, with an outline of your
     own: the leftmost and the rightmost of its lowest vertices, which must be level."""
@@ -75,7 +89,20 @@ class Object(Section):
     @classmethod
     def _fill(cls, data: Any) -> Any:
         """Contacts, centre of mass and mass of an outline that is given without them."""
-        if not isinstance(data, dict) or "vertices_m" not in data:
+        if not isinstance(data, dict):
+            return data
+        if data.get("box_m") is not None:
+            if "vertices_m" in data:
+                raise field_error(
+                    data["box_m"], "is given beside vertices_m", "one of the two", "box_m"
+                )
+            try:
+                long, high = _BOX.validate_python(data["box_m"])
+            except ValidationError:
+                return data  # the field reports what is wrong with it
+            corners = [[0.0, 0.0], [long, 0.0], [long, high], [0.0, high]]
+            data = {k: v for k, v in data.items() if k != "box_m"} | {"vertices_m": corners}
+        if "vertices_m" not in data:
             return data
         try:
             vertices = _VERTICES.validate_python(data["vertices_m"])

@@ -104,7 +104,10 @@ def merged(
 
 # An override of the first key makes the other keys of its table obsolete in the scene below it.
 _SUPERSEDES = {
-    "object": {"vertices_m": ("contacts", "com_m", "mass_kg")},
+    "object": {
+        "vertices_m": ("box_m", "contacts", "com_m", "mass_kg"),
+        "box_m": ("vertices_m", "contacts", "com_m", "mass_kg"),
+    },
     "palm": {"friction": ("friction_angle_deg",), "friction_angle_deg": ("friction",)},
 }
 _SUPERSEDES |= {f"palm.{side}": _SUPERSEDES["palm"] for side in SIDES}

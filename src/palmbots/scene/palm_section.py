@@ -27,7 +27,10 @@ class PalmParameters(Section):
     """One palm: a flat plate that rotates about a pivot below its middle."""
 
     length_m: float = key("palm.length_m")
-    """Length along the direction of travel. Contacts lie within ± half of it."""
+    """Length along the direction of travel."""
+    usable_m: float | None = key("palm.usable_m")
+    """Length of the part in the middle on which a contact may be. Beyond it a contact counts as
+    off the palm. Not set: the whole length."""
     width_m: Size = 0.07
     """Width across the direction of travel. A palm with lips is as wide as the object plus twice
     `lip_clearance_m` instead."""
@@ -50,6 +53,11 @@ class PalmParameters(Section):
     """Palm angle at all other times."""
     rate_deg_s: float = key("palm.rate_deg_s")
     """Angular speed of the palm."""
+
+    @property
+    def reach_m(self) -> float:
+        """How far from the foot of the pivot a contact may be: half of the usable length."""
+        return 0.5 * (self.length_m if self.usable_m is None else self.usable_m)
 
 
 PalmOverride = override_of(PalmParameters, "PalmOverride")

@@ -17,13 +17,14 @@ if TYPE_CHECKING:
 TURNED = "the object turned by more than 60° on the palms"
 """What `tipping` means in MuJoCo."""
 REASONS = {
-    "off-palm": "a contact left its palm at an end or a side",
+    "off-palm": "a contact left the usable part of its palm at an end or a side",
     "sliding": "no squeeze force balances the object: it slides on both palms",
     "flush": "a palm and an edge of the object coincide",
     "tip": "the end of a palm is inside the object",
-    "tipping": "the centre of mass passed a contact",
+    "tipping": "the object tipped over a contact",
     "jammed": "no motion that the palms allow is in balance",
     "lifting": "the object lifted off a palm",
+    "robot tipped": "a robot lost its balance under the load (palmbots load)",
 }
 
 

@@ -17,6 +17,7 @@ from palmbots.control.registry import (
 )
 from palmbots.control.resilient_timing import Bounds, bounds_of
 from palmbots.errors import PalmbotsError, SceneError
+from palmbots.mechanics.load_limits import check_load
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.worlds import PRECISIONS, WorldEntry, world_entry, world_names
@@ -60,6 +61,7 @@ def prepare(
     place = world_entry(world) if isinstance(world, str) else world
     entry = resolve(controller)
     check_scene(place, scene)
+    check_load(scene)
     if not place.supports_references:
         refuse_reference(entry, f"the {place.name} world")
     timing = bounds_of(scene) if entry.has_time_bounds else None

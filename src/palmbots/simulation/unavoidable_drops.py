@@ -54,7 +54,7 @@ def left_palm_unavoidably(scene: Scene, times: np.ndarray, contacts: np.ndarray)
         times: of the last ticks [s]; shape (ticks,).
         contacts: the contact coordinates [m]; shape (ticks, 2).
     """
-    halves = [scene.palm_of(side).length_m / 2 for side in SIDES]
+    halves = [scene.palm_of(side).reach_m for side in SIDES]
     side = int(np.argmax(np.abs(contacts[-1]) - halves))
     contact = contacts[:, side]
 

@@ -12,12 +12,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 from palmbots._types import SIDES, BySide, Interval, Overrides, Side
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
+from palmbots.mechanics.load_limits import LoadLimit, LoadLimits, load_limits
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
 from palmbots.stability.first_contact import FirstTouch, first_touch
@@ -137,6 +138,8 @@ class Analysis(Result):
     """The contacts and motions where a palm, turned from there, just touches the outline."""
     wedging: Wedging
     sideways: Sideways
+    load: LoadLimits = field(metadata=NOT_IN_JSON)
+    """What the robots can hold."""
     warnings: tuple[str, ...]
     """Numbers of the scene that exceed what properties 1 and 2 allow."""
 
@@ -149,6 +152,17 @@ class Analysis(Result):
     def holds(self) -> bool:
         """Whether all properties hold with either palm as the shallow one."""
         return all(report.holds for report in self.properties.values())
+
+    @derived
+    def heaviest_kg(self) -> float | None:
+        """The heaviest object that the robots hold with contacts anywhere on the palms; None:
+        any."""
+        return self.load.heaviest_kg
+
+    @derived
+    def load_limits(self) -> tuple[LoadLimit, ...]:
+        """What limits the mass, the tightest first."""
+        return self.load.limits
 
     @derived
     def slope_deg(self) -> Interval | None:
@@ -206,10 +220,13 @@ class Analysis(Result):
 @command(
     order=30,
     example="palmbots analyze --set palm.friction=0.4 --figures out",
-    region_m=Option(),
+    region_m=Option("--region", metavar="implied|palm|LOW,HIGH"),
 )
 def analyze(
-    scene: SceneLike = "paper", *, region_m: Interval | None = None, overrides: Overrides = None
+    scene: SceneLike = "paper",
+    *,
+    region_m: Interval | Literal["implied", "palm"] = "palm",
+    overrides: Overrides = None,
 ) -> Analysis:
     """Report whether the properties hold, and their margins.
 
@@ -218,8 +235,8 @@ def analyze(
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
-        region_m: contact coordinates to consider; None: whole palms. The properties have to hold
-            for them on either palm.
+        region_m: contact coordinates: what the scene implies, the whole palm, or an interval [m].
+            The properties have to hold for them on either palm.
         overrides: scene keys to set.
 
     Raises:
@@ -233,6 +250,7 @@ def analyze(
     closing, opening, turning = (
         BySide.of(_report(problem, number, shallow) for shallow in SIDES) for number in (1, 2, 0)
     )
+    load = load_limits(chosen)
     return Analysis(
         scene=chosen,
         problem=problem,
@@ -250,7 +268,8 @@ def analyze(
         touch=first_touch(chosen, clearance.rotation_margin),
         wedging=wedging(problem),
         sideways=sideways_of(chosen),
-        warnings=limit_warnings(chosen, problem, slope, angle),
+        load=load,
+        warnings=limit_warnings(chosen, problem, slope, angle, load),
     )
 
 

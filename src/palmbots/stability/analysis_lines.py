@@ -36,6 +36,7 @@ def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
         f"lateral support ±{millimetres(tipping.margin_m)}; the object tips sideways at "
         f"{math.degrees(tipping.tilt_rad):.1f}° or {tipping.acceleration_g:.2f} g"
     )
+    yield analysis.load.sentence()
     yield from map(warning, analysis.warnings)
 
 

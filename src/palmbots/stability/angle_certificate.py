@@ -105,9 +105,9 @@ def _intervals(
         "slope": uncertainty.slope,
     }
     region = problem.contacts[0]
-    if region != (-problem.half_length[0], problem.half_length[0]):
+    if region != (-problem.reach[0], problem.reach[0]):
         # Rounded outward to 1 nm, since a certificate contains decimal text, but not off the palm.
-        most = min(problem.half_length)
+        most = min(problem.reach)
         intervals["region_m"] = tuple(
             math.copysign(min(math.ceil(abs(end) * 1e9) / 1e9, most), end) for end in region
         )

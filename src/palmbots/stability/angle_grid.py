@@ -218,7 +218,7 @@ def evaluate(
         PalmbotsError: no pair is admissible.
     """
     degrees = limits.angles_deg()
-    reach = None if implied is None else np.minimum(implied.reach_m, min(problem.half_length))
+    reach = None if implied is None else np.minimum(implied.reach_m, min(problem.reach))
     tolerance, clearance_deg = _map(problem, quantity, degrees, degrees, uncertainty, reach)
     difference = degrees[np.newaxis, :] - degrees[:, np.newaxis]
     admissible = (
@@ -247,7 +247,7 @@ def tolerance_at(
         return None
     reach = None
     if implied is not None:
-        reach = np.minimum(implied.reach_m, min(problem.half_length)).reshape(1, 1)
+        reach = np.minimum(implied.reach_m, min(problem.reach)).reshape(1, 1)
     shallow, steep = (np.array([angle], np.float64) for angle in angles_deg)
     tolerance, clearance_deg = _map(problem, quantity, shallow, steep, uncertainty, reach)
     value = float(tolerance[0, 0])
@@ -271,7 +271,7 @@ def _map(
     )
     number, most, *_ = QUANTITIES[quantity]
     if quantity == "region":
-        most = min(problem.half_length)
+        most = min(problem.reach)
     tolerance, clearance = envelope.map(
         np.radians(shallow_deg),
         np.radians(steep_deg),

@@ -137,7 +137,7 @@ class Design(Result):
         return tuple(self._warnings())
 
     def _warnings(self) -> Iterator[str]:
-        half = min(self.scene.palm_of(side).length_m for side in ("left", "right")) / 2
+        half = min(self.scene.palm_of(side).reach_m for side in ("left", "right"))
         if self.maximize != NOISE and self.reach_m > half:
             yield (
                 f"contacts leave the palm before the robots react: they may move "

@@ -98,7 +98,7 @@ def _command(scene: Scene, source: str, changes: Sequence[str] | None) -> str:
     try:
         stability_problem(scene)
     except PalmbotsError:  # the analysis applies to the zero zone, but not to whole palms
-        words += ["--region-m", *map(str, _zero_zone(scene))]
+        words += ["--region", ",".join(map(str, _zero_zone(scene)))]
     for change in changes or ():
         words += ["--set", change]
     return shlex.join(words)
@@ -106,6 +106,6 @@ def _command(scene: Scene, source: str, changes: Sequence[str] | None) -> str:
 
 def _zero_zone(scene: Scene) -> Pair:
     """The zone in which the sensors read 0, as far as both palms reach [m]."""
-    half = 0.5 * min(scene.palm_of(side).length_m for side in SIDES)
+    half = min(scene.palm_of(side).reach_m for side in SIDES)
     low, high = zero_zone_edges_m(scene)
     return -min(max(-low, 0.0), half), min(max(high, 0.0), half)

@@ -50,7 +50,7 @@ from palmbots.stability.delivery_race import Race, run_race
 from palmbots.stability.design_result import Design, OwnAngles, ReactionTimes
 from palmbots.stability.interval_sets import around
 from palmbots.stability.margins import friction_ranges
-from palmbots.stability.problem import StabilityProblem, stability_problem
+from palmbots.stability.problem import Region, StabilityProblem, stability_problem
 from palmbots.stability.reaction_region import reaction
 
 PAPER_DEG = (5.0, 15.0)
@@ -292,16 +292,11 @@ def _race(
     )
 
 
-def _problem(scene: Scene, region_m: Any) -> StabilityProblem:
-    if isinstance(region_m, str) and region_m in ("implied", "palm"):
-        return stability_problem(scene)
-    try:
-        low, high = map(float, region_m)
-    except (TypeError, ValueError):
-        raise PalmbotsError(
-            f"region_m: value is {show(region_m)}; allowed: implied, palm, or two numbers in m"
-        ) from None
-    return stability_problem(scene, (low, high))
+def _problem(scene: Scene, region_m: Region) -> StabilityProblem:
+    # The implied region differs from pair to pair of angles: `evaluate` takes it.
+    if isinstance(region_m, str) and region_m == "implied":
+        region_m = "palm"
+    return stability_problem(scene, region_m)
 
 
 def _ends(name: str, value: Any, least: float, most: float) -> Interval:

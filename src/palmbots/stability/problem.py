@@ -6,20 +6,26 @@ there. Properties 1 and 2 have one pose for each palm that may be the shallow on
 many, since a turning palm passes through all angles between shallow and steep.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import palmbots._core as _core
-from palmbots._types import SIDES, Side
-from palmbots._util.arguments import show, two_numbers
+from palmbots._types import SIDES, Interval, Side
+from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.stability.linear_conditions import Form, forms
+from palmbots.stability.reaction_region import implied_reach_m
 
 Pair = tuple[float, float]
+Region: TypeAlias = Interval | Literal["implied", "palm"]
+"""Contact coordinates on either palm: an interval [m], the usable palm, or what the scene implies,
+which is how far contacts drift until a robot reacts."""
 
 TURN_STEPS = 8
 """Number of angles at which a turning palm is evaluated, as in the core."""
@@ -44,6 +50,8 @@ class StabilityProblem:
     slope: float
     offset: Pair
     half_length: Pair
+    reach: Pair
+    """How far from p = 0 a contact may be: half of the usable length."""
     angles: tuple[Pair, Pair]
     """(shallow, steep) of the left and of the right palm."""
     contacts: tuple[Pair, Pair]
@@ -123,7 +131,7 @@ class StabilityProblem:
             self.beyond,
         )
 
-    def with_(self, **changed: Any) -> "StabilityProblem":
+    def with_(self, **changed: Any) -> StabilityProblem:
         """A copy with some numbers replaced."""
         return replace(self, **changed)
 
@@ -137,15 +145,35 @@ def permitted(
     return envelope.com_x_of(number, SIDES.index(shallow), angles)
 
 
+def region_of(scene: Scene, region_m: Region) -> Pair | None:
+    """A region as an interval [m]; None: the usable palms.
+
+    Raises:
+        PalmbotsError: it is none.
+    """
+    if isinstance(region_m, str):
+        if region_m == "palm":
+            return None
+        if region_m == "implied":
+            reach = implied_reach_m(scene)
+            return -reach, reach
+    try:
+        low, high = map(float, region_m)
+    except (TypeError, ValueError):
+        raise PalmbotsError(
+            f"region_m: value is {show(region_m)}; allowed: implied, palm, or two numbers in m"
+        ) from None
+    return low, high
+
+
 def stability_problem(
-    scene: Scene, region_m: Pair | None = None, beyond_m: float = 0.0
+    scene: Scene, region_m: Region = "palm", beyond_m: float = 0.0
 ) -> StabilityProblem:
     """The stability problem of a scene.
 
     Args:
         scene: the scene.
-        region_m: contact coordinates (low, high) for which the properties have to hold, on either
-            palm; None: the whole palm.
+        region_m: the contacts for which the properties have to hold, as of `region_of`.
         beyond_m: how far a correction continues past p = 0.
 
     Raises:
@@ -153,16 +181,17 @@ def stability_problem(
             span it.
     """
     spec = to_spec(scene)
+    region = region_of(scene, region_m)
     half = (0.5 * spec.palms[0].length, 0.5 * spec.palms[1].length)
-    if region_m is not None:
-        region_m = two_numbers("region_m", region_m)
-    contacts = (region_m, region_m) if region_m else ((-half[0], half[0]), (-half[1], half[1]))
-    if region_m:
-        low, high = region_m
-        most = min(half)
+    reach = (0.5 * spec.palms[0].usable, 0.5 * spec.palms[1].usable)
+    contacts = ((-reach[0], reach[0]), (-reach[1], reach[1]))
+    if region is not None:
+        low, high = region
+        contacts = (region, region)
+        most = min(reach)
         if not (-most <= low <= 0 <= high <= most):
             raise PalmbotsError(
-                f"region_m: value is {show(list(region_m))}; allowed: two numbers in m, the first "
+                f"region_m: value is {show(list(region))}; allowed: two numbers in m, the first "
                 f"from {-most:g} to 0, the second from 0 to {most:g}"
             )
     palms = spec.palms
@@ -174,6 +203,7 @@ def stability_problem(
         slope=spec.slope,
         offset=(palms[0].offset, palms[1].offset),
         half_length=half,
+        reach=reach,
         angles=((palms[0].shallow, palms[0].steep), (palms[1].shallow, palms[1].steep)),
         contacts=contacts,
         beyond=beyond_m,

@@ -55,7 +55,7 @@ def reaction(scene: Scene, shallow: ArrayLike, steep: ArrayLike) -> Reaction:
         *(r.noise_m_s for r in robots)
     )
     low, high = zero_zone_edges_m(scene)
-    half = max(palm.length_m for palm in map(scene.palm_of, SIDES)) / 2
+    half = max(palm.reach_m for palm in map(scene.palm_of, SIDES))
     edge = min(max(-low, high), half)
     offset = max(abs(scene.palm_of(side).pivot_offset_m) for side in SIDES)
     speed = max(min(r.correction_m_s for r in robots), 1e-9)
@@ -69,3 +69,11 @@ def reaction(scene: Scene, shallow: ArrayLike, steep: ArrayLike) -> Reaction:
     # While a palm turns by Δθ, its surface carries a contact at p by about (p sin θ + o cos θ) Δθ.
     reach = reach + (reach * np.abs(np.sin(steep)) + offset) * turn
     return Reaction(own, asked, reach, max(0.0, overrun_m(scene, "distributed") - edge))
+
+
+def implied_reach_m(scene: Scene) -> float:
+    """The reach of the contacts at the scene's own angles, at most that of the palms [m]."""
+    palms = [scene.palm_of(side) for side in SIDES]
+    angles = [(math.radians(palm.shallow_deg), math.radians(palm.steep_deg)) for palm in palms]
+    reach = reaction(scene, *(np.array(ends) for ends in zip(*angles, strict=True))).reach_m
+    return min(float(reach.max()), *(palm.reach_m for palm in palms))

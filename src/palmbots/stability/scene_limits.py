@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether a scene's own numbers exceed what properties 1 and 2 allow.
 
-Three quantities of a scene are compared with the ranges of the analysis: the acceleration of the
-robots, the slope of the floor, and the angle through which a palm turns in one control period: a
-palm that is stopped one period late is off by that angle.
+Four quantities of a scene are compared with what the analysis allows: the mass of the object, the
+acceleration of the robots, the slope of the floor, and the angle through which a palm turns in one
+control period: a palm that is stopped one period late is off by that angle.
 """
 
 from __future__ import annotations
@@ -14,19 +14,21 @@ from collections.abc import Iterator
 import palmbots._core as _core
 from palmbots._types import SIDES, Interval, Overrides
 from palmbots.errors import PalmbotsError, SceneError
+from palmbots.mechanics.load_limits import LoadLimits, load_limits
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.margins import angle_error, slope_range
-from palmbots.stability.problem import StabilityProblem, permitted, stability_problem
+from palmbots.stability.problem import Region, StabilityProblem, permitted, stability_problem
 
 
 def self_check(
-    scene: SceneLike = "paper", *, region_m: Interval | None = None, overrides: Overrides = None
+    scene: SceneLike = "paper", *, region_m: Region = "palm", overrides: Overrides = None
 ) -> tuple[str, ...]:
     """Warnings about numbers of a scene that exceed what properties 1 and 2 allow.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
-        region_m: contact coordinates for which the properties have to hold; None: the whole palms.
+        region_m: the contacts for which the properties have to hold: the whole palm, what the
+            scene implies, or an interval [m].
         overrides: scene keys to set.
 
     Returns:
@@ -43,17 +45,24 @@ def self_check(
     except SceneError:  # a curved path, to which planar mechanics do not apply
         return ()
     except PalmbotsError as error:
-        if region_m is not None:
+        if region_m != "palm":
             raise
         return (f"properties 1 and 2 cannot hold on the whole palms: {error}",)
-    return limit_warnings(chosen, problem, slope_range(problem), angle_error(problem))
+    load = load_limits(chosen)
+    return limit_warnings(chosen, problem, slope_range(problem), angle_error(problem), load)
 
 
 def limit_warnings(
-    scene: Scene, problem: StabilityProblem, slope: Interval | None, angle: float | None
+    scene: Scene,
+    problem: StabilityProblem,
+    slope: Interval | None,
+    angle: float | None,
+    load: LoadLimits,
 ) -> tuple[str, ...]:
-    """The same, from the allowed slopes (tangents, uphill in travel > 0) and angle error [rad]."""
-    return tuple(_warnings(scene, problem, slope, angle))
+    """The same, from the allowed slopes (tangents, uphill in travel > 0), angle error [rad] and
+    masses."""
+    heavy = load.warning()
+    return (*_warnings(scene, problem, slope, angle), *([heavy] if heavy else []))
 
 
 def largest_acceleration(problem: StabilityProblem, slope: Interval) -> float:
@@ -104,7 +113,7 @@ def _holds(problem: StabilityProblem, number: int) -> bool:
 
 
 def _region_text(problem: StabilityProblem) -> str:
-    whole = tuple((-half, half) for half in problem.half_length)
+    whole = tuple((-half, half) for half in problem.reach)
     if problem.contacts == whole:
         return "for contacts anywhere on the palms"
     low, high = problem.contacts[0]

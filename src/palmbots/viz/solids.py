@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from palmbots._types import SIDES, Side
+from palmbots.scene import chassis
 from palmbots.scene.extrusion import triangles
 from palmbots.scene.placement import Placement, floor_level
 from palmbots.scene.robot_dimensions import (
@@ -20,7 +21,6 @@ from palmbots.scene.robot_dimensions import (
     BODY_SIZE,
     GROUND_CLEARANCE,
     PALM_THICKNESS,
-    SHOULDER_INSET,
     WHEEL_INSET,
     WHEEL_RADIUS,
     WHEEL_WIDTH,
@@ -109,8 +109,8 @@ def body(side: Side, floor: float) -> Solid:
 
 def shoulder(side: Side, floor: float) -> tuple[float, float]:
     """Where the arm begins (x, z), in the frame of the robot; it ends at the pivot."""
-    top = floor + GROUND_CLEARANCE + BODY_SIZE
-    return _outward(side) * (BODY_GAP + SHOULDER_INSET), top - SHOULDER_INSET
+    out, up = chassis.shoulder(floor)
+    return _outward(side) * out, up
 
 
 def arm(side: Side, floor: float) -> list[Solid]:

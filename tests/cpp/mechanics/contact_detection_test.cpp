@@ -111,7 +111,7 @@ void sunk_against_winding_numbers() {
     model.outline = outlines::outline_of<Real>(object);
     model.object.width = Real(object.width);
     const double half = outlines::between(chance, 0.03, 0.2);
-    model.half_length = {Real(half), Real(half)};
+    model.half_length = model.reach = {Real(half), Real(half)};
     PerSide<double> angles{};
     PerSide<double> contacts{};
     for (const std::size_t side : {left, right}) {
@@ -151,7 +151,7 @@ Model<Real> box(double width, double half_length, std::size_t corners = 4) {
   for (double k = top; k >= 0; --k) object.corners.push_back({width * k / top, 0.125});
   model.outline = outlines::outline_of<Real>(object);
   model.object.width = Real(width);
-  model.half_length = {Real(half_length), Real(half_length)};
+  model.half_length = model.reach = {Real(half_length), Real(half_length)};
   return model;
 }
 

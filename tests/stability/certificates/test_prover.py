@@ -177,7 +177,7 @@ def test_undecided_claim_renames_an_older_certificate(
     assert run(["certify", "-o", str(path)]) == 0
     older = path.read_bytes()
     capsys.readouterr()
-    flat = ["--set", "palm.shallow_deg=0", "--region-m", "0", "0"]  # it lies on the palm
+    flat = ["--set", "palm.shallow_deg=0", "--region", "0,0"]  # it lies on the palm
     for suffix in (".old", ".old2"):
         assert run(["certify", *flat, "-o", str(path), "--json"]) == 1
         said = capsys.readouterr()

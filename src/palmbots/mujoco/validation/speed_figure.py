@@ -70,7 +70,7 @@ def _paces(panel: Axes, result: SpeedLimits) -> None:
         panel.plot(speeds, rms, "o", color=colour, ls=line, label=f"{world}, rms")
         panel.plot(speeds, peak, "^", color=colour, ls=line, alpha=0.5, mfc="none",
                    label=f"{world}, peak")  # fmt: skip
-    half = 1e3 * min(result.scene.palm_of(s).length_m for s in SIDES) / 2
+    half = 1e3 * min(result.scene.palm_of(s).reach_m for s in SIDES)
     panel.axhline(half, color=DROP, lw=0.9, label="end of the palm")
     panel.set_xscale("log", base=2)
     ticks = [

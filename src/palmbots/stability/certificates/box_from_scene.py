@@ -213,7 +213,10 @@ def _palm_regions(
     for palm in palms:
         shortest, longest = _ends("length_m", length_m, palm.length_m, 0.001, 10)
         halves.append((shortest / 2, longest / 2))
-        low, high = -longest / 2, longest / 2
+        usable = longest
+        if palm.usable_m is not None:
+            usable = min(longest, _ends("usable_m", None, palm.usable_m, 0.001, 10)[1])
+        low, high = -usable / 2, usable / 2
         if region_m is not None:
             low, high = _ends("region_m", region_m, None, float(low), float(high))
             if not low <= 0 <= high:

@@ -41,6 +41,7 @@ from palmbots.stability.certificates.obligations import (
     obligations,
 )
 from palmbots.stability.certificates.parameter_box import ParameterBox, text
+from palmbots.stability.problem import region_of
 
 _FORMAT = "palmbots certificate 4"
 _MAX_BOXES = 20_000
@@ -224,8 +225,6 @@ class Intervals(TypedDict, total=False):
     slope_deg: Interval
     """Slope of the floor, uphill > 0; None: as in the scene. Uphill is meant in the direction of
     travel; the limits are -45 and 45."""
-    region_m: Interval
-    """Contact coordinates, within the palms; None: the whole palms."""
 
 
 @command(
@@ -234,6 +233,7 @@ class Intervals(TypedDict, total=False):
     failure=("holds", "the properties fail somewhere, or the prover could not decide"),
     intervals=Option(),
     common_friction=Option("--common-friction/--independent-friction"),
+    region_m=Option("--region", metavar="implied|palm|LOW,HIGH"),
     beyond_m=Option(metavar="M"),
     claims=Option(metavar="NAME,…"),
 )
@@ -241,6 +241,7 @@ def certify(
     scene: SceneLike = "paper",
     *,
     common_friction: bool = False,
+    region_m: Interval | Literal["implied", "palm"] = "palm",
     beyond_m: float = 0.0,
     claims: Sequence[str] | None = None,
     max_boxes: int = _MAX_BOXES,
@@ -253,6 +254,7 @@ def certify(
         scene: a built-in name, a file, a table or a `Scene`.
         common_friction: use one friction for both palms, or one for each. With one for both, it
             may be any of the interval.
+        region_m: contact coordinates: what the scene implies, the whole palm, or an interval [m].
         beyond_m: how far past p = 0 corrections continue. Contacts up to there count as not yet
             corrected. 0: as in the paper.
         claims: prove these claims: property 1, property 2, property 0, clearance, property 0
@@ -272,6 +274,7 @@ def certify(
     box = box_of(
         chosen,
         common_friction=common_friction,
+        region_m=region_of(chosen, region_m),
         beyond_m=beyond_m,
         **intervals,
     )

@@ -47,7 +47,7 @@ def _look(name: str) -> dict[str, Any]:
 
 def _mirrored(problem: StabilityProblem) -> bool:
     """Whether left and right are mirror images, so that one shallow palm represents both."""
-    pairs = (problem.friction, problem.offset, problem.half_length)
+    pairs = (problem.friction, problem.offset, problem.half_length, problem.reach)
     alike = all(math.isclose(one, two, rel_tol=1e-9, abs_tol=1e-12) for one, two in pairs)
     middle = math.isclose(problem.com[0], 0.5 * problem.width, rel_tol=1e-9)
     same = problem.angles[0] == problem.angles[1] and problem.contacts[0] == problem.contacts[1]
@@ -96,7 +96,7 @@ def figure5(analysis: Analysis) -> Figure:
 
 def _reach(analysis: Analysis, number: int, shallow: Side) -> float:
     """Half-width of the plane to show [mm]: up to the first failure, if that is close."""
-    half = max(analysis.problem.half_length)
+    half = max(analysis.problem.reach)
     travel = analysis.properties[number, shallow].margins.travel_m
     far = half + travel if travel is not None else math.inf
     return MM * (1.12 * far if 1.3 * half < far < 3.6 * half else 1.5 * half)
@@ -120,7 +120,7 @@ def _draw_plane(view: View, analysis: Analysis, number: int, shallow: Side) -> M
     view.line((low[0], 0), (high[0], 0), width=0.5, zorder=2)
     view.line((0, low[1]), (0, high[1]), width=0.5, zorder=2)
 
-    half = problem.half_length
+    half = problem.reach
     square = _rectangle((-half[0], half[0]), (-half[1], half[1]))
     region = _rectangle(*problem.region(number, shallow))
     view.fill(region, **_look(shallow), zorder=1.5, gid="region")

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the robots can hold, against linear programs and virtual work, and against MuJoCo."""
+
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots.errors import SceneError
+from palmbots.mechanics.load_limits import LoadLimits
+from palmbots.scene.chassis import axle_out, chassis, wheel_kg
+from palmbots.scene.placement import floor_level
+from palmbots.scene.robot_dimensions import PALM_THICKNESS
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
+
+G = 9.80665
+CRATE = {
+    "object.vertices_m": [[0, 0], [0.4, 0], [0.4, 0.12], [0, 0.12]],
+    "object.com_m": [0.22, 0.10],
+    "object.depth_m": 0.2,
+    "palm.friction": 0.35,
+    "palm.length_m": 0.08,
+}
+SCENES = [
+    {},
+    CRATE,
+    {"task.slope_deg": 3.0, "palm.left.steep_deg": 20.0, "start.right_m": 0.03},
+    {"mujoco.body_kg": 8.0, "mujoco.axle_m": 0.25, "palm.pivot_offset_m": 0.01},
+    {"mujoco.axle_m": 0.05, "task.inertia": False, "palm.right.friction": 0.5},
+]
+
+
+def unit_forces(
+    scene: Scene, angles: tuple[float, float], slope: float
+) -> list[tuple[bool, np.ndarray]]:
+    """Forces on the object of weight 1, from linear programs: those of the extreme squeezes, and
+    (True) those of the squeeze nearest to none."""
+    from scipy.optimize import linprog
+
+    spec = to_spec(scene)
+    lines, places = [], []
+    for i, sense in ((0, -1.0), (1, 1.0)):
+        p, o, t = spec.start[i], spec.palms[i].offset, angles[i]
+        out = np.array([sense * math.cos(t), math.sin(t)])
+        normal = np.array([-sense * math.sin(t), math.cos(t)])
+        places.append(p * out + o * normal)
+        lines += [normal + s * spec.palms[i].friction * out for s in (-1.0, 1.0)]
+    rise = places[1][1] - places[0][1]
+    left = np.zeros(2)
+    right = np.array([math.sqrt(spec.width**2 - rise**2), rise])
+    along = right / spec.width
+    com = spec.com_left * along + spec.com_height * np.array([-along[1], along[0]])
+    at = [left, left, right, right]
+    balance = np.array([
+        [f[0] for f in lines],
+        [f[1] for f in lines],
+        [a[0] * f[1] - a[1] * f[0] for a, f in zip(at, lines, strict=True)],
+    ])  # fmt: skip
+    # weight 1 down, and `slope` towards −x, at the COM
+    load = np.array([slope, 1.0, com[0] - com[1] * slope])
+    found = []
+    # The squeeze is the mean of the inward forces; the fifth variable is at least its size.
+    squeeze = np.array([0.5 * (f[0] if k < 2 else -f[0]) for k, f in enumerate(lines)] + [0.0])
+    size = np.array([0.0] * 4 + [1.0])
+    for is_least, cost in ((False, -squeeze), (False, squeeze), (True, size)):
+        answer = linprog(
+            cost, A_eq=np.column_stack([balance, np.zeros(3)]), b_eq=load,
+            A_ub=[squeeze - size, -squeeze - size] if is_least else None,
+            b_ub=[0.0, 0.0] if is_least else None,
+        )  # fmt: skip
+        if answer.status != 0:  # not held, or wedged
+            continue
+        forces = [sum(answer.x[2 * i + k] * lines[2 * i + k] for k in (0, 1)) for i in (0, 1)]
+        found.append((is_least, np.array(forces)))
+    return found
+
+
+def stays_upright(scene: Scene, mass: float) -> bool:
+    """Whether no robot gains energy by turning about one of its supports, at the start."""
+    spec = to_spec(scene)
+    at = chassis(-floor_level(spec), axle_out(scene))
+    keys = scene.mujoco
+    one, two = ((palm.shallow, palm.steep) for palm in spec.palms)
+    slope = spec.slope
+    for angles in product(one, two):
+        for is_least, forces in unit_forces(scene, angles, slope):
+            for i, out in ((0, -1.0), (1, 1.0)):
+                p, o, t = spec.start[i], spec.palms[i].offset, angles[i]
+                wrist = np.array(at.pivot)
+                middle = o - PALM_THICKNESS / 2
+                wheel = wheel_kg(scene)
+                pull = np.array([-slope * out, -1.0]) * G  # outward and up
+                parts = [
+                    (keys.body_kg - 2 * wheel, np.array(at.com)),
+                    (2 * wheel, np.array([at.axle, keys.wheel_radius_m])),
+                    (keys.arm_kg, np.array(at.shoulder) + np.array(at.arm) / 2),
+                    (keys.palm_kg, wrist + middle * np.array([-math.sin(t), math.cos(t)])),
+                ]
+                contact = wrist + np.array(
+                    [p * math.cos(t) - o * math.sin(t), p * math.sin(t) + o * math.cos(t)]
+                )
+                load = -mass * G * forces[i] * np.array([out, 1.0])
+                applied = [(m * pull, x) for m, x in parts] + [(load, contact)]
+                supports = ((at.caster, at.axle), (at.axle, at.caster))
+                for support, other in supports[:1] if is_least else supports[1:]:
+                    # A small turn about `support` that lifts the other one off the floor.
+                    turn = 1e-3 * math.copysign(1, other - support)
+                    work = sum(
+                        force @ (turn * np.array([-x[1], x[0] - support])) for force, x in applied
+                    )
+                    if work > 0:
+                        return False
+    return True
+
+
+def test_tipping_at_the_start_is_where_a_turn_about_a_support_gains_energy() -> None:
+    for changes in SCENES:
+        scene = load_scene("paper", changes)
+        limit = next(x for x in pb.load_limits(scene).limits if x.kind == "tipping")
+        assert limit.at_start_kg is not None
+        assert limit.heaviest_kg <= limit.at_start_kg
+        assert stays_upright(scene, 0.999 * limit.at_start_kg)
+        assert not stays_upright(scene, 1.001 * limit.at_start_kg)
+
+
+def test_servo_at_the_end_of_a_palm_holds_the_moment_of_its_load() -> None:
+    keys = {
+        "palm.usable_m": 0.1,
+        "palm.friction": 0.001,
+        "task.inertia": False,
+        "mujoco.palm_kg": 0.001,
+    }
+    keys |= {"palm.shallow_deg": 0.001, "palm.steep_deg": 0.002, "mujoco.palm_torque_n_m": 0.7}
+    limit = pb.load_limits("paper", overrides=keys).limits[0]
+    # Flat palms: half of the weight, more by the share that the contacts shift, times the lever.
+    assert limit.kind == "servo" and limit.at_start_kg is None
+    assert limit.heaviest_kg * G * 0.5 * 0.05 == pytest.approx(0.7, rel=2e-3)
+
+
+def test_mirrored_scene_has_mirrored_limits() -> None:
+    scene = load_scene("paper", SCENES[2])
+    ours, theirs = pb.load_limits(scene), pb.load_limits(scene.mirrored())
+    for one, two in zip(ours.limits, theirs.limits, strict=True):
+        assert (one.kind, one.heaviest_kg) == (two.kind, pytest.approx(two.heaviest_kg, rel=1e-9))
+        assert one.side != two.side
+
+
+def test_heavy_objects_are_refused_in_both_worlds_before_anything_moves() -> None:
+    limit = pb.load_limits().at_start_kg
+    assert limit is not None
+    for world in ("quasistatic", "mujoco"):
+        for mass in (1.01 * limit, 50, 500):
+            with pytest.raises(SceneError, match=r"object\.mass_kg: .*tips over.*allowed: at most"):
+                pb.carry(world=world, overrides={"object.mass_kg": mass})
+    assert "object.mass_kg is 5" in pb.stability.self_check(overrides={"object.mass_kg": 5})[-1]
+    assert not pb.stability.self_check()
+
+
+def test_warning_and_refusal_name_masses_that_are_allowed() -> None:
+    found = pb.load_limits(overrides={"object.mass_kg": 500})
+    text = found.refusal()
+    assert isinstance(found, LoadLimits) and text is not None
+    allowed = float(text.split("at most ")[1].split()[0])
+    assert pb.load_limits(overrides={"object.mass_kg": allowed}).refusal() is None
