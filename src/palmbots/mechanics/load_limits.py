@@ -110,7 +110,7 @@ class LoadLimits(Result):
             return None
         first = self.limits[0]
         return (
-            f"object.mass_kg is {self.mass_kg:g}, but only up to {_down(first.heaviest_kg)} "
+            f"object.mass_kg is {self.mass_kg:g}, but only up to {_down(first.heaviest_kg)} kg "
             f"{_place(first)} is certain: beyond it {first.meaning} ({first.key})"
         )
 
@@ -135,18 +135,18 @@ class LoadLimits(Result):
             verdict(self.holds, "HOLDS", "MAY FAIL" if can else "FAILS"),
             bold(f"  an object of {self.mass_kg:g} kg"),
         )
+        yield self.sentence()
         rows = [
             (
                 f"  {limit.meaning}",
                 f"{_down(limit.heaviest_kg)}",
                 "any" if limit.at_start_kg is None else f"{_down(limit.at_start_kg)}",
-                f"{limit.side}, p {millimetres(limit.p_m.left)}, {millimetres(limit.p_m.right)}",
                 limit.key,
             )
             for limit in self.limits
         ]
-        numbers = ("heaviest kg", "at the start kg")
-        yield Table(rows, ("", *numbers, "binds at", "key"), right=numbers)
+        numbers = ("kg", "kg at start")
+        yield Table(rows, ("", *numbers, "key"), right=numbers)
 
     def _at_start(self) -> dict[str, float]:
         return {
@@ -216,7 +216,7 @@ def _refusal(mass_kg: float, masses: dict[str, float]) -> str | None:
     meaning, key = MEANINGS[kind]
     return (
         f"object.mass_kg: value is {mass_kg:g}, and {meaning} where the carry starts; allowed: at "
-        f"most {_down(most)} with these robots ({key})"
+        f"most {_down(most)} kg with these robots ({key})"
     )
 
 
