@@ -36,7 +36,7 @@ STUDY = {**SMALL, "set": SHORT, "seeds": {"count": 2}}
 CALLS: dict[str, dict[str, Any]] = {
     "analyze": {"region_m": (-0.03125, 0.03125)},
     "assess": {"turn_radius_m": 0.0, "overrides": SHORT},
-    "bound": {"drop_rate": 0.25, "overrides": SHORT},
+    "bound": {"speeds": "corrections", "drop_rate": 0.25, "overrides": SHORT},
     "carry": {"seed": 3, "forks": ((1.5, 4), (2, 5)), "overrides": {**SHORT, **KEYS}},
     "certify": {"max_boxes": 1000, "beyond_m": 0.0, "friction": (0.3125, 0.3125)},
     "compare": {"values": [0, 0.25], "carries": 3, "seed": 2, "overrides": SHORT},

@@ -54,6 +54,7 @@ def test_generated_parts_are_up_to_date() -> None:
 NEAR = ["--set", "task.distance_m=0.3"]
 # What would take long is done with less: by the command, or its first three words.
 FEW = {
+    "assess": ["--turn-radius-m", "0", "--set", "task.distance_m=0.1"],
     "carry --out": ["--set", "task.distance_m=0.1"],
     "carry -c optimal": ["--set", "task.distance_m=0.1"],
     "carry -c optimal-stopping": ["--set", "task.distance_m=0.1"],
