@@ -38,7 +38,7 @@ def edges_of(model: Any, scene: Scene) -> list[Edge]:
     for k, side in enumerate(SIDES):
         vertex = (0, spec.contact_right)[k]
         balls = tuple(model.geom(f"vertex_{vertex}_{end}").id for end in ("near", "far"))
-        half = 0.49 * scene.palm_of(side).width_m
+        half = 0.98 * (scene.palm_of(side).width_m / 2)
         edges.append(Edge(model.body(f"{side}_palm").id, half, 0.49 * scene.object.depth_m, balls))
     return edges
 
