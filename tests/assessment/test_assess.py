@@ -48,6 +48,12 @@ def test_scene_whose_properties_fail_is_a_no_with_the_reason() -> None:
     assert found.answers.carried.verdict == "no" and "slide" in found.answers.carried.text
 
 
+def test_object_that_tips_the_robots_is_a_no() -> None:
+    found = pb.assess(turn_radius_m=0.0, overrides={"object.mass_kg": 500})
+    assert found.verdict == found.answers.load.verdict == "no"
+    assert "kg" in found.answers.load.text
+
+
 def test_angles_that_cost_carries_are_found_and_judged_on_other_seeds() -> None:
     scene = pb.load_scene(
         CRATE, {"palm.shallow_deg": 8, "palm.steep_deg": 10, "robot.noise_m_s": 0.03}
@@ -80,7 +86,7 @@ def test_command_names_commands_that_run(
     if as_json:
         table = json.loads(shown)
         commands = [one["command"] for one in table["answers"].values()]
-        assert len(commands) == len(set(commands)) == 6
+        assert len(commands) == len(set(commands)) == 7
         for one in commands[:1]:
             assert run(shlex.split(one)[1:]) == 0
     else:

@@ -30,6 +30,7 @@ from palmbots.assessment.verdicts import (
     on_controllers,
     on_curve,
     on_drops,
+    on_load,
     on_mechanics,
     on_radio,
     radio_table,
@@ -37,6 +38,7 @@ from palmbots.assessment.verdicts import (
 )
 from palmbots.control.registry import describe, shipped_names
 from palmbots.errors import SceneError
+from palmbots.mechanics.load_limits import load_limits
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
@@ -44,7 +46,7 @@ from palmbots.stability.analysis import Analysis, analyze
 
 LOSSES = (0.0, 0.05, 0.2, 0.5)
 """Shares of lost messages that are tried."""
-QUESTIONS = ("carried", "drops", "controllers", "angles", "radio", "curve")
+QUESTIONS = ("carried", "load", "drops", "controllers", "angles", "radio", "curve")
 """Fields of `Answers`, in the order of the page."""
 
 
@@ -53,6 +55,7 @@ class Answers:
     """The answers in words, in the order in which they matter."""
 
     carried: Answer
+    load: Answer
     drops: Answer
     controllers: Answer
     angles: Answer
@@ -79,9 +82,10 @@ class Assessment(Result):
 
     @derived
     def verdict(self) -> Verdict:
-        """Whether the object will be carried: the worse of the first two answers."""
+        """Whether the object will be carried: the worst of the first three answers."""
         order: tuple[Verdict, ...] = ("no", "partly", "open", "likely", "yes")
-        return min((self.answers.carried.verdict, self.answers.drops.verdict), key=order.index)
+        first = (self.answers.carried, self.answers.load, self.answers.drops)
+        return min((answer.verdict for answer in first), key=order.index)
 
     @derived
     def controller(self) -> str | None:
@@ -164,6 +168,7 @@ def assess(
     report(1.0)
     answers = Answers(
         carried=on_mechanics(analysis, name),
+        load=on_load(load_limits(chosen), name),
         drops=on_drops(counts, name),
         controllers=on_controllers(counts, name),
         angles=on_angles(angles, name),

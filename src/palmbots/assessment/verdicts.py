@@ -14,6 +14,7 @@ from palmbots.assessment.angles import AngleTrial
 from palmbots.assessment.turns import TurnTrial
 from palmbots.control.registry import describe
 from palmbots.control.tolerated_noise import RECOMMENDED
+from palmbots.mechanics.load_limits import LoadLimits
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.stability.analysis import Analysis
 
@@ -101,6 +102,14 @@ def _tightest(analysis: Analysis) -> str:
         parts.append(f"the COM by {millimetres(min(x - low, high - x))}")
     parts.append(f"a palm touches the object after a turn of {analysis.clearance_deg:.2f}°")
     return ", ".join(parts)
+
+
+def on_load(limits: LoadLimits, name: str) -> Answer:
+    """Whether the robots hold the weight."""
+    question, command = "Can these robots hold it?", f"palmbots load {name}"
+    refusal, warning = limits.refusal(), limits.warning()
+    verdict: Verdict = "no" if refusal else "partly" if warning else "yes"
+    return Answer(question, verdict, refusal or warning or limits.sentence(), command)
 
 
 def on_drops(counts: Sequence[OutcomeCounts], name: str) -> Answer:
