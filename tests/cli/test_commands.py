@@ -239,7 +239,7 @@ def test_every_help_has_an_example_and_imperative_options(here: Run) -> None:
 def test_help_lists_the_main_command_first(here: Run) -> None:
     text = here("--help").stdout.split("Commands:")[1]
     listed = re.findall(r"^  ([a-z0-9-]+)  ", text, re.MULTILINE)
-    assert listed[:3] == ["carry", "contact-modes", "analyze"]
+    assert listed[:3] == ["carry", "assess", "contact-modes"]
     group: Any = get_command(build_app())
     assert sorted(listed) == sorted(group.commands)
     assert "..." not in text  # no sentence is truncated

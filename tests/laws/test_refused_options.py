@@ -32,8 +32,8 @@ COMMON = {  # a wrong value of an option that several commands have, and what is
     "--set": ("radio.los=0.1",
               "radio.los: 0.1 is the value of an unknown key; did you mean radio.loss?"),
 }  # fmt: skip
-NEEDED = {"export": ("--urdf", "a"), "world": ("--lockstep",)}
-"""Options without which some of a command's options are not looked at."""
+NEEDED = {"export": ("--urdf", "a"), "world": ("--lockstep",), "init": ("new.toml",)}
+"""Words without which some of a command's options are not looked at."""
 
 
 def options(

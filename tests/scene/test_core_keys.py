@@ -44,7 +44,7 @@ def keys_of(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
 
 
 def test_every_key_of_a_scene_is_in_the_table_or_outside_the_core() -> None:
-    assert set(keys_of(Scene)) == set(ROWS)
+    assert set(keys_of(Scene)) - {"object.box_m"} == set(ROWS)  # short for vertices_m
 
 
 def test_the_default_scene_is_that_of_the_core() -> None:
@@ -81,4 +81,5 @@ def _needed(name: str, keys: dict[str, Any]) -> dict[str, Any]:
     """The other key without which a value may be refused."""
     is_period = name in ("robot.period_s", "control.period_s")
     needed = ("control.watchdog_s", "control.period_s") if is_period else ()
+    needed += ("palm.length_m",) if name == "palm.usable_m" else ()
     return {key: keys[key] for key in needed if key in keys and key != name}

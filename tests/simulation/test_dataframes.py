@@ -31,7 +31,7 @@ def states() -> Any:
 def test_text_of_a_carry_states_the_outcome() -> None:
     carry = pb.carry("paper", "none", overrides={"robot.noise_m_s": 0.1}, record=False)
     assert repr(carry).startswith(f"DROPPED  {carry.distance_m:.2f} of 1.50 m in ")
-    assert "off-palm: a contact left its palm" in repr(carry)
+    assert "off-palm: a contact left the usable part of its palm" in repr(carry)
     assert f"trace {carry.trace_hash}" in repr(carry)
 
 

@@ -280,9 +280,9 @@ from pathlib import Path
 from palmbots.logs.run_channels import LineEvent
 from palmbots.logs.run_log_writer import RunLogWriter
 import os
-log = RunLogWriter(Path(sys.argv[1]), "left", 1, {"pair": 1}, print)
+log = RunLogWriter(Path(sys.argv[1]), "station", 1, {"pair": 1}, print)
 for _ in range(20000):
-    log.add("/left/lines", lambda: LineEvent(text=os.urandom(100).hex()))
+    log.add("/station/lines", lambda: LineEvent(text=os.urandom(100).hex()))
     while log._queue.qsize() > 100:  # the disk is full, not slow
         time.sleep(0.001)
 log.close()
@@ -302,9 +302,9 @@ def test_a_full_disk_costs_one_warning_and_the_rest_of_the_log(tmp_path: Path) -
     )  # fmt: skip
     assert done.stderr == ""
     warning, rest = done.stdout.splitlines()
-    assert warning.startswith(f"log: {tmp_path}/left-000001.mcap: File too large; the rest")
+    assert warning.startswith(f"log: {tmp_path}/station-000001.mcap: File too large; the rest")
     assert rest == "goes on"
-    log = read_run_log(tmp_path / "left-000001.mcap")
+    log = read_run_log(tmp_path / "station-000001.mcap")
     assert log.is_cut
     assert len(log.messages["lines"]) > 100
 

@@ -70,7 +70,11 @@ def test_the_same_carry_gives_the_same_file(tmp_path, short):
         {"tactile.zones": [], "palm.left.length_m": 0.4},
         {"task.slope_deg": 20.0},  # dropped before the first tick
         {"start.left_m": 0.075},  # dropped in it
-        {"object.vertices_m": [[0, 0], [3, 0], [1, 4]], "object.com_m": [1.5, 1]},
+        {
+            "object.vertices_m": [[0, 0], [3, 0], [1, 4]],
+            "object.com_m": [1.5, 1],
+            "object.mass_kg": 0.25,
+        },
     ],
 )
 def test_unusual_scenes(tmp_path, overrides):

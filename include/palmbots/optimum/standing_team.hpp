@@ -122,13 +122,15 @@ class StandingTeam : public ReferenceTeam {
   }
 
   // What the contacts cost after the separation has changed by `change` [m]. Closing raises the
-  // contact on the shallower palm, and opening lowers that on the steeper one.
+  // contact on the shallower palm, and opening lowers that on the steeper one; with equal palms, both
+  // are taken to move by half.
   double cost(double change) const {
-    const bool left_is_steep = angles_[left] > angles_[right];
-    const std::size_t moved = (change > 0) == left_is_steep ? left : right;
+    const double steeper = angles_[left] - angles_[right];
+    const double of_left = steeper == 0 ? 0.5 : ((change > 0) == (steeper > 0) ? 1 : 0);
+    const PerSide<double> moved{of_left * change, (1 - of_left) * change};
     double sum = 0;
     for (const std::size_t side : {left, right}) {
-      const double after = contacts_[side] - (side == moved ? change : 0);
+      const double after = contacts_[side] - moved[side];
       const double share = after / half_[side];
       sum += after * after * (1 + steepness * share * share);
     }

@@ -4,9 +4,9 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -40,8 +40,9 @@ inline std::string robot_text(std::size_t side) {
 }
 
 inline std::string one_decimal(double value) {
-  const long tenths = std::lround(10 * value);
-  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", value);  // as Python rounds
+  return text;
 }
 
 inline std::string with_article(MessageKind kind) {

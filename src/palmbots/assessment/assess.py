@@ -132,7 +132,7 @@ def assess(
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Assessment:
-    """Answer whether a scene will be carried, how often it fails, and what to change.
+    """Answer on one page whether and how often a scene fails.
 
     Carries of this scene are counted with every shipped controller, with other palm angles, with
     lost messages, and on a curve.

@@ -271,7 +271,7 @@ class _States:
         for i, side in enumerate(SIDES):
             for own, by_load in self._conditions(kind, i):
                 own = np.broadcast_to(own, by_load.shape)
-                with np.errstate(divide="ignore", invalid="ignore"):
+                with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                     weight = np.where(by_load < 0, np.maximum(own, 0.0) / -by_load, np.inf)
                 weight = np.where(self._valid, weight, np.inf)
                 k = int(weight.argmin())

@@ -22,6 +22,7 @@ from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import check_file, folder, open_regular, write_whole
 from palmbots._util.command import Option, command
 from palmbots._util.user_paths import user_path
+from palmbots.control.registry import resolve
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.drivers.hardware import Hardware
 from palmbots.errors import PalmbotsError
@@ -274,8 +275,10 @@ def init_pair(
         The files that were written.
 
     Raises:
-        PalmbotsError: a file exists or cannot be written, there is no such folder or key.
+        PalmbotsError: a file exists or cannot be written, there is no such folder, key or controller.
     """
+    if controller is not None:
+        resolve(controller)
     known = pair_keys()
     for name in values or {}:
         one_of("values", name, tuple(key.name for key in known))

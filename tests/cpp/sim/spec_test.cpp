@@ -45,8 +45,8 @@ void test_every_member_is_in_the_bytes() {
       spec,
       [&](const Key& key, void* record) {
         const double value = key.get(record);
-        const bool is_infinite = value + 1 == value;
-        key.put(record, key.kind == KeyKind::flag ? 1 - value : is_infinite ? 0 : value + 1);
+        const bool is_no_number = !(value + 1 > value);  // infinite, or not set
+        key.put(record, key.kind == KeyKind::flag ? 1 - value : is_no_number ? 0 : value + 1);
         CHECK(bytes_of(spec) != before);
         key.put(record, value);
         CHECK(bytes_of(spec) == before);
