@@ -22,7 +22,6 @@ from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import check_file, folder, open_regular, write_whole
 from palmbots._util.command import Option, command
 from palmbots._util.user_paths import user_path
-from palmbots.control.registry import resolve
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.drivers.hardware import Hardware
 from palmbots.errors import PalmbotsError
@@ -256,7 +255,7 @@ def init_pair(
     file: str | os.PathLike[str],
     *,
     scene: str = "paper",
-    controller: str | None = None,
+    controller: str = "",
     address: str = "127.0.0.1:7400",
     values: Mapping[str, object] | None = None,
 ) -> list[Path]:
@@ -267,7 +266,7 @@ def init_pair(
     Args:
         file: new TOML file.
         scene: its key ``pair.scene``.
-        controller: its key ``pair.controller``; None: the recommended one.
+        controller: its key ``pair.controller``; empty: the recommended one.
         address: its key ``driver.address``.
         values: further keys, as in ``{"link.left": …}``.
 
@@ -275,10 +274,8 @@ def init_pair(
         The files that were written.
 
     Raises:
-        PalmbotsError: a file exists or cannot be written, there is no such folder, key or controller.
+        PalmbotsError: a file exists or cannot be written, there is no such folder or key.
     """
-    if controller is not None:
-        resolve(controller)
     known = pair_keys()
     for name in values or {}:
         one_of("values", name, tuple(key.name for key in known))
