@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A world and two robots as processes give the result of `palmbots carry`, bit for bit."""
 
+import json
 import os
 import signal
 import subprocess
@@ -71,7 +72,8 @@ def test_processes_carry_as_one_program(case: str, own_class: str, tmp_path: Pat
     status, expected, _ = palmbots(["carry", *arguments], ROOT)
     up_status, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)
     assert errors == ""
-    assert printed == expected
+    # Only `carry` counts how often the scene fails.
+    assert printed == json.dumps(json.loads(expected) | {"scene_statistics": None}) + "\n"
     assert up_status == status
     read_json("world", printed)
 

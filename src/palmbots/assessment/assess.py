@@ -85,7 +85,7 @@ class Assessment(Result):
         """Whether the object will be carried: the worst of the first three answers."""
         order: tuple[Verdict, ...] = ("no", "partly", "open", "likely", "yes")
         first = (self.answers.carried, self.answers.load, self.answers.drops)
-        return min((answer.verdict for answer in first), key=order.index)
+        return min([answer.verdict for answer in first], key=order.index)
 
     @derived
     def controller(self) -> str | None:
