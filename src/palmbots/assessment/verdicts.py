@@ -114,7 +114,7 @@ def on_load(limits: LoadLimits, name: str) -> Answer:
 
 def on_drops(counts: Sequence[OutcomeCounts], name: str) -> Answer:
     """How often the scene fails with the best controller."""
-    question = "How often does it fail?"
+    question = "Does it arrive reliably?"
     best = best_of(counts)
     if best is None:
         return Answer(question, "no", "no controller delivers it", f"palmbots carry {name}")

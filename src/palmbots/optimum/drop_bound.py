@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What no controller can beat whose robots keep driving: the least drop rate of a scene, and the
+"""What no controller can beat while its robots drive: the least drop rate of a scene, and the
 greatest noise."""
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class FrontPoint:
 
 @dataclass(frozen=True, repr=False)
 class Bound(Result):
-    """The noise and the drop rate that no controller can beat whose robots keep driving."""
+    """The noise and the drop rate that no controller can beat while its robots drive."""
 
     sigma_star_m_s: float
     """The greatest ``robot.noise_m_s`` at which a controller can drop only the fraction `rate`.
