@@ -48,6 +48,11 @@ def test_scene_whose_properties_fail_is_a_no_with_the_reason() -> None:
     assert found.answers.carried.verdict == "no" and "slide" in found.answers.carried.text
 
 
+def test_tightest_margin_is_that_of_analyze() -> None:
+    found = pb.assess(turn_radius_m=0.0, overrides={"task.distance_m": 0.2})
+    assert pb.analyze(found.scene).ranking[0].sentence() in found.answers.carried.text
+
+
 def test_object_that_tips_the_robots_is_a_no() -> None:
     found = pb.assess(turn_radius_m=0.0, overrides={"object.mass_kg": 500})
     assert found.verdict == found.answers.load.verdict == "no"

@@ -9,6 +9,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.cli import main as cli
+from palmbots.stability.tightest_margins import noise_over_carry_m
 
 
 def printed(capsys: pytest.CaptureFixture[str], *words: str) -> list[str]:
@@ -126,3 +127,45 @@ def test_limits_that_the_scene_exceeds_are_printed(capsys: pytest.CaptureFixture
     (warning,) = [line for line in lines if line.startswith("warning: ")]
     assert "robot.acceleration_m_s2 is 0.9" in warning
     assert not any("warning" in line for line in printed(capsys, "analyze"))
+
+
+def test_report_begins_with_the_margins_that_the_scene_uses_up_most(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    found = pb.analyze("paper")
+    ranking = found.ranking
+    assert [one.quantity for one in ranking[:3]] == ["contact", "clearance", "slope"]
+    lines = printed(capsys, "analyze")
+    heads = [k for k, line in enumerate(lines) if line.startswith(("  1. ", "  2. ", "  3. "))]
+    assert heads[0] == 2 and len(heads) == 3
+    text = " ".join(" ".join(lines).split())
+    for k, one in enumerate(ranking[:3], 1):
+        assert f"{k}. {one.sentence()}" in text
+    times = [one.times for one in ranking if one.times is not None]
+    assert times == sorted(times) and times[0] > 1
+
+
+def test_noise_over_the_carry_is_the_integral_of_its_correlation() -> None:
+    scene = pb.load_scene("paper", {"robot.bias_m_s": 0.002, "robot.left.noise_m_s": 0.02})
+    times = [0.1 * k for k in range(250)]  # the carry takes 25 s
+    weight = sum(0.01 * math.exp(-abs(s - t) / 0.5) for s in times for t in times)
+    expected = math.sqrt((0.02**2 + 0.01**2) * weight)
+    assert noise_over_carry_m(scene) == pytest.approx(expected, rel=0.02)
+    apart = pb.load_scene(scene, {"robot.left.bias_m_s": -0.002})
+    assert noise_over_carry_m(apart) - noise_over_carry_m(scene) == pytest.approx(0.004 * 25)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "quantity"),
+    [
+        ("robot.noise_m_s", 0.05, "contact"),
+        ("palm.rate_deg_s", 400.0, "clearance"),
+        ("task.slope_deg", 2.0, "slope"),
+        ("object.mass_kg", 3.0, "mass"),
+        ("object.com_m", [0.03, 0.04], "com"),
+    ],
+)
+def test_margin_that_a_key_uses_up_comes_first(key: str, value: object, quantity: str) -> None:
+    first = pb.analyze("paper", overrides={key: value}).ranking[0]
+    assert first.quantity == quantity
+    assert first.times is not None and first.times < 1

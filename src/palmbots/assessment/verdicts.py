@@ -83,25 +83,14 @@ def on_mechanics(analysis: Analysis, name: str) -> Answer:
     """Whether the object can be carried at all, and what is tightest."""
     question, command = "Can it be carried?", f"palmbots analyze {name}"
     if analysis.holds and not analysis.warnings:
-        return Answer(question, "yes", _tightest(analysis), command)
+        tightest = f"tightest margin: {analysis.ranking[0].sentence()}"
+        return Answer(question, "yes", tightest, command)
     if analysis.holds:
         return Answer(question, "partly", analysis.warnings[0], command)
     failing = next(one for one in analysis.properties.values() if not one.holds)
     return Answer(
         question, "no", f"with the {failing.shallow} palm shallow, {failing.binding}", command
     )
-
-
-def _tightest(analysis: Analysis) -> str:
-    parts = []
-    if analysis.angle_error_deg is not None:
-        parts.append(f"the palm angles may be wrong by ±{analysis.angle_error_deg:.1f}°")
-    if analysis.com_x_m is not None:
-        low, high = analysis.com_x_m
-        x = analysis.problem.com[0]
-        parts.append(f"the COM by {millimetres(min(x - low, high - x))}")
-    parts.append(f"a palm touches the object after a turn of {analysis.clearance_deg:.2f}°")
-    return ", ".join(parts)
 
 
 def on_load(limits: LoadLimits, name: str) -> Answer:

@@ -110,7 +110,7 @@ class LoadLimits(Result):
             return None
         first = self.limits[0]
         return (
-            f"object.mass_kg is {self.mass_kg:g}, but only up to {_down(first.heaviest_kg)} kg "
+            f"object.mass_kg is {self.mass_kg:g}, but only up to {mass_text(first.heaviest_kg)} kg "
             f"{_place(first)} is certain: beyond it {first.meaning} ({first.key})"
         )
 
@@ -120,13 +120,13 @@ class LoadLimits(Result):
             return "heaviest object: no limit"
         first = self.limits[0]
         text = (
-            f"heaviest object {_down(first.heaviest_kg)} kg: beyond it {first.meaning} "
+            f"heaviest object {mass_text(first.heaviest_kg)} kg: beyond it {first.meaning} "
             f"{_place(first)} ({first.key})"
         )
         start = self.at_start_kg
         if start is None or start <= first.heaviest_kg:
             return text
-        return f"{text}; {_down(start)} kg where the carry starts"
+        return f"{text}; {mass_text(start)} kg where the carry starts"
 
     def lines(self) -> Iterator[Item]:
         """The verdict, and every limit."""
@@ -139,8 +139,8 @@ class LoadLimits(Result):
         rows = [
             (
                 f"  {limit.meaning}",
-                f"{_down(limit.heaviest_kg)}",
-                "any" if limit.at_start_kg is None else f"{_down(limit.at_start_kg)}",
+                f"{mass_text(limit.heaviest_kg)}",
+                "any" if limit.at_start_kg is None else f"{mass_text(limit.at_start_kg)}",
                 limit.key,
             )
             for limit in self.limits
@@ -216,7 +216,7 @@ def _refusal(mass_kg: float, masses: dict[str, float]) -> str | None:
     meaning, key = MEANINGS[kind]
     return (
         f"object.mass_kg: value is {mass_kg:g}, and {meaning} where the carry starts; allowed: at "
-        f"most {_down(most)} kg with these robots ({key})"
+        f"most {mass_text(most)} kg with these robots ({key})"
     )
 
 
@@ -346,7 +346,7 @@ class _States:
         )
 
 
-def _down(mass: float) -> str:
+def mass_text(mass: float) -> str:
     """A mass with three digits, rounded down, so that it is allowed itself."""
     unit = 10.0 ** (math.floor(math.log10(mass)) - 2) if mass > 0 else 1.0
     return f"{math.floor(mass / unit * (1 + 1e-12)) * unit:.3g}"

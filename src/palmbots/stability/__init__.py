@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from palmbots.stability.reaction_region import Reaction as Reaction
     from palmbots.stability.reaction_region import reaction as reaction
     from palmbots.stability.scene_limits import self_check as self_check
+    from palmbots.stability.tightest_margins import RankedMargin as RankedMargin
 else:
     __getattr__, __dir__ = lazy_names(__name__)
 

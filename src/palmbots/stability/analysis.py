@@ -38,6 +38,7 @@ from palmbots.stability.margins import (
 )
 from palmbots.stability.problem import Pair, StabilityProblem, permitted, stability_problem
 from palmbots.stability.scene_limits import largest_acceleration, limit_warnings
+from palmbots.stability.tightest_margins import RankedMargin, ranked_margins
 
 T = TypeVar("T")
 
@@ -152,6 +153,11 @@ class Analysis(Result):
     def holds(self) -> bool:
         """Whether all properties hold with either palm as the shallow one."""
         return all(report.holds for report in self.properties.values())
+
+    @derived
+    def ranking(self) -> tuple[RankedMargin, ...]:
+        """The margins, the tightest first: by the margin over what the scene uses up of it."""
+        return ranked_margins(self)
 
     @derived
     def heaviest_kg(self) -> float | None:

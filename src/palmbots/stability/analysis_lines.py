@@ -15,12 +15,17 @@ if TYPE_CHECKING:
     from palmbots.stability.first_contact import FirstTouch
 
 
+TIGHTEST = 3
+"""Margins at the head of the report."""
 PROPERTIES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 
 
 def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
-    """The properties with their margins, what limits them, and the admissible ranges."""
+    """The tightest margins, the properties with theirs, what limits them, and admissible ranges."""
     yield _verdict(analysis)
+    yield bold("Tightest margins, by what this scene uses up of them")
+    for number, margin in enumerate(analysis.ranking[:TIGHTEST], 1):
+        yield Line(f"{number}. {margin.sentence()}", indent=2)
     low, high = analysis.problem.contacts[0]
     yield quiet(f"contacts {1e3 * low:.1f} to {millimetres(high)}")
     yield _margins(analysis)

@@ -18,6 +18,7 @@ from palmbots.mechanics.load_limits import LoadLimits, load_limits
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.margins import angle_error, slope_range
 from palmbots.stability.problem import Region, StabilityProblem, permitted, stability_problem
+from palmbots.stability.tightest_margins import angle_step_deg, fastest_acceleration
 
 
 def self_check(
@@ -87,7 +88,7 @@ def _warnings(
             failing = [n for n in failing if n == 0]  # the slope is the reason of the others
     elif scene.task.inertia:
         limit = largest_acceleration(problem, slope)
-        value = max(scene.robot_of(side).acceleration_m_s2 for side in SIDES)
+        value = fastest_acceleration(scene)
         if value > limit:
             yield (
                 f"robot.acceleration_m_s2 is {value:g}, but properties 1 and 2 hold only up to "
@@ -97,7 +98,7 @@ def _warnings(
         names = " and ".join(f"property {n}" for n in failing)
         fails = "fails" if len(failing) == 1 else "fail"
         yield f"{names} {fails} {where}; palmbots analyze reports what happens there"
-    step_deg = scene.control.period_s * max(scene.palm_of(side).rate_deg_s for side in SIDES)
+    step_deg = angle_step_deg(scene)
     if angle is not None and step_deg > math.degrees(angle):
         yield (
             f"palm.rate_deg_s turns a palm by {step_deg:.2g}° in one control period, but "

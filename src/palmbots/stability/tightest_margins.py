@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Margins, ranked by how often they contain what the scene uses up of them.
+
+A scene uses up a margin in three ways, each of which is defined here once. Noise moves the contacts
+over the carry. The slope of the floor and the acceleration of the robots tilt the weight. A palm is
+at a wrong angle between two control steps. Each margin is compared with the part of that which acts
+on it, in its own unit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import palmbots._core as _core
+from palmbots._types import SIDES
+from palmbots._util.plain_values import derived
+from palmbots._util.text import millimetres
+from palmbots.mechanics.load_limits import mass_text
+from palmbots.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from palmbots.stability.analysis import Analysis
+
+
+@dataclass(frozen=True)
+class RankedMargin:
+    """A margin, and what the scene uses up of it."""
+
+    quantity: str
+    """``contact``, ``clearance``, ``palm angle``, ``slope``, ``com``, ``friction`` or ``mass``."""
+    allowed: float
+    """< 0: a property fails already."""
+    used: float
+    unit: str
+    """Of both: ``m``, ``deg``, ``kg`` or ``1``."""
+    limit: str
+    """How much is allowed, and what happens beyond it, in words."""
+    use: str
+    """What uses it up, in words."""
+    keys: tuple[str, ...]
+    """The scene keys that move it."""
+
+    @derived
+    def times(self) -> float | None:
+        """How often the margin contains what the scene uses up; None: it uses nothing up."""
+        return self.allowed / self.used if self.used > 0 else None
+
+    def sentence(self) -> str:
+        """The margin in words."""
+        times = self.times
+        digits = 0 if times is None or times >= 10 else 1 if times >= 1 else 2
+        share = "" if times is None or times < 0 else f" ({times:.{digits}f} times)"
+        return f"{self.limit}; {self.use}{share}: {', '.join(self.keys)}"
+
+
+def noise_over_carry_m(scene: Scene) -> float:
+    """How far noise and unequal biases move a contact in the nominal time of the carry if nobody
+    corrects it: the bias, and one standard deviation [m].
+
+    The integral of an Ornstein-Uhlenbeck process over T has the variance
+    2σ²τ (T − τ (1 − e^(−T/τ))).
+    """
+    robots = [scene.robot_of(side) for side in SIDES]
+    slowest = min(robot.speed_m_s for robot in robots)
+    time_s = scene.task.distance_m / slowest if slowest > 0 else scene.timeout_s
+    variance = 0.0
+    for robot in robots:
+        tau = robot.noise_tau_s
+        lasting = time_s + tau * math.expm1(-time_s / tau)
+        variance += 2 * robot.noise_m_s**2 * tau * max(lasting, 0.0)
+    return math.sqrt(variance) + abs(robots[0].bias_m_s - robots[1].bias_m_s) * time_s
+
+
+def fastest_acceleration(scene: Scene) -> float:
+    """The acceleration that counts as a slope, in either direction [m/s²]; 0 without inertia."""
+    robots = map(scene.robot_of, SIDES)
+    return max(robot.acceleration_m_s2 for robot in robots) if scene.task.inertia else 0.0
+
+
+def angle_step_deg(scene: Scene) -> float:
+    """How far a palm turns between two control steps, and so may be wrong [°]."""
+    return scene.control.period_s * max(scene.palm_of(side).rate_deg_s for side in SIDES)
+
+
+def ranked_margins(analysis: Analysis) -> tuple[RankedMargin, ...]:
+    """All margins, the tightest first; those of which the scene uses nothing up last."""
+    found = list(_margins(analysis))
+    return tuple(sorted(found, key=lambda one: math.inf if one.times is None else one.times))
+
+
+def _margins(analysis: Analysis) -> Iterator[RankedMargin]:
+    scene, problem = analysis.scene, analysis.problem
+    noise, step = noise_over_carry_m(scene), angle_step_deg(scene)
+    tilt = fastest_acceleration(scene) / _core.standard_gravity
+    turning = f"a palm turns by {step:.2g}° in one control period"
+    yield _contact(analysis, noise)
+    clearance = analysis.clearance_deg
+    touch = f"a palm touches the object after a turn of {clearance:.2f}°"
+    keys = ("object.vertices_m", "palm.shallow_deg", "palm.steep_deg")
+    yield RankedMargin("clearance", clearance, step, "deg", touch, turning, keys)
+    if (error := analysis.angle_error_deg) is not None:
+        limit = f"the palm angles may be wrong by ±{error:.1f}°"
+        keys = ("palm.rate_deg_s", "control.period_s")
+        yield RankedMargin("palm angle", error, step, "deg", limit, turning, keys)
+    if analysis.slope_deg is not None:
+        yield _slope(analysis.slope_deg, scene.task.slope_deg, tilt)
+    if analysis.com_x_m is not None:
+        low, high = analysis.com_x_m
+        room, shift = min(problem.com[0] - low, high - problem.com[0]), problem.com[1] * tilt
+        limit = f"the COM may be {millimetres(room)} farther to one side"
+        if room < 0:
+            limit = f"the COM is {millimetres(-room)} too far to one side"
+        use = f"acceleration acts as {millimetres(abs(shift))}"
+        yield RankedMargin("com", room, abs(shift), "m", limit, use, ("object.com_m",))
+    errors = [report.margins.friction for report in analysis.properties.values() if report.number]
+    if known := [error for error in errors if error is not None]:
+        # A palm that is wrong by an angle tilts the friction cone by it.
+        wrong = max((1 + mu**2) * math.radians(step) for mu in problem.friction)
+        limit = f"the friction may be wrong by ±{min(known):.3f}"
+        use = f"a control period of a turning palm acts as {wrong:.2g}"
+        yield RankedMargin("friction", min(known), wrong, "1", limit, use, ("palm.friction",))
+    if analysis.load.limits:
+        first = analysis.load.limits[0]
+        mass, heaviest = scene.object.mass_kg, mass_text(first.heaviest_kg)
+        limit = f"with more than {heaviest} kg {first.meaning}"
+        use = f"this object has {mass:g} kg"
+        yield RankedMargin("mass", first.heaviest_kg, mass, "kg", limit, use, (first.key,))
+
+
+def _contact(analysis: Analysis, noise: float) -> RankedMargin:
+    """How far a contact may move: to the end of its palm, or until a property fails."""
+    scene = analysis.scene
+    starts = (scene.start.left_m, scene.start.right_m)
+    reach = min(half - abs(p) for half, p in zip(analysis.problem.reach, starts, strict=True))
+    travels = [report.margins.travel_m for report in analysis.properties.values()]
+    short = min([0.0, *(travel for travel in travels if travel is not None)])
+    allowed = reach + short
+    end = "leaves its palm" if short == 0 else "makes a property fail"
+    limit = f"a contact {end} after {millimetres(allowed)}"
+    if allowed <= 0:
+        limit = "a property fails wherever the contacts are"
+    use = f"noise moves it by {millimetres(noise)} over the carry if nobody corrects it"
+    keys = ("palm.usable_m" if scene.palm.usable_m else "palm.length_m", "robot.noise_m_s")
+    return RankedMargin("contact", allowed, noise, "m", limit, use, keys)
+
+
+def _slope(range_deg: tuple[float, float], slope_deg: float, tilt: float) -> RankedMargin:
+    """The slope in the direction, uphill or downhill, in which the scene uses more of it."""
+    here = math.tan(math.radians(slope_deg))
+    sides = []
+    for sense, limit_deg in ((-1.0, -range_deg[0]), (1.0, range_deg[1])):
+        sides.append((limit_deg, math.degrees(math.atan(sense * here + tilt))))
+    allowed, used = min(sides, key=lambda side: side[0] / side[1] if side[1] > 0 else math.inf)
+    limit = f"the floor may slope by {allowed:.2f}°"
+    use = f"slope and acceleration act as {used:.2g}°"
+    keys = ("task.slope_deg", "robot.acceleration_m_s2")
+    return RankedMargin("slope", allowed, max(used, 0.0), "deg", limit, use, keys)
