@@ -159,19 +159,13 @@ class ValueIteration {
     }
   }
 
-  // One more decision to go.
+  // One more decision to go. The bits are those of any processor: AVX2 itself fuses nothing.
   void step() {
-    ++steps_;
-    for (std::size_t j = 0; j < speeds_.size(); ++j) {
-      move(j, drop_, after_drop_, 1, 0);
-      if (counts_progress_) {
-        const double gain = problem_.progress(speeds_[j]) * problem_.period;
-        move(j, progress_, after_progress_, 0, gain);
-      }
-    }
-    for (std::size_t j = 0; j < speeds_.size(); ++j) {
-      for (std::size_t i = 0; i < noise_.rows.size(); ++i) choose(j, i);
-    }
+#if defined(__x86_64__) && defined(__GNUC__)
+    static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
+    if (has_avx2) return step_wide();
+#endif
+    decide();
   }
 
   // The probability of a drop, and the expected progress until then [m], from the start: at rest,
@@ -205,6 +199,24 @@ class ValueIteration {
     std::size_t below;
     double above;  // weight of the next grid speed
   };
+
+#if defined(__x86_64__) && defined(__GNUC__)
+  [[gnu::target("avx2"), gnu::flatten]] void step_wide() { decide(); }
+#endif
+
+  void decide() {
+    ++steps_;
+    for (std::size_t j = 0; j < speeds_.size(); ++j) {
+      move(j, drop_, after_drop_, 1, 0);
+      if (counts_progress_) {
+        const double gain = problem_.progress(speeds_[j]) * problem_.period;
+        move(j, progress_, after_progress_, 0, gain);
+      }
+    }
+    for (std::size_t j = 0; j < speeds_.size(); ++j) {
+      for (std::size_t i = 0; i < noise_.rows.size(); ++i) choose(j, i);
+    }
+  }
 
   std::vector<Choice> choices_at(std::size_t j) const {
     std::vector<Choice> choices;
@@ -244,12 +256,24 @@ class ValueIteration {
     for (std::size_t i = 0; i < noise_.rows.size(); ++i) {
       double* to = after.data() + row(j, i);
       std::fill(to, to + width_, 0.0);
-      const auto& transition = noise_.rows[i];
-      for (std::size_t k = 0; k < transition.weights.size(); ++k) {
-        const double weight = transition.weights[k];
-        const double* source = shifted_.data() + (transition.first + k) * width_;
-        for (std::size_t x = 0; x < width_; ++x) to[x] += weight * source[x];
-      }
+      const auto& weights = noise_.rows[i].weights;
+      const double* from = shifted_.data() + noise_.rows[i].first * width_;
+      std::size_t k = 0;
+      for (; k + 8 <= weights.size(); k += 8) add<8>(&weights[k], from + k * width_, to);
+      for (; k < weights.size(); ++k) add<1>(&weights[k], from + k * width_, to);
+    }
+  }
+
+  // Adds `count` rows, each times its weight, one after the other.
+  template <std::size_t count>
+  void add(const double* weights, const double* __restrict from, double* __restrict to) const {
+    std::array<double, count> w;
+    std::copy_n(weights, count, w.begin());
+    const std::size_t width = width_;
+    for (std::size_t x = 0; x < width; ++x) {
+      double sum = to[x];
+      for (std::size_t k = 0; k < count; ++k) sum += w[k] * from[k * width + x];
+      to[x] = sum;
     }
   }
 
@@ -278,34 +302,48 @@ class ValueIteration {
   }
 
   void choose(std::size_t j, std::size_t i) {
-    double* drop = drop_.data() + row(j, i);
-    double* progress = counts_progress_ ? progress_.data() + row(j, i) : nullptr;
+    const std::size_t to = row(j, i) + 1;
     bool is_first = true;
     for (const Choice& choice : choices_[j]) {
-      const double* a = after_drop_.data() + row(choice.below, i);
-      const double* b = choice.above > 0 ? a + row(1, 0) : a;
-      const double u = choice.above;
+      const std::size_t from = row(choice.below, i) + 1;
+      const std::size_t next = choice.above > 0 ? from + row(1, 0) : from;
       if (!counts_progress_) {
-        for (std::size_t x = 1; x <= cells_ + 1; ++x) {
-          const double found = clamp((1 - u) * a[x] + u * b[x], 0.0, 1.0);
-          drop[x] = is_first ? found : smaller(found, drop[x]);
-        }
+        choose(choice.above, after_drop_.data() + from, after_drop_.data() + next, is_first,
+               drop_.data() + to);
       } else {
-        const double* c = after_progress_.data() + row(choice.below, i);
-        const double* d = choice.above > 0 ? c + row(1, 0) : c;
-        const double lowest = least_gain_ * double(steps_);
-        const double highest = most_gain_ * double(steps_);
-        for (std::size_t x = 1; x <= cells_ + 1; ++x) {
-          const double found = clamp((1 - u) * a[x] + u * b[x], 0.0, 1.0);
-          // Interpolation overshoots; what no decisions can reach is cut off, as for the drops.
-          const double gained = clamp((1 - u) * c[x] + u * d[x], lowest, highest);
-          const double by = (found - drop[x]) - problem_.price * (gained - progress[x]);
-          const bool is_better = is_first || by < 0;
-          drop[x] = is_better ? found : drop[x];
-          progress[x] = is_better ? gained : progress[x];
-        }
+        choose(choice.above, after_drop_.data() + from, after_drop_.data() + next,
+               after_progress_.data() + from, after_progress_.data() + next, is_first,
+               drop_.data() + to, progress_.data() + to);
       }
       is_first = false;
+    }
+  }
+
+  // Between a and b, u of the way; kept where it drops less than what is there.
+  void choose(double u, const double* a, const double* b, bool is_first,
+              double* __restrict drop) const {
+    for (std::size_t x = 0; x <= cells_; ++x) {
+      const double found = clamp((1 - u) * a[x] + u * b[x], 0.0, 1.0);
+      drop[x] = is_first ? found : smaller(found, drop[x]);
+    }
+  }
+
+  // The same with the progress between c and d.
+  void choose(double u, const double* a, const double* b, const double* c, const double* d,
+              bool is_first, double* __restrict drop, double* __restrict progress) const {
+    const double lowest = least_gain_ * double(steps_);
+    const double highest = most_gain_ * double(steps_);
+    const double price = problem_.price;
+    const std::size_t count = cells_ + 1;
+    for (std::size_t x = 0; x < count; ++x) {
+      const double found = clamp((1 - u) * a[x] + u * b[x], 0.0, 1.0);
+      // Interpolation overshoots; what no decisions can reach is cut off, as for the drops.
+      const double gained = clamp((1 - u) * c[x] + u * d[x], lowest, highest);
+      const double kept = drop[x];
+      const double had = progress[x];
+      const bool is_better = is_first || (found - kept) - price * (gained - had) < 0;
+      drop[x] = is_better ? found : kept;
+      progress[x] = is_better ? gained : had;
     }
   }
 
