@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 import palmbots._core as _core
 from cxx import program
 from palmbots.cli import main as cli
+from palmbots.control.registry import shipped_names
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import batch
@@ -56,25 +58,69 @@ def test_exception_in_watch_stops_the_batch() -> None:
     assert seen == [0]
 
 
-@pytest.mark.parametrize("command", ["study", "compare", "validate"])
-def test_command_without_batch_modules_is_refused_before_it_writes(
+@pytest.fixture
+def as_after_make_carry(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """No module for lanes is built."""
+    monkeypatch.setattr(batch, "batch_modules", lambda: ["_batch_that_is_not_built"])
+    monkeypatch.setattr(batch, "_slow_ticks", 0.0)
+    batch._module.cache_clear()
+    yield
+    batch._module.cache_clear()
+
+
+TABLE = [to_spec(load_scene("paper", {"robot.noise_m_s": noise})) for noise in (0.01, 0.03)]
+
+
+@pytest.fixture(scope="module")
+def in_lanes() -> dict[str, batch.Columns]:
+    """Some carries of every shipped controller."""
+    return {name: run_batch(TABLE, [0, 1] * 4, range(8), name) for name in shipped_names()}
+
+
+def test_same_bits_without_modules(
+    as_after_make_carry: None, in_lanes: dict[str, batch.Columns]
+) -> None:
+    specs = b"".join(spec.to_bytes() for spec in TABLE)
+    for name, wanted in in_lanes.items():
+        for given, threads in ((TABLE, 2), (specs, 1)):
+            found = run_batch(given, [0, 1] * 4, range(8), name, threads=threads)
+            assert found.keys() == wanted.keys()
+            for column, values in wanted.items():
+                assert found[column].tobytes() == values.tobytes(), (name, column)
+
+
+STUDY = """
+scene = "paper"
+controllers = ["distributed"]
+
+[vary]
+robot.noise_m_s = [0.01, 0.04]
+
+[seeds]
+count = 3
+"""
+
+
+@pytest.mark.filterwarnings("always::palmbots.simulation.batch.SlowBuildWarning")
+@pytest.mark.parametrize(
+    "command", ["study small.toml", "compare -n 6 --values 0.01,0.04 --sweep robot.noise_m_s"]
+)
+def test_commands_without_modules_say_once_what_is_faster(
     command: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
+    as_after_make_carry: None,
 ) -> None:
-    """As after `make carry`, which does not build them."""
-    monkeypatch.setattr(batch, "batch_modules", lambda: ["_batch_that_is_not_built"])
     monkeypatch.chdir(tmp_path)
-    batch._module.cache_clear()
-    try:
-        assert cli.run([command, *(["what-matters"] if command == "study" else [])]) == 2
-    finally:
-        batch._module.cache_clear()
-    printed = capsys.readouterr()
-    line = "palmbots: the batch modules are not built; run: make build\n"
-    assert (printed.out, printed.err) == ("", line)
-    assert list(tmp_path.iterdir()) == []
+    Path("small.toml").write_text(STUDY)
+    for carries, lines in ((batch.FEW_SECONDS, 0), (1, 1)):
+        monkeypatch.setattr(batch, "FEW_SECONDS", carries)
+        monkeypatch.setattr(batch, "_slow_ticks", 0.0)
+        out = [] if command.startswith("compare") else ["--out", f"of-{carries}"]
+        assert cli.run([*command.split(), *out]) == 0
+        printed = capsys.readouterr().err
+        assert printed.count(f"palmbots: warning: {batch.SLOW_BUILD}\n") == lines, printed
 
 
 INTERRUPTED = """

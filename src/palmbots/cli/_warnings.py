@@ -2,11 +2,14 @@
 """Warnings on stderr.
 
 A command that refuses its input prints one line and nothing else, although the fault may be found
-after a warning. `run` therefore holds warnings until the work or the output begins.
+after a warning. `run` therefore holds warnings until the work or the output begins. Python's own
+warnings of a class of palmbots are printed like all others.
 """
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from palmbots.cli._streams import say
 from palmbots.errors import one_line
@@ -36,7 +39,19 @@ def hold_warnings() -> Iterator[None]:
     global _held
     _held = []
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.showwarning = _show_warning
+            yield
         print_held_warnings()
     finally:
         _held = None
+
+
+_show_of_python = warnings.showwarning
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *where: Any) -> None:
+    if category.__module__.startswith("palmbots."):
+        warn(str(message))
+    else:
+        _show_of_python(message, category, *where)

@@ -6,7 +6,8 @@ exists for any x86-64 processor and for levels 3 and 4, which run two and four t
 All of them give the same bits, and the same as single carries (`palmbots.carry`) with that scene,
 seed and precision, for any number of threads. A Python controller, or a reference with full
 information, runs one carry after the other. The controller of a policy file runs single carries on
-several threads.
+several threads. So do all compiled controllers where no such module is built, as after `make carry`
+alone.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from functools import cache
@@ -51,23 +53,29 @@ def batch_modules() -> list[str]:
 
 
 @cache
-def _module() -> Any:
+def _module() -> Any | None:
+    """The module that runs carries in lanes; None: none is built."""
     for name in batch_modules():  # `make quick` builds only the one for any processor
         with contextlib.suppress(ModuleNotFoundError):
             return importlib.import_module(f"palmbots.{name}")
-    raise PalmbotsError("the batch modules are not built; run: make build")
-
-
-def check_built() -> None:
-    """Raise `PalmbotsError` where they are not built, as after `make carry` alone."""
-    _module()
+    return None
 
 
 def is_built() -> bool:
-    """Whether they are built."""
-    with contextlib.suppress(PalmbotsError):
-        return _module() is not None
-    return False
+    """Whether there is a module that runs carries in lanes."""
+    return _module() is not None
+
+
+class SlowBuildWarning(UserWarning):
+    """Many carries run one by one, because the modules that run them in lanes are not built."""
+
+
+SLOW_BUILD = (
+    "this build runs carries one by one; `make build`, once, makes statistics about ten times as "
+    "fast"
+)
+FEW_SECONDS = 10_000
+"""Carries of the default scene that take a few seconds one by one."""
 
 
 def can_run_in_lanes(entry: ControllerEntry, specs: Sequence[_core.Spec]) -> bool:
@@ -97,31 +105,51 @@ def run_batch(
         seeds: one seed per carry.
         controller: as in `palmbots.carry`.
         precision: ``double`` or ``float``.
-        threads: worker threads; results do not depend on it. Carries that do not run in lanes
+        threads: worker threads; results do not depend on it. Controllers in Python and references
             use one.
         watch: called now and then with the number of finished carries.
 
     Raises:
         KeyboardInterrupt: Ctrl-C, with the columns so far as its argument; `finished` marks the
             valid rows.
+
+    Warns:
+        SlowBuildWarning: no module for lanes is built, and more than a few seconds will pass.
     """
     entry = resolve(controller)
     index = np.ascontiguousarray(spec_index, np.uint32)
     seeds = np.ascontiguousarray(seeds, np.uint64)
     own = _core.Spec.list_from_bytes(specs) if isinstance(specs, bytes) else specs
-    if not can_run_in_lanes(entry, own):
+    in_lanes, module = can_run_in_lanes(entry, own), _module()
+    if not in_lanes or module is None:
         if isinstance(specs, bytes) and (entry.is_python or entry.is_reference):
             raise PalmbotsError(f"controller: {entry.name} needs specs, not bytes")
-        specs = own
-        workers = threads if entry.is_policy else 1
-        return run_singly(specs, index, seeds, entry, precision, workers, watch)
+        if in_lanes:
+            _say_if_slow(own, index)
+        workers = 1 if entry.is_python or entry.is_reference else threads
+        return run_singly(own, index, seeds, entry, precision, workers, watch)
     table = specs if isinstance(specs, bytes) else b"".join(spec.to_bytes() for spec in specs)
-    run = _module().run_many(table, index, seeds, entry.name, precision, threads, watch)
+    run = module.run_many(table, index, seeds, entry.name, precision, threads, watch)
     interrupted = run.pop("interrupted")
     run["finished"] = run["finished"].astype(bool)
     if interrupted:
         raise KeyboardInterrupt(run)
     return run
+
+
+_slow_ticks = 0.0
+
+
+def _say_if_slow(specs: Sequence[_core.Spec], index: NDArray[np.uint32]) -> None:
+    """Warn, once for all calls in this process, when their carries take more than a few seconds.
+
+    The number of control periods decides, not the clock.
+    """
+    global _slow_ticks
+    ticks = np.array([spec.timeout_ticks for spec in specs], np.float64)
+    before, _slow_ticks = _slow_ticks, _slow_ticks + float(ticks[index].sum())
+    if before <= FEW_SECONDS * _core.Spec().timeout_ticks < _slow_ticks:
+        warnings.warn(SLOW_BUILD, SlowBuildWarning, stacklevel=3)
 
 
 def run_seeds(

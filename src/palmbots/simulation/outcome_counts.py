@@ -32,7 +32,6 @@ from palmbots.simulation.batch import (
     can_run_in_lanes,
     is_built,
     run_seeds,
-    run_singly,
 )
 from palmbots.simulation.carry_worker import run_apart
 from palmbots.simulation.prepare import Prepared, check_precision, prepare
@@ -140,7 +139,7 @@ def takes_long(prepared: Prepared) -> bool:
 
 
 def _in_lanes(prepared: Prepared) -> bool:
-    return can_run_in_lanes(prepared.controller, [prepared.spec]) and is_built()
+    return is_built() and can_run_in_lanes(prepared.controller, [prepared.spec])
 
 
 def count_outcomes(
@@ -269,13 +268,7 @@ def carry_seeds(
     """Columns of the carries with seeds first … first + count − 1, in the fastest way there is."""
     spec, entry, cores = prepared.spec, prepared.controller, available_cores()
     watch = None if report is None else lambda done: report(done / count)
-    seeds = np.arange(count, dtype=np.uint64) + np.uint64(first)
-    zeros = np.zeros(count, np.uint32)
     if entry.is_python or prepared.world.is_stepped:
-        return run_apart(
-            [prepared], zeros.tolist(), seeds.tolist(), precision, processes=cores, watch=watch
-        )
-    if _in_lanes(prepared):
-        return run_seeds(spec, entry, first, count, precision, threads=cores, watch=watch)
-    threads = 1 if entry.is_reference else cores
-    return run_singly([spec], zeros, seeds, entry, precision, threads, watch)
+        seeds = (np.arange(count, dtype=np.uint64) + np.uint64(first)).tolist()
+        return run_apart([prepared], [0] * count, seeds, precision, processes=cores, watch=watch)
+    return run_seeds(spec, entry, first, count, precision, threads=cores, watch=watch)

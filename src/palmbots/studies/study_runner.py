@@ -22,7 +22,7 @@ from palmbots._util.results import FIGURES, Result
 from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
-from palmbots.simulation.batch import available_cores, check_built
+from palmbots.simulation.batch import available_cores
 from palmbots.studies.chunking import ChunkGrid, make_layout
 from palmbots.studies.local_runner import run_locally
 from palmbots.studies.points import Points, design_points
@@ -225,8 +225,6 @@ def run_study(
         raise PalmbotsError("study: pass either scheduler or local_cluster, not both")
     if is_distributed:
         require("distributed", "cluster")
-    if any(controller.is_compiled for controller in plan.controllers):
-        check_built()
     count = thread_count(threads)
     began = time.monotonic()
     points = design_points(plan, lambda fraction: report("checking scenes", fraction))

@@ -32,7 +32,7 @@ from palmbots.mujoco.validation.engine_trials import ENGINES, engine_trials
 from palmbots.mujoco.validation.trials import Slides, State
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import to_spec
-from palmbots.simulation.batch import DELIVERED, check_built, run_seeds
+from palmbots.simulation.batch import DELIVERED, run_seeds
 from palmbots.simulation.prepare import prepare
 from palmbots.simulation.single import carry
 
@@ -189,8 +189,6 @@ def validate(
     for world in ("mujoco", "quasistatic"):  # refused before any trial runs
         prepare(base, entry, world)
     mujoco()
-    if entry.is_compiled:
-        check_built()
     width = trials.spec_of(base).width
     grid = trials.grid(width)
     for name, count, most in (("states", states, len(grid)), ("carries", carries, 1000)):
