@@ -11,6 +11,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.assessment.angles import try_angles
+from palmbots.assessment.assess import QUESTIONS
 from palmbots.cli.main import run
 from palmbots.simulation import count_outcomes
 
@@ -72,10 +73,16 @@ def test_angles_that_cost_carries_are_found_and_judged_on_other_seeds() -> None:
     assert count_outcomes(better, "shared-sign", seeds=3000).failure_interval[1] < own[0]
 
 
-def test_turn_is_tried_in_mujoco() -> None:
-    found = pb.assess(overrides={"task.distance_m": 0.5})
+def test_turn_is_tried_in_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("palmbots.assessment.assess.CURVE_CARRIES", 1)
+    found = pb.assess(turn_radius_m=1.0, overrides={"task.distance_m": 0.2})
     assert found.curve is not None and found.curve.counts is not None
-    assert found.answers.curve.verdict in ("likely", "partly")
+    assert found.curve.changes["task.distance_m"] == 2.03  # the whole turn
+    assert found.answers.curve.verdict == "likely"
+    # Every command that the page names has these options.
+    for name in QUESTIONS:
+        words = shlex.split(getattr(found.answers, name).command)
+        assert words[0] == "palmbots" and run([*words[1:], "--help"]) == 0
 
 
 @pytest.mark.parametrize("as_json", [False, True])

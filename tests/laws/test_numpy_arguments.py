@@ -77,6 +77,7 @@ CALLS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 CALLS["simulation.run_batch"]["controller"] = CALLS["simulation.run_seeds"]["controller"] = "silent"
 ELSEWHERE = {
+    "mujoco.compare_on_curve": "takes a minute",
     "mujoco.find_speed_limits": "takes minutes",
     "mujoco.save_still": "needs a screen or EGL",
     "mujoco.save_video": "needs a screen or EGL",

@@ -13,6 +13,7 @@ import json
 import pickle
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import FunctionType
@@ -32,8 +33,11 @@ from palmbots.cli.json_schemas import schema_of, with_scene
 from palmbots.cli.main import build_app
 from palmbots.control import bounds_of
 from palmbots.learn import EpisodeResult
+from palmbots.mujoco.curve_comparison import CurveComparison
+from palmbots.mujoco.curve_trial import CurveTrial
 from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
+from palmbots.optimum import FrontPoint
 from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
 from palmbots.scene.scene import Scene
 from palmbots.simulation.noise_limit import NoiseLimit
@@ -130,6 +134,17 @@ def speed_limits() -> SpeedLimits:
     return SpeedLimits(Scene(), (limit,), (pace,), 0.5)
 
 
+DRIFT = DriftBudget(0.035, 0.01, 0.02, 16, 0, 7.2, False)
+
+
+def curves() -> CurveComparison:
+    """One curve that is too tight, one that is refused, and one that was carried."""
+    own = CurveTrial("silent", {"task.path.kind": "arc"}, DRIFT, None, "")
+    refused = CurveTrial("silent", {"task.path.radius_m": 0.1}, None, None, "too tight")
+    carried = CurveTrial("silent", {}, DRIFT, OutcomeCounts("silent", 20, 1, 1), "")
+    return CurveComparison(own, (carried, refused), Scene())
+
+
 def design() -> Any:
     grid: dict[str, Any] = {"angle_range_deg": (5, 15), "resolution_deg": 5}
     return pb.design("paper", maximize="com", overrides=SHORT, **grid)
@@ -147,10 +162,14 @@ def noise_limit() -> NoiseLimit:
 # One of each kind of result; `folder` is an empty one.
 EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "Analysis": lambda folder: analysis(),
-    "Assessment": lambda folder: pb.assess("paper", turn_radius_m=0.0, overrides=SHORT),
-    "Bound": lambda folder: pb.bound("paper", "corrections", overrides=SHORT),
+    "Assessment": lambda folder: replace(
+        pb.assess("paper", turn_radius_m=0.0, overrides=SHORT), curve=curves().others[0]
+    ),
+    "Bound": lambda folder: replace(
+        pb.bound("paper", "corrections", overrides=SHORT), front=(FrontPoint(2.0, 0.1),)
+    ),
     "Bounds": lambda folder: bounds_of(Scene()),
-    "DriftBudget": lambda folder: DriftBudget(0.035, 0.01, 0.02, 16, 7.2, False, 0.0),
+    "DriftBudget": lambda folder: DRIFT,
     "Carry": lambda folder: pb.carry("paper", overrides=SHORT),
     "Certificate": lambda folder: certificate(),
     "CheckResult": checked,
@@ -172,6 +191,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
         8 << 20,
         design_points(pb.studies.load_plan(SMALL)),
     ),
+    "CurveComparison": lambda folder: curves(),
     "Design": lambda folder: design(),
     "LoadLimits": lambda folder: pb.load_limits(),
     "DesignLaw": lambda folder: DesignLaw(
@@ -307,7 +327,7 @@ CALLS: list[tuple[str, tuple[str, ...]]] = [
 # These take long and are tried once, in tests/mujoco (test_validation, test_speed_limits), or need
 # other processes (tests/processes), or the files of a pair (tests/cli/test_firmware_commands.py).
 ELSEWHERE = {
-    "validate", "speed-limits", "up", "world", "robot", "station", "doctor", "calibrate",
+    "validate", "speed-limits", "curve", "up", "world", "robot", "station", "doctor", "calibrate",
     "firmware", "flash",
 }  # fmt: skip
 CALLS += [(one.group, ()) for one in FUNCTIONS if one.group not in {*dict(CALLS), *ELSEWHERE}]

@@ -234,7 +234,7 @@ def test_log_fields_are_named_after_variable_and_unit() -> None:
 )
 def test_verdicts_change_at_the_budget(mean: float, most: float, lips: bool, verdict: str) -> None:
     """Beyond it in the mean; near it from 80 % for the worst seed; lips stop the drift."""
-    budget = DriftBudget(0.035, 1e-3 * mean, 1e-3 * most, 16, 7.2, lips, 0.0)
+    budget = DriftBudget(0.035, 1e-3 * mean, 1e-3 * most, 16, 0, 7.2, lips)
     assert budget.verdict == verdict
 
 

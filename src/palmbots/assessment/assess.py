@@ -16,7 +16,6 @@ from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots.assessment.angles import AngleTrial, try_angles
-from palmbots.assessment.turns import TurnTrial, try_turn
 from palmbots.assessment.verdicts import (
     WORDS,
     Answer,
@@ -39,6 +38,7 @@ from palmbots.assessment.verdicts import (
 from palmbots.control.registry import describe, shipped_names
 from palmbots.errors import SceneError
 from palmbots.mechanics.load_limits import load_limits
+from palmbots.mujoco.curve_trial import CurveTrial, try_curve, turn_keys
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes, default_carries
@@ -49,6 +49,8 @@ LOSSES = (0.0, 0.05, 0.2, 0.5)
 """Shares of lost messages that are tried."""
 FEWEST = 400
 """Carries of each controller, at least: with 300, none failing is less than 1 % with 95 %."""
+CURVE_CARRIES = 10
+"""In the MuJoCo world."""
 QUESTIONS = ("carried", "load", "drops", "controllers", "angles", "radio", "curve")
 """Fields of `Answers`, in the order of the page."""
 
@@ -78,7 +80,7 @@ class Assessment(Result):
     radio: tuple[RadioTrial, ...]
     """By the share of lost messages, of the controllers that use a radio and suffice. If none
     suffices, of the best one."""
-    curve: TurnTrial | None
+    curve: CurveTrial | None
     """None: not tried."""
     scene: Scene
     analysis: Analysis = field(metadata=NOT_IN_JSON)
@@ -165,9 +167,11 @@ def assess(
     radio = tuple(_with_losses(straight, counts))
     report(0.4)
     if best is not None and turn_radius_m > 0:
-        curve = try_turn(
-            chosen, best.controller, turn_radius_m, lambda done: report(0.4 + 0.6 * done)
-        )
+        path = turn_keys(chosen, turn_radius_m) if chosen.task.path.kind == "straight" else {}
+        curve = try_curve(
+            chosen, best.controller, path, lambda done: report(0.4 + 0.6 * done),
+            carries=CURVE_CARRIES,
+        )  # fmt: skip
     report(1.0)
     answers = Answers(
         carried=on_mechanics(analysis, name),

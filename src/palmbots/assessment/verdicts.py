@@ -11,10 +11,10 @@ from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, quiet, warn_word
 from palmbots._util.text import millimetres
 from palmbots.assessment.angles import AngleTrial
-from palmbots.assessment.turns import TurnTrial
 from palmbots.control.registry import describe
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits
+from palmbots.mujoco.curve_trial import CurveTrial
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.stability.analysis import Analysis
 
@@ -158,7 +158,7 @@ def on_angles(trial: AngleTrial | None, name: str) -> Answer:
 def on_radio(trials: Sequence[RadioTrial], name: str) -> Answer:
     """What lost messages do."""
     question = "Does it survive lost messages?"
-    command = f"palmbots compare {name} --vary radio.loss=0,0.05,0.2,0.5"
+    command = f"palmbots compare {name} --sweep radio.loss --values 0,0.05,0.2,0.5"
     if not trials:
         return Answer(question, "open", "the controllers that suffice use no radio", command)
     worst = trials[-1]
@@ -171,29 +171,28 @@ def on_radio(trials: Sequence[RadioTrial], name: str) -> Answer:
     return Answer(question, "partly" if len(held) > 1 else "no", text, command)
 
 
-def on_curve(trial: TurnTrial | None, name: str) -> Answer:
+def on_curve(trial: CurveTrial | None, name: str) -> Answer:
     """What a curve does."""
     question = "Does it survive a curve?"
-    command = f"palmbots carry {name} --world mujoco"
     if trial is None:
-        return Answer(question, "open", "", command)
-    if trial.radius_m is not None:
-        keys = {"kind": "arc", "radius_m": f"{trial.radius_m:g}", "angle_deg": "90"}
-        command += "".join(f" --set task.path.{key}={value}" for key, value in keys.items())
-    where = "on its path" if trial.radius_m is None else f"90° with radius {trial.radius_m:g} m"
+        return Answer(question, "open", "", f"palmbots curve {name}")
+    command = f"palmbots curve {name} -c {trial.controller}"
+    where, radius = "on its path", trial.changes.get("task.path.radius_m")
+    if isinstance(radius, float):
+        where = f"90° with radius {radius:g} m"
+        command += f" --turn-radius-m {radius:g}"
     forecast, counts = trial.forecast, trial.counts
     if forecast is None:
         return Answer(question, "no", f"{where}: {trial.refusal}", command)
     if counts is None:
-        text = f"{where}: {forecast.text()}"
-        return Answer(question, "no", text, f"{command} --allow-drift-beyond-budget")
+        return Answer(question, "no", f"{where}: {forecast.text()}", command)
     drift = f"it drifts {millimetres(forecast.mean_m)} sideways"
     room = f"of {millimetres(forecast.budget_m)}"
     verdict: Verdict = "likely" if counts.failure_rate == 0 else "partly"
     if counts.failure_rate > 0.5:
         verdict = "no"
     text = f"{where}: {counts.controller} fails in {failures(counts)} in MuJoCo; {drift} {room}"
-    return Answer(question, verdict, text, f"{command} --seeds 100 -c {counts.controller}")
+    return Answer(question, verdict, text, command)
 
 
 def counts_table(counts: Sequence[OutcomeCounts]) -> Table:

@@ -41,7 +41,7 @@ def drift_budget(
     with progress("forecasting the drift", quiet) as report:
         budget = forecast_drift(scene, controller, on_progress=report)
     if budget.verdict == "beyond" and not accept_excess:
-        raise SceneError(budget.refusal())
+        raise SceneError(budget.refusal(scene, controller.name))
     if not quiet:
         report_console().print(budget.text(), style="dim")
     if budget.verdict != "kept":

@@ -7,6 +7,9 @@ from palmbots._util.lazy_names import lazy_names
 from palmbots._util.results import FIGURES
 
 if TYPE_CHECKING:
+    from palmbots.mujoco.curve_comparison import CurveComparison as CurveComparison
+    from palmbots.mujoco.curve_comparison import compare_on_curve as compare_on_curve
+    from palmbots.mujoco.curve_trial import CurveTrial as CurveTrial
     from palmbots.mujoco.drift_budget import DriftBudget as DriftBudget
     from palmbots.mujoco.drift_forecast import forecast_drift as forecast_drift
     from palmbots.mujoco.figures.plan_view import draw_plan_view as draw_plan_view

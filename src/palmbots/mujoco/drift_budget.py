@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far an object may drift, and will, on a curved path (`palmbots.mujoco.drift_forecast`)."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots._util.text import millimetres as _mm
+from palmbots.scene.scene import Scene
 
 _NEAR = 0.8  # fraction of the budget above which there is a warning
 
@@ -25,11 +26,11 @@ class DriftBudget(Result):
     most_m: float
     """The same for the worst seed."""
     seeds: int
+    tips: int
+    """Seeds with which the drift exceeds the budget."""
     askew_deg: float
     """The largest β of the path."""
     lips: bool
-    lip_room_m: float
-    """The smallest clearance at which lips do not jam."""
 
     @derived
     def verdict(self) -> str:
@@ -48,26 +49,25 @@ class DriftBudget(Result):
             "beyond": "exceeds the budget",
         }
         yield f"the forecast lateral drift {verdicts[self.verdict]}"
-        yield Table(self.value_rows("mean_m", "most_m", "seeds", "budget_m", "askew_deg", "lips"))
+        yield Table(
+            self.value_rows("mean_m", "most_m", "tips", "seeds", "budget_m", "askew_deg", "lips")
+        )
 
     def text(self) -> str:
         """The forecast in one line."""
         limit = "the lips allow" if self.lips else "the object tips at"
+        drops = "" if self.lips else f", which {rate_text(self.tips, self.seeds)} of carries reach"
         return (
             f"lateral drift, forecast over {self.seeds} seeds: mean {_mm(self.mean_m)}, "
-            f"at most {_mm(self.most_m)}; {limit} {_mm(self.budget_m)} (palms misaligned by up to "
-            f"{self.askew_deg:.1f}°)"
+            f"at most {_mm(self.most_m)}; {limit} {_mm(self.budget_m)}{drops} (palms misaligned by "
+            f"up to {self.askew_deg:.1f}°)"
         )
 
-    def refusal(self) -> str:
+    def refusal(self, scene: Scene, controller: str) -> str:
         """The error message for a path beyond the budget."""
+        command = f"palmbots curve {scene.spelled} -c {controller}"
         return (
             f"task.path: the object would drift {_mm(self.mean_m)} sideways and tip at "
-            f"{_mm(self.budget_m)}; allowed: larger radii, a shorter path, wider palms, lips "
-            f"(palm.lip_height_m=0.03 palm.lip_clearance_m={self._clearance():g}), or "
-            "--allow-drift-beyond-budget"
+            f"{_mm(self.budget_m)}; allowed: less, or --allow-drift-beyond-budget; to try lips, "
+            f"other palms and radii, run: {command}"
         )
-
-    def _clearance(self) -> float:
-        """A clearance for lips, with a margin."""
-        return math.ceil(1e3 * (1.25 * self.lip_room_m + 2e-3)) / 1e3

@@ -194,7 +194,7 @@ def forecast_drift(
         mean_m=float(np.mean(most)),
         most_m=max(most),
         seeds=seeds,
+        tips=0 if known.lips else sum(one > known.budget for one in most),
         askew_deg=math.degrees(known.askew),
         lips=known.lips,
-        lip_room_m=known.lip_room,
     )

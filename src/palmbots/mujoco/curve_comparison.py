@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What helps a pair along a curve: lips, wider and longer palms, larger radii, another controller.
+
+Nothing here is advice of a rule. Each change is carried in the MuJoCo world, and its drop rate
+stands beside it. A turn of fixed angle keeps its angle: a larger radius makes it longer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from palmbots._types import SIDES, Overrides
+from palmbots._util.command import Option, command
+from palmbots._util.confidence_intervals import rate_text
+from palmbots._util.plain_values import derived
+from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, warn_word
+from palmbots._util.results import Result
+from palmbots._util.text import millimetres
+from palmbots.control.registry import ControllerLike, refuse_reference, resolve
+from palmbots.control.tolerated_noise import RECOMMENDED
+from palmbots.errors import PalmbotsError
+from palmbots.mujoco.curve_trial import CurveTrial, Keys, try_curve, turn_keys, whole_turn_keys
+from palmbots.mujoco.drift_forecast import lip_clearance
+from palmbots.mujoco.path_curve import RADIUS_M
+from palmbots.scene.palm_overlap import overlap_m
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+
+LIP_HEIGHT_M = 0.03
+LONGER, RADII = 1.5, (1.5, 2.0)
+_OWN = 0.1  # of the work
+
+
+@dataclass(frozen=True, repr=False)
+class CurveComparison(Result):
+    """A curve with a scene as it is, and with one change each."""
+
+    own: CurveTrial
+    others: tuple[CurveTrial, ...]
+    """The one that fails least often first; those that were not carried last."""
+    scene: Scene
+
+    @derived
+    def best(self) -> CurveTrial | None:
+        """The change whose interval of failures lies below that of the scene as it is, or that can
+        be carried where the scene cannot; None: none does."""
+        tried = [one for one in self.others if one.counts is not None]
+        if not tried or tried[0].counts is None or tried[0].counts.failure_rate == 1:
+            return None
+        own = self.own.counts
+        if own is None or tried[0].counts.failure_interval[1] < own.failure_interval[0]:
+            return tried[0]
+        return None
+
+    def lines(self) -> Iterator[Item]:
+        """What helps, and what each change does."""
+        best, own = self.best, self.own
+        if best is not None:
+            yield Line(good("BETTER"), bold(f"  {_name(own, best)}: fails in {_failures(best)}"))
+        elif own.counts is None:
+            yield Line(bad("NO"), bold("  nothing that was tried carries along this curve"))
+        elif own.counts.failure_rate == 0:
+            yield Line(good("YES"), bold(f"  as it is: fails in {_failures(own)}"))
+        else:
+            yield Line(warn_word("PARTLY"), bold(f"  as it is: fails in {_failures(own)}"))
+            yield "no change that was tried fails measurably less"
+        yield Table(
+            [_row(own, "as it is"), *(_row(one, _name(own, one)) for one in self.others)],
+            ("  change", "drops", "stalls", "forecast drift"),
+        )
+        shown = best or own
+        changes = self.own.settings if shown is not own else ""
+        carries = "" if shown.counts is None else f"{shown.counts.carries} carries each, seeds "
+        yield quiet(f"{own.controller}; MuJoCo; {carries}from 0; 95 %")
+        extra = " --allow-drift-beyond-budget" if shown.counts is None else " --seeds 100"
+        command = (
+            f"palmbots carry {self.scene.spelled} --world mujoco{changes}{shown.settings} "
+            f"-c {shown.controller}{extra}"
+        )
+        yield Line(f"run: {command}", indent=2, is_whole=True)
+
+
+def _name(own: CurveTrial, one: CurveTrial) -> str:
+    """What differs from the scene as it is."""
+    keys = [f"{key.rpartition('.')[2]}={value}" for key, value in one.changes.items()]
+    return " ".join(keys + [one.controller] * (one.controller != own.controller))
+
+
+def _failures(one: CurveTrial) -> str:
+    assert one.counts is not None
+    return rate_text(one.counts.dropped + one.counts.stalled, one.counts.carries)
+
+
+def _row(one: CurveTrial, name: str) -> tuple[str, ...]:
+    forecast, counts = one.forecast, one.counts
+    drift = "–"
+    if forecast is not None:
+        drift = f"{millimetres(forecast.mean_m)} of {millimetres(forecast.budget_m)}"
+    if counts is None:
+        return f"  {name}", "refused" if one.refusal else "not carried", "", drift
+    return (
+        f"  {name}", rate_text(counts.dropped, counts.carries),
+        rate_text(counts.stalled, counts.carries), drift,
+    )  # fmt: skip
+
+
+@command(
+    "curve",
+    order=75,
+    example="palmbots curve crate.toml -c shared-sign --turn-radius-m 0.6",
+    progress="carrying along the curve",
+    turn_radius_m=Option(least=0.01, most=100.0),
+    carries=Option("--carries -n", least=1, most=10_000),
+)
+def compare_on_curve(
+    scene: SceneLike = "paper",
+    controller: ControllerLike = "distributed",
+    *,
+    turn_radius_m: float = 1.0,
+    carries: int = 20,
+    overrides: Overrides = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> CurveComparison:
+    """Try what helps along a curve in MuJoCo.
+
+    The scene is carried as it is, and with lips, wider palms, longer palms, larger radii and the
+    recommended controller. Where the forecast drift exceeds the budget, nothing is carried.
+
+    Args:
+        scene: as in `palmbots.carry`. If its path is straight, it turns by 90° instead.
+        controller: as in `palmbots.carry`.
+        turn_radius_m: of the turn that takes the place of a straight path.
+        carries: carries with each change, all with the seeds 0, 1, …
+        overrides: scene keys to set.
+        on_progress: called with the completed fraction.
+
+    Raises:
+        SceneError: the scene cannot be read or is not valid.
+        PalmbotsError: another argument is not allowed.
+    """
+    entry = resolve(controller)
+    refuse_reference(entry, "carries in MuJoCo")
+    chosen, report = load_scene(scene, overrides), on_progress or (lambda fraction: None)
+    path = turn_keys(chosen, turn_radius_m) if chosen.task.path.kind == "straight" else {}
+    curved = load_scene(chosen, dict(path)) if path else chosen
+    own = try_curve(chosen, entry, path, lambda done: report(_OWN * done), carries=carries)
+    plans = [*_plans(curved, own)]
+    others: list[CurveTrial] = []
+    for k, (name, changes) in enumerate(plans):
+
+        def part(done: float, k: int = k) -> None:
+            report(_OWN + (1 - _OWN) * (k + done) / len(plans))
+
+        others.append(try_curve(curved, name or entry, changes, part, carries=carries))
+    others.sort(key=lambda one: 2.0 if one.counts is None else one.counts.failure_rate)
+    report(1.0)
+    return CurveComparison(own, tuple(others), chosen)
+
+
+def _plans(scene: Scene, own: CurveTrial) -> Iterator[tuple[str | None, Keys]]:
+    """Controllers (None: that of the scene as it is) and changed keys to try."""
+    palms = [scene.palm_of(side) for side in SIDES]
+    if own.controller != RECOMMENDED:
+        yield RECOMMENDED, {}
+    longer = {"palm.length_m": _up(LONGER * max(palm.length_m for palm in palms))}
+    can_be_longer = scene.palm.usable_m is None and not _overlaps(scene, longer)
+    if can_be_longer:
+        yield None, longer
+    if not any(palm.lip_height_m > 0 for palm in palms):
+        lips = _lips(scene)
+        yield None, lips
+        if can_be_longer:
+            yield None, {**longer, **_lips(load_scene(scene, dict(longer)))}
+        width = _up(2 * (1.25 * own.forecast.most_m if own.forecast else 0.0))
+        if width > max(palm.width_m for palm in palms):
+            yield None, {"palm.width_m": width}
+    if scene.task.path.kind not in ("arc", "s"):
+        return
+    for factor in RADII:
+        radius = round(factor * (scene.task.path.radius_m or RADIUS_M), 6)
+        keys: Keys = {"task.path.radius_m": radius}
+        wider = {**keys, **whole_turn_keys(load_scene(scene, dict(keys)))}
+        yield None, wider
+        if factor == RADII[-1] and can_be_longer:
+            yield None, {**wider, **longer, **_lips(load_scene(scene, {**wider, **longer}))}
+
+
+def _lips(scene: Scene) -> Keys:
+    """Lips with a quarter more clearance than they need, and 2 mm."""
+    try:
+        room = lip_clearance(scene)
+    except PalmbotsError:  # no path for this pair; the trial says so
+        room = 0.0
+    clearance = math.ceil(1e3 * (1.25 * room + 2e-3)) / 1e3
+    return {"palm.lip_height_m": LIP_HEIGHT_M, "palm.lip_clearance_m": clearance}
+
+
+def _overlaps(scene: Scene, longer: Keys) -> bool:
+    """Whether longer palms would collide under the object, or are refused."""
+    try:
+        return overlap_m(load_scene(scene, dict(longer))) > 0
+    except PalmbotsError:
+        return True
+
+
+def _up(metres: float) -> float:
+    """A length in whole multiples of 5 mm, rounded up."""
+    return round(math.ceil(metres / 5e-3 - 1e-9) * 5e-3, 6)

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A curve, tried by a forecast of the sideways drift and by carries in the MuJoCo world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from palmbots.control.registry import ControllerLike, resolve
+from palmbots.errors import PalmbotsError
+from palmbots.mujoco.curved_world import line_of
+from palmbots.mujoco.drift_budget import DriftBudget
+from palmbots.mujoco.drift_forecast import forecast_drift
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
+
+FORECASTS = 8
+Keys = Mapping[str, float | str]
+
+
+@dataclass(frozen=True)
+class CurveTrial:
+    """What a curve does to a scene with some keys changed."""
+
+    controller: str
+    changes: Keys
+    """Scene keys that were set; the path of a straight scene is among them."""
+    forecast: DriftBudget | None
+    counts: OutcomeCounts | None
+    """In the MuJoCo world; None: the forecast exceeds the budget, so no carry was tried."""
+    refusal: str
+    """Why the pair cannot drive along the curve; empty: it can."""
+
+    @property
+    def settings(self) -> str:
+        """The changes as options of a command, each with a blank in front."""
+        return "".join(
+            f" --set {key}={value:g}" if isinstance(value, float) else f" --set {key}={value}"
+            for key, value in self.changes.items()
+        )
+
+
+def turn_keys(scene: Scene, radius_m: float, angle_deg: float = 90.0) -> Keys:
+    """The keys that put a scene on a turn of this radius, to its end."""
+    found: dict[str, float | str] = {"task.path.kind": "arc"}
+    found |= {"task.path.radius_m": float(radius_m), "task.path.angle_deg": angle_deg}
+    try:
+        return found | dict(whole_turn_keys(load_scene(scene, found)))
+    except PalmbotsError:  # the trial says why
+        return found
+
+
+def whole_turn_keys(scene: Scene) -> Keys:
+    """The distance after which both robots have passed an arc of fixed angle, in whole cm; empty:
+    the path has no end of its own."""
+    path = scene.task.path
+    if path.kind not in ("arc", "s") or (path.kind == "arc" and path.angle_deg is None):
+        return {}
+    line = line_of(scene)
+    length = line.curve.step * (len(line.curve.heading) - 1)
+    return {"task.distance_m": math.ceil(100 * (length + line.spread / 2 - line.start)) / 100}
+
+
+def try_curve(
+    scene: Scene,
+    controller: ControllerLike,
+    changes: Keys,
+    report: Callable[[float], None],
+    *,
+    carries: int,
+) -> CurveTrial:
+    """Forecast the drift on the curve, and carry along it unless the object would tip."""
+    entry = resolve(controller)
+    forecast = counts = None
+    try:
+        curved = load_scene(scene, dict(changes))
+        forecast = forecast_drift(
+            curved, entry, seeds=FORECASTS, on_progress=lambda done: report(0.2 * done)
+        )
+        if forecast.verdict != "beyond":
+            counts = count_outcomes(
+                curved,
+                entry,
+                seeds=carries,
+                world="mujoco",
+                on_progress=lambda done: report(0.2 + 0.8 * done),
+            )
+    except PalmbotsError as error:
+        return CurveTrial(entry.name, changes, forecast, None, str(error))
+    return CurveTrial(entry.name, changes, forecast, counts, "")

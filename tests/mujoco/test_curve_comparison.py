@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What helps along a curve: every change has been carried, and a turn keeps its angle."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+from palmbots.mujoco import curve_comparison, curve_trial
+from palmbots.mujoco.curve_trial import CurveTrial, turn_keys, whole_turn_keys
+from palmbots.mujoco.curved_world import line_of
+from palmbots.mujoco.drift_budget import DriftBudget
+from palmbots.simulation.outcome_counts import OutcomeCounts
+
+FORECAST = DriftBudget(0.035, 0.051, 0.06, 8, 8, 7.2, False)
+
+
+def test_a_turn_of_fixed_angle_is_driven_to_its_end() -> None:
+    """The trailing robot has left the arc where the carry ends, whatever the radius."""
+    for radius in (0.6, 1.0, 3.0):
+        scene = pb.load_scene("paper", turn_keys(pb.load_scene("paper"), radius))
+        line, distance = line_of(scene), scene.task.distance_m
+        after = line.at(distance - line.spread / 2 + 1e-9)
+        assert after.curvature == 0.0
+        assert after.heading == pytest.approx(1.5708, abs=1e-3)
+        assert line.at(distance - line.spread / 2 - 0.02).curvature > 0
+    endless = pb.load_scene("paper", {"task.path.kind": "arc"})
+    assert whole_turn_keys(endless) == {}
+
+
+@pytest.fixture
+def carried(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+    """The scenes that are tried; lips with longer palms drop 1 of 20, all others 15."""
+    tried: list[dict[str, Any]] = []
+
+    def try_curve(
+        scene: Any, entry: Any, changes: Any, report: Callable[[float], None], *, carries: int
+    ) -> CurveTrial:
+        pb.load_scene(scene, dict(changes))
+        tried.append(dict(changes))
+        good = {"palm.length_m", "palm.lip_height_m"} <= set(changes)
+        counts = OutcomeCounts(entry if isinstance(entry, str) else entry.name, 20, 15, 0)
+        report(1.0)
+        if not tried[1:]:
+            return CurveTrial(counts.controller, changes, FORECAST, None, "")
+        counts = OutcomeCounts(counts.controller, 20, 1 if good else 15, 0)
+        return CurveTrial(counts.controller, changes, FORECAST, counts, "")
+
+    monkeypatch.setattr(curve_comparison, "try_curve", try_curve)
+    return tried
+
+
+def test_every_change_that_is_printed_was_carried(carried: list[dict[str, Any]]) -> None:
+    done: list[float] = []
+    found = pb.mujoco.compare_on_curve("paper", turn_radius_m=0.6, on_progress=done.append)
+    assert done == sorted(done) and done[-1] == 1.0
+    assert [one.changes for one in found.others] != [] and len(carried) == 1 + len(found.others)
+    best = found.best
+    assert best is not None and best.counts is not None and best.counts.dropped == 1
+    text = repr(found)
+    assert "BETTER" in text and "length_m=0.225" in text
+    (command,) = [line for line in text.splitlines() if "run: " in line]
+    for key, value in {**found.own.changes, **best.changes}.items():
+        assert f"--set {key}={value:g}" in command if isinstance(value, float) else key in command
+    assert "-c distributed" in command
+    assert {one.controller for one in found.others} == {"distributed", "shared-sign"}
+
+
+def test_larger_radii_keep_the_angle_of_the_turn(carried: list[dict[str, Any]]) -> None:
+    turn = turn_keys(pb.load_scene("paper"), 0.6)
+    pb.mujoco.compare_on_curve("paper", overrides=dict(turn))
+    radii = {one["task.path.radius_m"]: one for one in carried if "task.path.radius_m" in one}
+    assert set(radii) == {0.9, 1.2}
+    for radius, one in radii.items():
+        assert one["task.distance_m"] > turn["task.distance_m"]
+        assert (
+            one["task.distance_m"] == turn_keys(pb.load_scene("paper"), radius)["task.distance_m"]
+        )
+
+
+def test_refusal_names_the_command_that_tries_what_helps() -> None:
+    scene = pb.load_scene("paper")
+    scene.spell("crate.toml --set robot.noise_m_s=0.02")
+    text = FORECAST.refusal(scene, "shared-sign")
+    command = "palmbots curve crate.toml --set robot.noise_m_s=0.02 -c shared-sign"
+    assert text.endswith(f"run: {command}") and "lip_height" not in text
+    assert "which > 68.8 % of carries reach" in FORECAST.text()
+
+
+def test_trial_beyond_the_budget_is_not_carried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(curve_trial, "forecast_drift", lambda *a, **k: FORECAST)
+    trial = curve_trial.try_curve(pb.load_scene("paper"), "silent", {}, print, carries=1)
+    assert trial.counts is None and trial.forecast is FORECAST and trial.refusal == ""
