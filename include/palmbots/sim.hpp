@@ -32,6 +32,7 @@
 #include "palmbots/sim/scene_object.hpp"
 #include "palmbots/sim/scene_problem.hpp"
 #include "palmbots/sim/scene_values.hpp"
+#include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/sim/spec.hpp"
 #include "palmbots/sim/spec_bytes.hpp"
 #include "palmbots/sim/spec_of_scene.hpp"

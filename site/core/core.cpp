@@ -12,6 +12,7 @@
 
 #include "page_scene.hpp"
 #include "palmbots/base/wilson.hpp"
+#include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/stability/tolerance.hpp"
 #include "recorded_carry.hpp"
 #include "statics_of_state.hpp"
@@ -184,6 +185,17 @@ PAGE_EXPORT(messages) const double* messages() { return give(carry.messages); }
 PAGE_EXPORT(corrections) const double* corrections() { return give(carry.corrections); }
 PAGE_EXPORT(contact_events) const double* contact_events() { return give(carry.contact_events); }
 PAGE_EXPORT(warnings) const char* warnings() { return carry.warnings.c_str(); }
+// The warnings that are known before a carry, one a line. The rows of a policy are a station's.
+PAGE_EXPORT(warnings_before) const char* page_warnings_before(std::uint32_t controller) {
+  const ControllerInfo info = controller < policy_controller
+                                  ? controller_infos[controller]
+                                  : ControllerInfo{.name = "", .decider = Decider::station};
+  answer_text.clear();
+  for (const std::string& line : warnings_before(scene, info, page_scene.warnings)) {
+    answer_text.append(line).append("\n");
+  }
+  return answer_text.c_str();
+}
 
 // The places (placement.hpp) at a row of a carry, which the input holds.
 PAGE_EXPORT(places) const double* places() {

@@ -9,6 +9,7 @@
 #include "palmbots/sim/scene_check.hpp"
 #include "palmbots/sim/scene_object.hpp"
 #include "palmbots/sim/scene_values.hpp"
+#include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/sim/spec_of_scene.hpp"
 
 namespace palmbots::page {
@@ -36,6 +37,7 @@ PageScene read_scene(std::string_view lines, NumberStream in) {
   const SceneObject object = object_of(values);
   scene.object = {double(object.contacts[left]), double(object.contacts[right]), object.com.x,
                   object.com.y};
+  if (scene.problems.empty()) scene.warnings = object_warnings(values);
   scene.timeout = time_limit_of(values);
   scene.spec.timeout_ticks =
       std::min(scene.spec.timeout_ticks, static_cast<std::uint64_t>(most_ticks));

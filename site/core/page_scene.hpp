@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "number_stream.hpp"
 #include "palmbots/sim/scene_problem.hpp"
@@ -19,7 +21,8 @@ inline constexpr double most_ticks = 120000;
 struct PageScene {
   Problems problems;
   Spec spec;
-  std::array<double, 4> object{};  // contacts, and centre of mass [m]
+  std::array<double, 4> object{};     // contacts, and centre of mass [m]
+  std::vector<std::string> warnings;  // about the object
   double timeout = 0;  // time limit of a carry [s], which may exceed what the page records
 
   double longest_timeout() const { return most_ticks * spec.period; }

@@ -36,7 +36,7 @@ struct RecordedCarry {
   // Outcome, drop reason, time, distance, contact rms and peak, messages sent and lost, waiting
   // times, number of corrections, of bumps, the trace hash (high and low word).
   Numbers metrics;
-  std::string warnings;  // one a line
+  std::string warnings;  // after the carry, one a line
 };
 
 // A TraceRecorder that also stores the packets of a team with a station, of which one goes over each

@@ -10,6 +10,7 @@
 
 #include "bindings.hpp"
 #include "palmbots/sim/scene_check.hpp"
+#include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/sim/spec_of_scene.hpp"
 
 namespace palmbots::bindings {
@@ -140,6 +141,17 @@ nb::list scene_keys() {
   return rows;
 }
 
+// A controller of the registry, or one that is not in it: who decides.
+ControllerInfo controller_of(const std::string& name, const std::string& team) {
+  for (const ControllerInfo& info : controller_infos) {
+    if (info.name == name) return info;
+  }
+  for (const Decider decider : {Decider::none, Decider::station, Decider::robots}) {
+    if (team == name_of(decider)) return {.name = "", .description = "", .decider = decider};
+  }
+  throw std::invalid_argument("team: none, station or robots");
+}
+
 }  // namespace
 
 void bind_scene(nb::module_& m) {
@@ -190,6 +202,33 @@ void bind_scene(nb::module_& m) {
   m.def(
       "spec_of_scene", [](const nb::dict& table) { return spec_of(values_of(table)); },
       nb::arg("scene"), "The spec of the given values of a scene.");
+  m.def(
+      "warnings_before",
+      [](const nb::dict& table, const std::string& controller, const std::string& team) {
+        const SceneValues scene = values_of(table);
+        return warnings_before(spec_of(scene), controller_of(controller, team),
+                               object_warnings(scene));
+      },
+      nb::arg("scene"), nb::arg("controller"), nb::arg("team"),
+      "The warnings that are known before a carry of the given values of a scene starts. "
+      "controller: of the registry, or an empty name. team: who decides, if it is none of these.");
+  m.def(
+      "zero_zone",
+      [](const nb::dict& table) {
+        const ZeroZone zone = zero_zone_of(spec_of(values_of(table)));
+        return nb::make_tuple(zone.low, zone.high);
+      },
+      nb::arg("scene"), "Where the sensor stops reading - and starts reading + [m].");
+  m.def(
+      "overrun",
+      [](const nb::dict& table, const std::string& controller, const std::string& team) {
+        return overrun_of(spec_of(values_of(table)), controller_of(controller, team));
+      },
+      nb::arg("scene"), nb::arg("controller"), nb::arg("team"),
+      "How far a contact can overrun the edge of the zero zone [m].");
+  m.def(
+      "palm_overlap", [](const Spec& spec) { return palm_overlap_of(spec); }, nb::arg("spec"),
+      "The overlap of the palms at the start [m]; negative: the gap between them.");
   m.def(
       "time_limit", [](const nb::dict& table) { return time_limit_of(values_of(table)); },
       nb::arg("scene"), "The time limit of a carry [s].");

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 import palmbots as pb
+import palmbots._core as _core
 from palmbots.control.dead_band import overrun_m, warnings_before, zero_zone_m
-from palmbots.scene.palm_overlap import overlap_m
 from palmbots.scene.placement import placements
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
@@ -182,5 +182,5 @@ def test_overlapping_palms_give_a_warning() -> None:
         assert trace is not None
         placed = placements(to_spec(scene), trace, slice(0, 1))
         past = placed.palm_inner[0, 0, 0] - placed.palm_inner[0, 1, 0]
-        assert overlap_m(scene) == pytest.approx(past, abs=1e-12)
+        assert _core.palm_overlap(to_spec(scene)) == pytest.approx(past, abs=1e-12)
         assert bool(warnings_before(scene, "none")) == (past > 0)

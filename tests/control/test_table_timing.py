@@ -11,8 +11,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.control.dead_band import warnings_before
-from palmbots.control.registry import resolve, shipped_names
-from palmbots.control.table_timing import short_lease_warning
+from palmbots.control.registry import shipped_names
 
 TICK_S = 0.01
 RADIOS: list[dict[str, float]] = [
@@ -70,8 +69,7 @@ def test_between_the_two_the_lease_changes_the_carry() -> None:
 
 def test_warning_names_key_values_and_remedy() -> None:
     scene = pb.load_scene("paper", {"radio.lease_s": 0.05})
-    line = short_lease_warning(resolve("shared-sign"), scene)
-    assert line is not None
+    (line,) = warnings_before(scene, "shared-sign")
     assert line.startswith(f"radio.lease_s: 0.05 s {WORDS}, 0.22 s: ")
     assert line.endswith("shared-sign works like silent meanwhile (raise it, or lower "
                          "radio.latency_s or radio.beacon_s)")  # fmt: skip
@@ -80,5 +78,5 @@ def test_warning_names_key_values_and_remedy() -> None:
 
 def test_only_a_controller_whose_sign_has_a_lease_is_warned_of() -> None:
     scene = pb.load_scene("paper", {"radio.lease_s": 0.05})
-    warned = {name for name in shipped_names() if short_lease_warning(resolve(name), scene)}
+    warned = {name for name in shipped_names() if warnings_before(scene, name)}
     assert warned == {"shared-sign"}  # resilient refuses such a scene

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page shows what the command prints of a carry that went wrong unnoticed."""
+"""The page shows the warnings that the command prints before and after a carry."""
 
 import pytest
 from playwright.sync_api import expect
 
 import palmbots as pb
+from palmbots.control.dead_band import warnings_before
 from site_pages import Open, go, hash_of
 
 
@@ -13,6 +14,7 @@ def lost(sender: str, message: int) -> dict[str, object]:
     return {"radio__script": [{"sender": sender, "message": message, "effect": "lost"}]}
 
 
+TURNED = [[0, 0], [0.25, 0], [0.25, 0.15], [0, 0.15]]
 CASES = [
     *[("distributed", seed, lost(side, 1)) for seed in (0, 1, 2) for side in ("left", "right")],
     ("distributed", 5, {"radio__loss": 0.3}),
@@ -21,6 +23,16 @@ CASES = [
     ("shared-sign", 0, lost("right", 1)),
     ("centralized", 1, {"radio__loss": 0.1}),
     ("distributed", 0, {}),
+    ("centralized", 0, {"radio__latency_s": 0.15, "tactile__zero_half_width_m": 0.0025}),
+    ("shared-sign", 0, {"radio__lease_s": 0.05}),
+    ("resilient", 0, {"robot__noise_m_s": 0.05}),
+    ("silent", 0, {"tactile__zones": [{"sign": "+", "from_m": 0.01, "to_m": 0.08}]}),
+    ("none", 0, {"palm__length_m": 0.28}),
+    (
+        "silent",
+        1,
+        {"object__contacts": [2, 3], "object__vertices_m": TURNED, "object__com_m": [0.125, 0.04]},
+    ),
 ]
 
 
@@ -35,10 +47,23 @@ def test_page_and_command_warn_alike(open_page: Open) -> None:
         expect(page.locator(".warnings li")).to_have_text(
             [f"warning: {line}" for line in carried.warnings]
         )
-        is_good = carried.outcome == "delivered" and not carried.warnings
+        early = warnings_before(carried.scene, controller)
+        assert carried.warnings[: len(early)] == early
+        is_good = carried.outcome == "delivered" and carried.warnings == early
         expect(page.locator(".status strong")).to_have_class("good" if is_good else "bad")
         found += carried.warnings
-    for part in ("for an Ack", "for a TiltDown", "stands: it hears nothing fresh"):
+    for part in (
+        "for an Ack",
+        "for a TiltDown",
+        "stands: it hears nothing fresh",
+        "corrections may not end",
+        "works like silent",
+        "a fault may drop the object",
+        "never reads -:",
+        "rests upside down",
+        "that of the paper's box",
+        "the palms overlap",
+    ):
         assert any(part in line for line in found)
 
 

@@ -27,6 +27,7 @@ interface Exports {
   corrections(): number;
   contact_events(): number;
   warnings(): number;
+  warnings_before(controller: number): number;
   places(): number;
   clear_tally(): void;
   add_to_tally(controller: number, first: number, n: number): number;
@@ -104,7 +105,8 @@ export interface Recorded {
   count: number;
   messages: Message[];
   corrections: Correction[];
-  warnings: string[]; // as the command prints them after the carry
+  early: string[]; // warnings that the command prints before the carry
+  warnings: string[]; // those that it prints after it
 }
 
 export interface Tally {
@@ -191,6 +193,10 @@ export class Core {
   private text(at: number): string {
     const bytes = new Uint8Array(this.wasm.memory.buffer, at);
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+  }
+
+  private lines(at: number): string[] {
+    return this.text(at).split("\n").filter(Boolean);
   }
 
   setScene(scene: Scene): void {
@@ -280,7 +286,8 @@ export class Core {
       corrections: pairs(this.take(this.wasm.corrections()), 5, (r) => ({
         robot: r[0]!, name: String.fromCharCode(r[1]!), assistant: r[2]!, start: r[3]!, end: r[4]!,
       })),
-      warnings: this.text(this.wasm.warnings()).split("\n").filter(Boolean),
+      early: this.lines(this.wasm.warnings_before(controller)),
+      warnings: this.lines(this.wasm.warnings()),
     };
   }
 

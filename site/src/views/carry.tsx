@@ -44,6 +44,7 @@ function Status() {
   if (!run) return <p class="status">…</p>;
   const row = rowAt(run, player.time.value, Number(get(scene.value, "control.period_s")));
   const ended = row === run.count - 1;
+  const warnings = ended ? [...run.early, ...run.warnings] : run.early;
   const contact = pair(run, row, ROW.contact);
   const does = SIDES.map((side, k) => {
     if (offAt(scene.value, player.time.value)[k]) return `${side}: switched off`;
@@ -60,9 +61,9 @@ function Status() {
         </strong>
         <span class="right-text">{does[1]}</span>
       </div>
-      {ended && run.warnings.length > 0 && (
+      {warnings.length > 0 && (
         <ul class="warnings" role="status">
-          {run.warnings.map((text) => <li>warning: {text}</li>)}
+          {warnings.map((text) => <li>warning: {text}</li>)}
         </ul>
       )}
     </>

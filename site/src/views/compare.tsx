@@ -255,5 +255,5 @@ function LaneEnd(props: { run: Recorded | string | null }) {
   if (!props.run) return null;
   if (typeof props.run === "string") return <>{props.run}</>;
   if (player.time.value < props.run.time) return null;
-  return <span class={outcomeClass(props.run)}>{[outcomeText(props.run), ...props.run.warnings].join("; ")}</span>;
+  return <span class={outcomeClass(props.run)}>{[outcomeText(props.run), ...props.run.early, ...props.run.warnings].join("; ")}</span>;
 }

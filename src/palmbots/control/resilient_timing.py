@@ -86,19 +86,6 @@ class Bounds(Result):
             ("  room", f"{millimetres(self.room_m)} to the end of the palm"),
         ])  # fmt: skip
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """One line if the lease is not safe, which only the noise of the robots can cause."""
-        if not self.is_noisy:
-            return ()
-        return (
-            f"radio.lease_s: {self.lease_s:g} s is the shortest lease that this radio permits, "
-            "but with it a robot that travels alone, and the noise, can shift a contact by "
-            f"{1e3 * (self.skew_m + self.noise_m):.0f} mm, and the palm has room "
-            f"for only {1e3 * self.room_m:.0f} mm: a fault may drop the object (lower "
-            "robot.noise_m_s, robot.speed_m_s or radio.latency_s)",
-        )
-
 
 def bounds_of(scene: Scene) -> Bounds:
     """The bounds of a scene.

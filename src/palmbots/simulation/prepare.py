@@ -39,8 +39,7 @@ class Prepared:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """The warnings that are known before the carry starts."""
-        of_timing = self.timing.warnings if self.timing else ()
-        return (*warnings_before(self.scene, self.controller), *of_timing)
+        return warnings_before(self.scene, self.controller)
 
     def renamed(self, controller: str) -> "Prepared":
         """The same for a carry that a program stepped from outside, under this name."""
