@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One carry of the default scene here, in pymunk, Box2D and MuJoCo, in one run.
+"""One carry of the default scene here, in pymunk, Box2D, Rapier and MuJoCo, in one run.
 
     .venv/bin/python benchmarks/bench_carry.py
 
-Prints a table with ratios and writes benchmarks/results/carry.csv. See README.md beside this file.
+Prints a table with ratios and writes benchmarks/results/carry.csv. docs/reference/benchmarks.md has
+the method. Times are those of the processor, so that other programs matter little.
 """
 
 import csv
@@ -24,13 +25,14 @@ from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds
 from peers import common_task as task
-from peers import peer_box2d, peer_mujoco, peer_pymunk
+from peers import peer_box2d, peer_mujoco, peer_pymunk, peer_rapier
 
 RESULTS = Path(__file__).parent / "results" / "carry.csv"
 CARRIES, REPEATS, SEEDS = 4000, 9, 4
 PEERS = {
     "pymunk": (peer_pymunk.Pymunk, peer_pymunk.version()),
     "Box2D": (peer_box2d.Box2d, peer_box2d.version()),
+    "Rapier": (peer_rapier.Rapier, peer_rapier.version()),
     "MuJoCo": (peer_mujoco.Mujoco, mujoco.__version__),
 }
 
@@ -65,9 +67,9 @@ def palmbots_us(controller: str, keys: dict[str, object], precision: str) -> flo
     spec = to_spec(load_scene("paper", keys))
     times = []
     for _ in range(REPEATS):
-        start = time.perf_counter()
+        start = time.process_time()
         run_seeds(spec, controller, 0, CARRIES, precision)
-        times.append((time.perf_counter() - start) / CARRIES)
+        times.append((time.process_time() - start) / CARRIES)
     return 1e6 * statistics.median(times)
 
 
@@ -76,9 +78,9 @@ def one_by_one_us() -> float:
     spec = to_spec(Scene())
     times = []
     for seed in range(200):
-        start = time.perf_counter()
+        start = time.process_time()
         _core.run(spec, "distributed", seed, "double", False)
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     return 1e6 * statistics.median(times)
 
 
