@@ -98,7 +98,7 @@ def test_every_shipped_controller_is_compared() -> None:
 def test_report_of_the_command_and_what_takes_long(here: Run, tmp_path: Path) -> None:
     noisy = ("--set", "robot.noise_m_s=0.03")
     text = here("carry", *noisy, "--seeds", "200").stdout
-    assert "fewer failures in this scene, on the same seeds:" in text
+    assert "these controllers fail less in this scene, on the same seeds:" in text
     assert "--controller shared-sign" in text
     assert "default scene" not in text
     table = json.loads(here("carry", *noisy, "--seeds", "200", "--json").stdout)

@@ -18,13 +18,13 @@ SLIDES = {  # (palm, up): which mode that is, the other contact sticking
 }
 BINDING_TEXTS = {
     1: (
-        "driven together, the steep palm's contact would slide up first",
-        "driven together, the steep palm's contact would slide down",
+        "on closing, the steep palm's contact would slide up first",
+        "on closing, the steep palm's contact would slide down",
         "the shallow palm's contact is wedged and never slides up",
     ),
     2: (
-        "driven apart, the shallow palm's contact would slide down first",
-        "driven apart, the shallow palm's contact would slide up",
+        "on opening, the shallow palm's contact would slide down first",
+        "on opening, the shallow palm's contact would slide up",
         "the steep palm's contact is wedged and never slides down",
     ),
 }

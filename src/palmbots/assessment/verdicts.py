@@ -109,7 +109,7 @@ def on_drops(counts: Sequence[OutcomeCounts], name: str) -> Answer:
         return Answer(question, "no", "no controller delivers it", f"palmbots carry {name}")
     command = f"palmbots drop-rate {name} -c {best.controller}"
     verdict: Verdict = "yes" if suffices(best) else "no" if best.failure_rate > 0.5 else "partly"
-    text = f"{best.controller}: {failures(best)} of carries"
+    text = f"{best.controller} fails in {failures(best)} of carries"
     return Answer(question, verdict, text, command)
 
 
@@ -139,17 +139,17 @@ def on_angles(trial: AngleTrial | None, name: str) -> Answer:
     if trial is None:
         return Answer(question, "open", "no other pair of angles could be tried", command)
     least, most = 100 * trial.least_failure_rate, 100 * trial.most_failure_rate
-    spread = f"{least:.3g} to {most:.3g} % at the {trial.tried} pairs that were tried"
+    spread = f"{least:.3g} to {most:.3g} % at the {trial.tried} pairs tried"
     if most == 0:
-        spread = f"none at any of the {trial.tried} pairs that were tried, so they do not matter"
+        spread = f"no failures at any of the {trial.tried} pairs tried, so the angles do not matter"
     own, best = (rate_text(n, trial.carries) for n in (trial.own_failures, trial.best_failures))
     if not trial.is_better:
-        return Answer(
-            question, "yes", f"{trial.controller} fails in {own} at these angles; {spread}", command
-        )
+        text = f"{trial.controller} fails in {own} at the scene's angles; {spread}"
+        return Answer(question, "yes", text, command)
     shallow, steep = trial.best_deg
     text = (
-        f"{best} at {shallow:g}° and {steep:g}°, {own} at these angles; the clearance becomes "
+        f"{trial.controller} fails in {best} at {shallow:g}° and {steep:g}°, and in {own} at the "
+        f"scene's angles; the clearance becomes "
         f"{trial.best_clearance_deg:.2f}° (now {trial.own_clearance_deg:.2f}°)"
     )
     return Answer(question, "partly", text, command)
@@ -164,10 +164,10 @@ def on_radio(trials: Sequence[RadioTrial], name: str) -> Answer:
     worst = trials[-1]
     kept = [one.controller for one in worst.counts if suffices(one)]
     if kept:
-        text = f"{', '.join(kept)}: also if {100 * worst.loss:g} % are lost"
+        text = f"even if {100 * worst.loss:g} % are lost: {', '.join(kept)}"
         return Answer(question, "yes", text, command)
     held = [row.loss for row in trials if any(map(suffices, row.counts))]
-    text = f"up to {100 * held[-1]:g} % lost" if held else "it fails without losses, too"
+    text = f"up to {100 * held[-1]:g} % lost" if held else "it fails even without losses"
     return Answer(question, "partly" if len(held) > 1 else "no", text, command)
 
 
@@ -186,12 +186,13 @@ def on_curve(trial: CurveTrial | None, name: str) -> Answer:
         return Answer(question, "no", f"{where}: {trial.refusal}", command)
     if counts is None:
         return Answer(question, "no", f"{where}: {forecast.text()}", command)
-    drift = f"it drifts {millimetres(forecast.mean_m)} sideways"
-    room = f"of {millimetres(forecast.budget_m)}"
+    drift = f"forecast drift {millimetres(forecast.mean_m)}"
+    room = f"of the {millimetres(forecast.budget_m)} permitted"
     verdict: Verdict = "likely" if counts.failure_rate == 0 else "partly"
     if counts.failure_rate > 0.5:
         verdict = "no"
-    text = f"{where}: {counts.controller} fails in {failures(counts)} in MuJoCo; {drift} {room}"
+    fails = f"{counts.controller} fails in {failures(counts)} of carries in MuJoCo"
+    text = f"{where}: {fails}; {drift} {room}"
     return Answer(question, verdict, text, command)
 
 

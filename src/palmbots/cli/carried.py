@@ -49,5 +49,7 @@ class Carried(Carry):
             yield from self.scene_statistics.lines()
         elif self.to_measure[0]:
             command, time = self.to_measure
-            yield quiet(f"how often this scene fails: one carry does not say; {time} here:")
+            yield quiet(
+                f"one carry does not show how often this scene fails; counting takes {time}:"
+            )
             yield Line(f"run: {command}", indent=2, is_whole=True)

@@ -42,7 +42,7 @@ _CONTACTS = 9  # places on each palm
 _G = _core.standard_gravity
 MEANINGS = {
     "tipping": ("a robot tips over", "mujoco.body_kg"),
-    "servo": ("the palm sags under the servo", "mujoco.palm_torque_n_m"),
+    "servo": ("a palm sags", "mujoco.palm_torque_n_m"),
     "traction": ("the wheels of a robot slip", "mujoco.floor_friction"),
     "drive": ("the motors of a robot are too weak", "mujoco.drive_force_n"),
 }
@@ -110,8 +110,9 @@ class LoadLimits(Result):
             return None
         first = self.limits[0]
         return (
-            f"object.mass_kg is {self.mass_kg:g}, but only up to {mass_text(first.heaviest_kg)} kg "
-            f"{_place(first)} is certain: beyond it {first.meaning} ({first.key})"
+            f"object.mass_kg is {self.mass_kg:g}, but the robots certainly hold only "
+            f"{mass_text(first.heaviest_kg)} kg {_place(first)}: beyond it {first.meaning} "
+            f"({first.key})"
         )
 
     def sentence(self) -> str:
@@ -145,7 +146,7 @@ class LoadLimits(Result):
             )
             for limit in self.limits
         ]
-        numbers = ("kg", "kg at start")
+        numbers = ("kg anywhere", "kg at start")
         yield Table(rows, ("", *numbers, "key"), right=numbers)
 
     def _at_start(self) -> dict[str, float]:

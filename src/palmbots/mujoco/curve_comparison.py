@@ -57,14 +57,14 @@ class CurveComparison(Result):
         """What helps, and what each change does."""
         best, own = self.best, self.own
         if best is not None:
-            yield Line(good("BETTER"), bold(f"  {_name(own, best)}: fails in {_failures(best)}"))
+            yield Line(good("BETTER"), bold(f"  {_name(own, best)}: {_failures(best)}"))
         elif own.counts is None:
-            yield Line(bad("NO"), bold("  nothing that was tried carries along this curve"))
+            yield Line(bad("NO"), bold("  nothing that was tried gets around this curve"))
         elif own.counts.failure_rate == 0:
-            yield Line(good("YES"), bold(f"  as it is: fails in {_failures(own)}"))
+            yield Line(good("YES"), bold(f"  as it is: {_failures(own)}"))
         else:
-            yield Line(warn_word("PARTLY"), bold(f"  as it is: fails in {_failures(own)}"))
-            yield "no change that was tried fails measurably less"
+            yield Line(warn_word("PARTLY"), bold(f"  as it is: {_failures(own)}"))
+            yield "no change that was tried helps measurably"
         yield Table(
             [_row(own, "as it is"), *(_row(one, _name(own, one)) for one in self.others)],
             ("  change", "drops", "stalls", "forecast drift"),
@@ -72,7 +72,7 @@ class CurveComparison(Result):
         shown = best or own
         changes = self.own.settings if shown is not own else ""
         carries = "" if shown.counts is None else f"{shown.counts.carries} carries each, seeds "
-        yield quiet(f"{own.controller}; MuJoCo; {carries}from 0; 95 %")
+        yield quiet(f"{own.controller}; MuJoCo; {carries}from 0; 95 % intervals")
         extra = " --allow-drift-beyond-budget" if shown.counts is None else " --seeds 100"
         command = (
             f"palmbots carry {self.scene.spelled} --world mujoco{changes}{shown.settings} "
@@ -89,7 +89,8 @@ def _name(own: CurveTrial, one: CurveTrial) -> str:
 
 def _failures(one: CurveTrial) -> str:
     assert one.counts is not None
-    return rate_text(one.counts.dropped + one.counts.stalled, one.counts.carries)
+    failed = one.counts.dropped + one.counts.stalled
+    return f"fails in {rate_text(failed, one.counts.carries)} of carries"
 
 
 def _row(one: CurveTrial, name: str) -> tuple[str, ...]:

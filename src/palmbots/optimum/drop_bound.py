@@ -95,7 +95,7 @@ class Bound(Result):
         star = f"{100 * self.sigma_star_m_s:.3g} cm/s"
         yield Line(
             bold(f"σ* at most {star} for robots that keep driving"),
-            f", with {100 * self.grid_error:.2f} % for the grids",
+            f", with {100 * self.grid_error:.2f} % for the error of the grids",
         )
         yield quiet(_MEANING[self.speeds])
         yield (
@@ -103,14 +103,15 @@ class Bound(Result):
             "controller knows"
         )
         yield (
-            "a robot that stands has less noise or none: controllers that let it are not bounded "
-            "(palmbots carry -c creeping)"
+            "controllers that let a robot stand are not bounded, because it then has less noise or "
+            "none (palmbots carry -c creeping)"
         )
         rate = f"{self.drop_rate:.2g}" if self.drop_rate >= 1e-9 else "below 1e-9"
         yield f"least drop rate at the scene's noise of {100 * self.noise_m_s:g} cm/s: {rate}"
         yield quiet(
-            f"u = {100 * self.opening_speed_m_s:.3g} cm/s, L = {100 * self.usable_m:.3g} cm: the "
-            f"law √(uL/11τ) gives {100 * self.law_m_s:.3g} cm/s"
+            f"greatest opening speed u = {100 * self.opening_speed_m_s:.3g} cm/s, half of the "
+            f"usable interval L = {100 * self.usable_m:.3g} cm: the law √(uL/11τ) gives "
+            f"{100 * self.law_m_s:.3g} cm/s"
         )
         if self.front:
             heads = ("mean duration (s)", "least drop rate (%)")
@@ -150,8 +151,8 @@ def bound(
     """Compute what no controller beats while robots drive.
 
     The result is the greatest noise at which such a controller can drop as few as 1 % of carries,
-    and the least drop rate at the scene's own noise. A robot that stands with its brakes on has no
-    noise, so controllers that let robots stand are not bounded.
+    and the least drop rate at the scene's own noise. A robot that stands with its brakes on has
+    less noise or none, so controllers that let robots stand are not bounded.
 
     With `speeds` stopping the robots may stop travelling and still correct. With `speeds`
     corrections they keep their nominal speed and add opposite corrections.

@@ -105,7 +105,7 @@ class SceneStatistics(Result):
         """The counts, and the better controllers."""
         yield from self.own.lines()
         if self.better:
-            yield "fewer failures in this scene, on the same seeds:"
+            yield "these controllers fail less in this scene, on the same seeds:"
             yield Table([
                 (f"  --controller {one.controller}",
                  f"drops {rate_text(one.dropped, one.carries)}",

@@ -102,7 +102,7 @@ class DropRate(Result):
         if 0 < self.drop_rate < 0.1:
             yield f"one carry in {1 / self.drop_rate:,.0f} drops the object"
         if self.carries:
-            counts = f"{self.dropped:,} of {self.carries:,} plain carries dropped"
+            counts = f"{self.dropped:,} of {self.carries:,} plain carries dropped the object"
             yield f"{counts}; splitting gave no rate"
         elif self.levels:
             heads = ("level (% of the palm's half-length)", "reached from the level before")
@@ -114,7 +114,7 @@ class DropRate(Result):
         if not self.carries:
             yield quiet(
                 f"{plural(self.replicates, 'replicate')} of {plural(self.effort, 'carry')} per "
-                f"stage; cost: as {self.equivalent_carries:,.0f} whole carries"
+                f"stage; cost: that of {self.equivalent_carries:,.0f} whole carries"
             )
             if self.effort < EFFORT:
                 yield quiet(

@@ -23,7 +23,7 @@ PROPERTIES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
     """The tightest margins, the properties with theirs, what limits them, and admissible ranges."""
     yield _verdict(analysis)
-    yield bold("Tightest margins, by what this scene uses up of them")
+    yield bold("Tightest margins, relative to what this scene uses up")
     for number, margin in enumerate(analysis.ranking[:TIGHTEST], 1):
         yield Line(f"{number}. {margin.sentence()}", indent=2)
     low, high = analysis.problem.contacts[0]
@@ -48,7 +48,7 @@ def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
 def _verdict(analysis: "Analysis") -> Line:
     """The headline. Where a palm is inside the object, the properties are of no use."""
     if analysis.holds and analysis.clearance.touches:
-        claim = "  a palm, although both properties hold, either palm shallow"
+        claim = "  the object touches a palm elsewhere, although both properties hold"
         return Line(bad("TOUCHES"), bold(claim))
     word = verdict(analysis.holds, "HOLDS", "FAILS")
     return Line(word, bold("  both properties, either palm shallow"))
@@ -81,7 +81,7 @@ def _nearest_failure(analysis: "Analysis") -> Iterator[Item]:
         return
     left, right = weakest.binding_p_m
     yield (
-        f"smallest margin: property {PROPERTIES[weakest.number]}, {weakest.shallow} palm shallow, "
+        f"weakest property: {PROPERTIES[weakest.number]}, {weakest.shallow} palm shallow, "
         f"p {millimetres(left)}, {millimetres(right)}"
     )
     yield Line(weakest.binding, indent=2)

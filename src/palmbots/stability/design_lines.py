@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def design_lines(design: "Design") -> Iterator[Item]:
     """The angles, what they tolerate beside the scene's own, and how to use them."""
     name = QUANTITIES[design.quantity][-1]
-    aim = "most noise" if design.maximize == NOISE else f"largest tolerance: {name}"
+    aim = "tolerate the most noise" if design.maximize == NOISE else f"largest tolerance: {name}"
     yield Line(good(f"{design.shallow_deg:g}° and {design.steep_deg:g}°"), bold(f"  {aim}"))
     yield from _comparison(design, name)
     low, high = design.region_m
@@ -32,7 +32,7 @@ def design_lines(design: "Design") -> Iterator[Item]:
         low, high = design.friction
         rows.append(("  friction", f"{low:.3f} to {high:.3f}", f"the same on both palms{note}"))
     times = f"{reaction.own:.2f} s, {reaction.asked:.2f} s"
-    rows.append(("  reaction", times, "own case (d), assisting case (a)"))
+    rows.append(("  reaction", times, "in case (d), in case (a) with the partner's help"))
     yield Table(rows)
     certificate = design.certificate
     if certificate.verdict == "holds":
@@ -66,5 +66,5 @@ def _comparison(design: "Design", name: str) -> Iterator[Item]:
     limit = design.noise_limit or own.noise_limit
     if limit is not None:
         yield quiet(
-            f"  σ*: robot.noise_m_s at which 1 % of carries drop the object, {limit.controller}"
+            f"  σ*: robot.noise_m_s at which 1 % of carries drop the object with {limit.controller}"
         )

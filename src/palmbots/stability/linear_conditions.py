@@ -29,12 +29,14 @@ SLIDING_EDGES = {1: ("shallow", UP), 2: ("steep", DOWN)}
 """The edge that slides, and therefore must not be wedged, by property number."""
 
 _TEXTS = {
-    (0, "first"): "the shallow palm cannot hold against the steep one: both slide, closing",
-    (0, "second"): "the steep palm cannot hold against the shallow one: both slide, opening",
-    (1, "first"): "driven together, the steep palm's contact would slide up first",
-    (1, "second"): "driven together, the steep palm's contact would slide down",
-    (2, "first"): "driven apart, the shallow palm's contact would slide down first",
-    (2, "second"): "driven apart, the shallow palm's contact would slide up",
+    (0, "first"): "the shallow palm cannot hold against the steep one: its contact slides up, and "
+    "the other one down",
+    (0, "second"): "the steep palm cannot hold against the shallow one: its contact slides up, and "
+    "the other one down",
+    (1, "first"): "on closing, the steep palm's contact would slide up first",
+    (1, "second"): "on closing, the steep palm's contact would slide down",
+    (2, "first"): "on opening, the shallow palm's contact would slide down first",
+    (2, "second"): "on opening, the shallow palm's contact would slide up",
     (1, "wedged"): "the shallow palm's contact is wedged and never slides up",
     (2, "wedged"): "the steep palm's contact is wedged and never slides down",
 }

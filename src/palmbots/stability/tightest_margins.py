@@ -52,12 +52,12 @@ class RankedMargin:
         """The margin in words."""
         times = self.times
         digits = 0 if times is None or times >= 10 else 1 if times >= 1 else 2
-        share = "" if times is None or times < 0 else f" ({times:.{digits}f} times)"
-        return f"{self.limit}; {self.use}{share}: {', '.join(self.keys)}"
+        share = "" if times is None or times < 0 else f" (margin: {times:.{digits}f} times that)"
+        return f"{self.limit}; {self.use}{share}; keys: {', '.join(self.keys)}"
 
 
 def noise_over_carry_m(scene: Scene) -> float:
-    """How far noise and unequal biases move a contact in the nominal time of the carry if nobody
+    """How far noise and unequal biases move a contact in the nominal time of the carry if no robot
     corrects it: the bias, and one standard deviation [m].
 
     The integral of an Ornstein-Uhlenbeck process over T has the variance
@@ -113,14 +113,14 @@ def _margins(analysis: Analysis) -> Iterator[RankedMargin]:
         limit = f"the COM may be {millimetres(room)} farther to one side"
         if room < 0:
             limit = f"the COM is {millimetres(-room)} too far to one side"
-        use = f"acceleration acts as {millimetres(abs(shift))}"
+        use = f"acceleration acts like a shift of {millimetres(abs(shift))}"
         yield RankedMargin("com", room, abs(shift), "m", limit, use, ("object.com_m",))
     errors = [report.margins.friction for report in analysis.properties.values() if report.number]
     if known := [error for error in errors if error is not None]:
         # A palm that is wrong by an angle tilts the friction cone by it.
         wrong = max((1 + mu**2) * math.radians(step) for mu in problem.friction)
         limit = f"the friction may be wrong by ±{min(known):.3f}"
-        use = f"a control period of a turning palm acts as {wrong:.2g}"
+        use = f"a palm that turns for one control period acts like an error of {wrong:.2g}"
         yield RankedMargin("friction", min(known), wrong, "1", limit, use, ("palm.friction",))
     if analysis.load.limits:
         first = analysis.load.limits[0]
@@ -142,7 +142,7 @@ def _contact(analysis: Analysis, noise: float) -> RankedMargin:
     limit = f"a contact {end} after {millimetres(allowed)}"
     if allowed <= 0:
         limit = "a property fails wherever the contacts are"
-    use = f"noise moves it by {millimetres(noise)} over the carry if nobody corrects it"
+    use = f"noise moves it by {millimetres(noise)} over the carry if no robot corrects it"
     keys = ("palm.usable_m" if scene.palm.usable_m else "palm.length_m", "robot.noise_m_s")
     return RankedMargin("contact", allowed, noise, "m", limit, use, keys)
 
@@ -155,6 +155,6 @@ def _slope(range_deg: tuple[float, float], slope_deg: float, tilt: float) -> Ran
         sides.append((limit_deg, math.degrees(math.atan(sense * here + tilt))))
     allowed, used = min(sides, key=lambda side: side[0] / side[1] if side[1] > 0 else math.inf)
     limit = f"the floor may slope by {allowed:.2f}°"
-    use = f"slope and acceleration act as {used:.2g}°"
+    use = f"slope and acceleration act like a slope of {used:.2g}°"
     keys = ("task.slope_deg", "robot.acceleration_m_s2")
     return RankedMargin("slope", allowed, max(used, 0.0), "deg", limit, use, keys)

@@ -80,7 +80,7 @@ def test_figure_5_of_the_paper_and_its_panels(paper: Analysis) -> None:
     assert {tuple(p) for p in region} == {(-75, 0), (75, 0), (75, 75), (-75, 75)}
     texts = " ".join(rows(figure))
     assert "$k_\\mathrm{lower}$ = −244.1 mm, $k_\\mathrm{upper}$ = 64.9 mm" in texts
-    assert "fails first at E (−75.0, 75.0): driven together" in texts
+    assert "fails first at E (−75.0, 75.0): on closing" in texts
     assert "travel margin 112.7 mm" in texts
     shifted = pb.analyze("paper", overrides={"object.com_m": [0.124, 0.04]})
     assert len(figure5(shifted).axes) == 4  # no longer its own mirror image
