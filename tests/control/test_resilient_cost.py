@@ -7,29 +7,26 @@ states.
 """
 
 import json
+import os
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
-from cxx import ROOT, STANDARD
+from cxx import program
 
-CORE = ROOT / "tests" / "cpp" / "control"
 # What the compiler works out: the rows as sets of rows, and names.
 AT_COMPILE_TIME = ("TableRowMasks()", "conditions(unsigned", "is_sound", "awaited", "name_of")
-
-
-def compiled(source: str, folder: Path, *flags: str) -> Path:
-    program = folder / source.removesuffix(".cpp")
-    command = ["g++", *STANDARD, *flags, "-o", program.name, str(CORE / source)]
-    subprocess.run(command, check=True, cwd=folder, timeout=300)
-    return program
 
 
 def test_every_branch_of_the_step_is_taken(tmp_path: Path) -> None:
     """Measured by gcov, for all functions that run after compilation, in the controller and in its
     receiver of beacons."""
-    program = compiled("resilient_test.cpp", tmp_path, "-O0", "--coverage", "-fno-exceptions")
-    subprocess.run([program], check=True, timeout=300)
+    tested = program("control/resilient_test-gcov")
+    (notes,) = tested.parent.glob(f"{tested.name}*.gcno")
+    shutil.copy(notes, tmp_path)
+    here = {"GCOV_PREFIX": str(tmp_path), "GCOV_PREFIX_STRIP": str(len(tested.parts) - 2)}
+    subprocess.run([tested], check=True, env=os.environ | here, timeout=300)
     run = subprocess.run(
         ["gcov", "--json-format", "--stdout", "--branch-probabilities",
          *(path.name for path in tmp_path.glob("*.gcda"))],
@@ -52,8 +49,8 @@ def test_every_branch_of_the_step_is_taken(tmp_path: Path) -> None:
 def measured(folder: Path) -> dict[str, int]:
     """Bytes of code and tables, and instructions of a step: the median and the maximum of 1000
     random steps, on this processor at -Os, counted by callgrind."""
-    program = compiled("resilient_cost.cpp", folder, "-Os", "-g")
-    listing = ["nm", "-S", "-C", str(program)]
+    stepping = program("control/resilient_cost")
+    listing = ["nm", "-S", "-C", str(stepping)]
     symbols = subprocess.run(listing, check=True, capture_output=True, text=True).stdout
 
     def size(name: str) -> int:
@@ -63,7 +60,7 @@ def measured(folder: Path) -> dict[str, int]:
 
     subprocess.run(
         ["valgrind", "--quiet", "--tool=callgrind", "--compress-strings=no", "--compress-pos=no",
-         "--callgrind-out-file=steps", "--dump-after=resilient_step*", str(program), "1000"],
+         "--callgrind-out-file=steps", "--dump-after=resilient_step*", str(stepping), "1000"],
         check=True, cwd=folder, capture_output=True, timeout=300,
     )  # fmt: skip
     counts = sorted(instructions(path) for path in folder.glob("steps.*"))

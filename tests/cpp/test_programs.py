@@ -46,8 +46,8 @@ def test_core_under_sanitizers(name: str) -> None:
     passes(name)
 
 
-def test_modes_of_robots_that_rejoin() -> None:
-    """All their states, without sanitizers, with which it takes two to three times as long."""
+def test_modes_of_two_robots() -> None:
+    """All their states, without sanitizers, with which it takes several times as long."""
     passes("runtime/mode_search-O2", "1")
 
 

@@ -24,6 +24,7 @@ from study_fixtures import LONG, command, marks, refused, said_here, study, stud
 from waiting import wait_until
 
 TIMEOUT_S = 60
+CHUNK = 800  # carries: twelve chunks
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +98,7 @@ def test_killed_worker_is_named_and_another_one_takes_over(
 ) -> None:
     root = tmp_path / "study"
     with worker(shared) as first:
-        words = ("study", long, "--out", root, "--chunk-size", 400, "--scheduler", shared)
+        words = ("study", long, "--out", root, "--chunk-size", CHUNK, "--scheduler", shared)
         process = subprocess.Popen(
             at_call.command("SIGSTOP", "after", Store.write, 4, *words, "--json"),
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -119,7 +120,7 @@ def test_study_continues_without_a_lost_scheduler(long: Path, whole: str, tmp_pa
     with contextlib.ExitStack() as stack:
         address = stack.enter_context(scheduler())
         stack.enter_context(worker(address))
-        words = ("study", long, "--out", root, "--chunk-size", 400, "--scheduler", address)
+        words = ("study", long, "--out", root, "--chunk-size", CHUNK, "--scheduler", address)
         process = subprocess.Popen(
             at_call.command("SIGSTOP", "after", Store.write, 4, *words),
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -135,7 +136,7 @@ def test_study_continues_without_a_lost_scheduler(long: Path, whole: str, tmp_pa
     assert kept
     summary = said_here(long, "--out", root)
     assert summary["hash"] == whole
-    assert summary["resumed"] == 400 * len(kept)
+    assert summary["resumed"] == CHUNK * len(kept)
 
 
 def test_client_that_cannot_be_closed_hides_no_message(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -181,7 +182,7 @@ def test_ctrl_c_ends_the_workers_and_prints_one_line(
 ) -> None:
     """No process is left, and completed chunks are kept."""
     root = tmp_path / "study"
-    words = ("study", long, "--out", root, "--chunk-size", 400, "--local-cluster", 2)
+    words = ("study", long, "--out", root, "--chunk-size", CHUNK, "--local-cluster", 2)
     process = subprocess.Popen(
         at_call.command("SIGSTOP", when, function, count, *words),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -208,7 +209,7 @@ def test_worker_with_another_version_is_refused(shared: str, long: Path, tmp_pat
     (tmp_path / "sitecustomize.py").write_text(OTHER)
     before = os.environ.get("PYTHONPATH")
     path = {"PYTHONPATH": os.pathsep.join([str(tmp_path), *([before] if before else [])])}
-    arguments = (long, "--out", tmp_path / "study", "--chunk-size", 400, "--scheduler", shared)
+    arguments = (long, "--out", tmp_path / "study", "--chunk-size", CHUNK, "--scheduler", shared)
     with worker(shared, path):
         refused(study(*arguments), "the worker tcp://", "has palmbots 0.0.9", "same version")
     process = subprocess.Popen(

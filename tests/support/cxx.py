@@ -16,17 +16,6 @@ from waiting import locked
 ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD = ROOT / "build" / "tests"
 
-# Flags of what a test compiles itself.
-STANDARD = (
-    "-std=c++20",
-    "-I",
-    str(ROOT / "include"),
-    "-I",
-    str(ROOT / "tests" / "cpp"),
-    "-ffp-contract=off",
-    "-fno-math-errno",
-)
-
 
 def _tool(name: str) -> str:
     """A program of this environment, or else of the system."""

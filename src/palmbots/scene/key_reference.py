@@ -11,7 +11,7 @@ import ast
 import inspect
 import os
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -102,7 +102,8 @@ def _limits(annotations: Any) -> tuple[str, str]:
     return "", ""
 
 
-def field_meanings(model: type[BaseModel]) -> dict[str, str]:
+@cache
+def field_meanings(model: type[BaseModel]) -> Mapping[str, str]:
     """The docstrings below the fields of a model, by field."""
     found: dict[str, str] = {}
     for owner in reversed(model.__mro__):

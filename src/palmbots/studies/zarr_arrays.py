@@ -175,14 +175,15 @@ class ZarrArrays:
         self._path = path
         try:
             group = zarr.open_group(str(path), mode="r+", zarr_format=3, use_consolidated=False)
+            self._arrays = dict(group.arrays())  # at once, which is faster than one by one
             ends = [f"{name}_interval" for name, s in STATISTICS.items() if s.has_interval]
-            cells = [group[name] for name in (*STATISTICS, *ends)]
-            coordinates = (*points.plan.keys, "controller", "seed", "side", "end")
-            for name in coordinates:
-                if group[name].nchunks_initialized != group[name].nchunks:
+            cells = [self._arrays[name] for name in (*STATISTICS, *ends)]
+            for name in (*points.plan.keys, "controller", "seed", "side", "end"):
+                labels = self._arrays[name]
+                if labels.nchunks_initialized != labels.nchunks:
                     raise StoreInvalid
-                _ = group[name][...]  # the checksum
-            self._columns = {name: group[name] for name in VARIABLES}
+                _ = labels[...]  # the checksum
+            self._columns = {name: self._arrays[name] for name in VARIABLES}
             self._group = group
         except (KeyError, ValueError, TypeError, RuntimeError, FileNotFoundError) as error:
             raise StoreInvalid from error
@@ -248,9 +249,10 @@ class ZarrArrays:
     def finish(self, values: Mapping[str, Any], attributes: Mapping[str, Any]) -> None:
         """Write the statistics of the cells [points, controllers], and mark the store complete."""
         for name, (numbers, ends) in values.items():
-            self._group[name][...] = numbers.reshape(self._group[name].shape)
+            cells = self._arrays[name]
+            cells[...] = numbers.reshape(cells.shape)
             if ends is not None:
-                interval = self._group[f"{name}_interval"]
+                interval = self._arrays[f"{name}_interval"]
                 interval[...] = ends.reshape(interval.shape)
         self._group.attrs.update({**attributes, "is_complete": True})
         _consolidate(self._group)

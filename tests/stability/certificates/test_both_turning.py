@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 import palmbots as pb
 from clearance_cases import lips, touches
@@ -20,7 +19,7 @@ from palmbots import check as check_function
 from palmbots._types import SIDES
 from palmbots.stability.certificates.obligations import BOTH_TURN
 from palmbots.stability.certificates.prover import certify
-from statics_oracle import STICK, State
+from statics_oracle import OFF_BY, STICK, State
 
 Array = NDArray[np.float64]
 
@@ -46,17 +45,31 @@ def numbers(pair: Any) -> list[float]:
 
 
 def squeezes(state: State) -> tuple[float, float] | None:
-    """The least and the greatest squeeze with which both contacts stick; None: there is none."""
+    """The least and the greatest squeeze with which both contacts stick; None: there is none.
+
+    A linear program with as many equations less one as unknowns: its feasible set is a piece of the
+    line start + t · direction, where no share is negative.
+    """
     matrix, wanted = state.balance((STICK, STICK))
+    assert matrix.shape == (3, 4)
+    _, sizes, directions = np.linalg.svd(matrix)
+    assert sizes[-1] > 1e-9 * sizes[0]
+    start, direction = np.linalg.pinv(matrix) @ wanted, directions[-1]
+    low, high = -math.inf, math.inf
+    for at, by in zip(start, direction, strict=True):
+        if abs(by) < 1e-12:
+            if at < -OFF_BY:
+                return None
+        elif by > 0:
+            low = max(low, -at / by)
+        else:
+            high = min(high, -at / by)
+    if high < low - OFF_BY:
+        return None
     inward = matrix[0] * np.array([1, 1, 0, 0])  # the force of the left palm along x
-    ends = []
-    for sign in (1, -1):
-        found = linprog(sign * inward, A_eq=matrix, b_eq=wanted, method="highs")
-        if found.status == 2:
-            return None
-        assert found.status in (0, 3)
-        ends.append(-sign * math.inf if found.status == 3 else sign * found.fun)
-    return ends[0], ends[1]
+    rise = float(inward @ direction)
+    ends = [float(inward @ start) + (t * rise if rise else 0.0) for t in (low, high)]
+    return min(ends), max(ends)
 
 
 def what_fails(state: State) -> set[str]:
