@@ -11,7 +11,7 @@ of the palms (docs/theory/optimum.md). Two sets of speeds are admissible:
     Each robot has any speed from its correction backwards to nominal speed plus correction. Speed
     costs safety, so the time of the carry is optimized too.
 
-Both describe robots that keep driving: a robot that stands with its brakes on has less noise or none.
+Both describe robots that keep driving: one that stands with its brakes on has less noise or none.
 """
 
 from __future__ import annotations
