@@ -30,7 +30,7 @@ def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
     yield quiet(f"contacts {1e3 * low:.1f} to {millimetres(high)}")
     yield _margins(analysis)
     yield from _nearest_failure(analysis)
-    yield bold("Ranges in which both properties hold, all else as in the scene")
+    yield bold("Ranges in which properties 1 and 2 hold, all else as in the scene")
     yield _ranges(analysis)
     yield from analysis.clearance.lines()
     if analysis.touch is not None:
@@ -48,10 +48,10 @@ def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
 def _verdict(analysis: "Analysis") -> Line:
     """The headline. Where a palm is inside the object, the properties are of no use."""
     if analysis.holds and analysis.clearance.touches:
-        claim = "  the object touches a palm elsewhere, although both properties hold"
+        claim = "  the object touches a palm elsewhere, although all properties hold"
         return Line(bad("TOUCHES"), bold(claim))
     word = verdict(analysis.holds, "HOLDS", "FAILS")
-    return Line(word, bold("  both properties, either palm shallow"))
+    return Line(word, bold("  all properties, either palm shallow"))
 
 
 def _margins(analysis: "Analysis") -> Table:
@@ -127,9 +127,9 @@ def friction_note(pieces: Sequence[Interval], *palms_deg: float) -> str:
 def _first_contact(state: "FirstTouch") -> Iterator[Item]:
     """What happens where a palm just touches."""
     angles = ", ".join(f"{math.degrees(angle):.1f}°" for angle in state.angles_rad)
-    kinds = ", ".join(f"{contact.side} {contact.kind}" for contact in state.contacts)
+    kinds = ", ".join(dict.fromkeys(f"{one.side} {one.kind}" for one in state.contacts))
     held = "held" if state.held else "NOT held"
-    yield Line(f"in contact at {angles}: {kinds}: {held}", indent=2)
+    yield Line(f"palms at {angles}, in contact: {kinds}; the object is {held}", indent=2)
     for name, outcomes in (("closing", state.closing), ("opening", state.opening)):
         yield Line(f"{name} there: {state.outcomes_text(outcomes)}", indent=2)
 

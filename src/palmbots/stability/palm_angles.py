@@ -215,8 +215,8 @@ def _entry(controller: ControllerLike | None, objective: Objective) -> Controlle
     refuse_reference(entry, "a design")
     if entry.is_python:
         raise PalmbotsError(
-            f"controller: {entry.name} is in Python, and a design takes several 100,000 carries; "
-            "allowed: a shipped controller or a policy file"
+            f"controller: {entry.name} is in Python, and a design takes several hundred thousand "
+            "carries; allowed: a shipped controller or a policy file"
         )
     return entry
 

@@ -99,6 +99,8 @@ def _margins(analysis: Analysis) -> Iterator[RankedMargin]:
     yield _contact(analysis, noise)
     clearance = analysis.clearance_deg
     touch = f"a palm touches the object after a turn of {clearance:.2f}°"
+    if clearance <= 0:
+        touch = f"a palm touches the object already, by {-clearance:.2f}°"
     keys = ("object.vertices_m", "palm.shallow_deg", "palm.steep_deg")
     yield RankedMargin("clearance", clearance, step, "deg", touch, turning, keys)
     if (error := analysis.angle_error_deg) is not None:
