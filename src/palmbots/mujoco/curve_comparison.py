@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+import palmbots._core as _core
 from palmbots._types import SIDES, Overrides
 from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import rate_text
@@ -24,8 +25,8 @@ from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curve_trial import CurveTrial, Keys, try_curve, turn_keys, whole_turn_keys
 from palmbots.mujoco.drift_forecast import lip_clearance
 from palmbots.mujoco.path_curve import RADIUS_M
-from palmbots.scene.palm_overlap import overlap_m
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.spec import to_spec
 
 LIP_HEIGHT_M = 0.03
 LONGER, RADII = 1.5, (1.5, 2.0)
@@ -200,7 +201,8 @@ def _lips(scene: Scene) -> Keys:
 def _overlaps(scene: Scene, longer: Keys) -> bool:
     """Whether longer palms would collide under the object, or are refused."""
     try:
-        return overlap_m(load_scene(scene, dict(longer))) > 0
+        changed = load_scene(scene, dict(longer))
+        return _core.palm_overlap(to_spec(changed, unrolled=True)) > 0
     except PalmbotsError:
         return True
 
