@@ -18,8 +18,10 @@ from palmbots.cli.main import run
 from palmbots.control.registry import shipped_names
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DROPPED, run_seeds
+from palmbots.simulation.outcome_counts import count_outcomes
 from palmbots.stability import Design
 from palmbots.stability.certificates.checker.verify import check as check_function
+from palmbots.stability.reaction_region import implied_reach_m
 from random_scenes import random_scene
 
 FRESH = 10**9  # no seed of a design
@@ -102,6 +104,20 @@ def test_scene_with_the_designed_angles_is_ready(crate: Design) -> None:
     left, right, _ = figure.axes
     assert left.get_ylabel() == "shallow palm angle [°]" and right.get_ylabel() == "σ* [cm/s]"
     FigureCanvasAgg(figure).draw()
+
+
+def test_designed_angles_have_carried_this_scene_with_its_controller(crate: Design) -> None:
+    assert crate.counts is not None and crate.own.counts is not None
+    assert crate.counts.dropped == count_outcomes(crate.designed_scene).dropped
+    assert crate.own.counts.dropped == count_outcomes(crate.scene).dropped == 0
+    assert crate.is_better_here is False  # no angles drop less than none
+    reach = implied_reach_m(crate.scene)
+    assert (
+        crate.own.clearance_deg == pb.analyze(crate.scene, region_m=(-reach, reach)).clearance_deg
+    )
+    text = repr(crate)
+    assert "do not fail measurably less than the scene's own" in text
+    assert f"run: palmbots carry {crate.scene.spelled} -c distributed --set palm." in text
 
 
 def test_angles_of_one_palm_are_replaced_too() -> None:

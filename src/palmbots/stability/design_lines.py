@@ -4,8 +4,10 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.report import Item, Line, Table, bold, good, quiet, warn_word, warning
 from palmbots._util.text import millimetres
+from palmbots.simulation.outcome_counts import OutcomeCounts
 from palmbots.stability.analysis_lines import friction_note
 from palmbots.stability.angle_grid import NOISE, QUANTITIES
 from palmbots.stability.certificates.obligations import BOTH_TURN
@@ -24,7 +26,6 @@ def design_lines(design: "Design") -> Iterator[Item]:
     low, high = design.region_m
     reaction = design.reaction_s
     rows = [
-        ("  clearance", f"{design.clearance_deg:.2f}°", "until a palm touches an edge"),
         ("  contacts", f"{1e3 * low:.1f} to {millimetres(high)}", "for which this holds"),
     ]
     if design.friction is not None:
@@ -42,7 +43,9 @@ def design_lines(design: "Design") -> Iterator[Item]:
     else:
         yield warn_word(f"certificate: {certificate.verdict} ({certificate.undecided})")
     settings = " ".join(f"--set {key}={angle:g}" for key, angle in design.angle_keys.items())
-    yield Line(f"to use these angles: {settings}", is_whole=True)
+    controller = "" if design.counts is None else f" -c {design.counts.controller}"
+    run = f"run: palmbots carry {design.scene.spelled}{controller} {settings}"
+    yield Line(run, indent=2, is_whole=True)
     yield from map(warning, design.warnings)
 
 
@@ -61,10 +64,23 @@ def _comparison(design: "Design", name: str) -> Iterator[Item]:
         tolerance = "the palms differ"
     short = name.split(" along")[0]
     rows.append((f"  tolerance, {short}", design.tolerance_text(design.tolerance), tolerance))
+    if design.counts is not None:
+        rows.append(("  fails in this scene", *map(_failures, (design.counts, own.counts))))
+    clearances = (design.clearance_deg, own.clearance_deg)
+    rows.append(("  clearance", *(f"{angle:.2f}°" for angle in clearances)))
     designed = f"designed, {design.shallow_deg:g}° and {design.steep_deg:g}°"
     yield Table(rows, ("", designed, own.name()))
     limit = design.noise_limit or own.noise_limit
+    if design.is_better_here is False:
+        yield "  in this scene, these angles do not fail measurably less than the scene's own"
     if limit is not None:
         yield quiet(
             f"  σ*: robot.noise_m_s at which 1 % of carries drop the object with {limit.controller}"
         )
+
+
+def _failures(counts: OutcomeCounts | None) -> str:
+    """The share of carries that do not deliver."""
+    return (
+        "refused" if counts is None else rate_text(counts.dropped + counts.stalled, counts.carries)
+    )

@@ -13,6 +13,7 @@ from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene
 from palmbots.simulation.noise_limit import NoiseLimit
+from palmbots.simulation.outcome_counts import OutcomeCounts
 from palmbots.stability.angle_certificate import angle_keys
 from palmbots.stability.angle_grid import NOISE, QUANTITIES, Objective, Quantity
 from palmbots.stability.certificates.prover import Certificate
@@ -31,6 +32,10 @@ class OwnAngles:
     """None: a property fails at these angles, or the palms differ."""
     noise_limit: NoiseLimit | None = field(metadata=NOT_IN_JSON)
     """None: not measured, or there is no limit."""
+    clearance_deg: float
+    """As of the designed angles."""
+    counts: OutcomeCounts | None
+    """As of the designed angles."""
 
     @derived
     def sigma_star_m_s(self) -> float | None:
@@ -85,6 +90,9 @@ class Design(Result):
     """The contacts for which everything holds."""
     noise_limit: NoiseLimit | None = field(metadata=NOT_IN_JSON)
     """None: not measured, or the controller has no limit at these angles."""
+    counts: OutcomeCounts | None
+    """How carries of this scene, with its own noise, end at the designed angles; None: there is no
+    controller, or it refuses them."""
     own: OwnAngles
     paper_tolerance: float | None
     """The tolerance of 5° and 15° under the same conditions; None: that pair does not qualify."""
@@ -132,6 +140,14 @@ class Design(Result):
         return angle_keys(self.scene, (self.shallow_deg, self.steep_deg))
 
     @derived
+    def is_better_here(self) -> bool | None:
+        """Whether the scene fails measurably less often with the designed angles than with its own,
+        at its own noise; None: not tried."""
+        if self.counts is None or self.own.counts is None:
+            return None
+        return self.counts.failure_interval[1] < self.own.counts.failure_interval[0]
+
+    @derived
     def warnings(self) -> tuple[str, ...]:
         """What these angles cost, one sentence each."""
         return tuple(self._warnings())
@@ -142,7 +158,7 @@ class Design(Result):
             yield (
                 f"contacts leave the palm before the robots react: they may move "
                 f"{1e3 * self.reach_m:.0f} mm from the pivot, but half a palm is "
-                f"{1e3 * half:.0f} mm; use --maximize noise, faster palms or less noise"
+                f"{1e3 * half:.0f} mm (palm.rate_deg_s, robot.noise_m_s)"
             )
         mine, own = self.noise_limit, self.own.noise_limit
         if mine is not None and own is not None and mine.interval[1] < own.interval[0]:

@@ -33,6 +33,7 @@ from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.batch import available_cores
 from palmbots.simulation.noise_limit import NoiseLimit, noise_limit
+from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
 from palmbots.stability.angle_certificate import certify_tolerance, scene_at
 from palmbots.stability.angle_grid import (
     NOISE,
@@ -46,12 +47,13 @@ from palmbots.stability.angle_grid import (
     tolerance_at,
 )
 from palmbots.stability.certificates.box_from_scene import slope_interval
+from palmbots.stability.clearance import outline_clearance
 from palmbots.stability.delivery_race import Race, run_race
 from palmbots.stability.design_result import Design, OwnAngles, ReactionTimes
 from palmbots.stability.interval_sets import around
 from palmbots.stability.margins import friction_ranges
 from palmbots.stability.problem import Region, StabilityProblem, stability_problem
-from palmbots.stability.reaction_region import reaction
+from palmbots.stability.reaction_region import implied_reach_m, reaction
 
 PAPER_DEG = (5.0, 15.0)
 """The paper's palm angles (shallow, steep), for comparison."""
@@ -198,7 +200,14 @@ def design(
         reach_m=float(times.reach_m),
         region_m=answer.contacts[0],
         noise_limit=limit,
-        own=OwnAngles(own_deg, own_tolerance, own_limit),
+        counts=_counted(designed, entry),
+        own=OwnAngles(
+            own_deg,
+            own_tolerance,
+            own_limit,
+            _clearance_deg(problem, chosen if is_implied else None),
+            _counted(chosen, entry),
+        ),
         paper_tolerance=found.tolerance_at(*PAPER_DEG),
         certificate=certificate,
         map=found.dataset(quantity, limits, None if race is None else race.sigma_m_s),
@@ -265,6 +274,22 @@ def _measured(
     except PalmbotsError as error:
         if not str(error).startswith("noise-limit"):
             raise
+        return None
+
+
+def _clearance_deg(problem: StabilityProblem, implying: Scene | None) -> float:
+    """The clearance at the scene's own angles, for the contacts that a scene implies if given."""
+    if implying is not None:
+        reach = implied_reach_m(implying)
+        problem = problem.with_(contacts=((-reach, reach), (-reach, reach)))
+    return math.degrees(outline_clearance(problem).rotation_margin.margin)
+
+
+def _counted(scene: Scene, entry: ControllerEntry | None) -> OutcomeCounts | None:
+    """How carries of a scene end; None where there is no controller, or it refuses the scene."""
+    try:
+        return None if entry is None else count_outcomes(scene, entry)
+    except SceneError:
         return None
 
 
