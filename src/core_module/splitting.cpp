@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rare drops: carries as the processes of multilevel splitting (sim/multilevel_splitting.hpp).
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -8,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "bindings.hpp"
 #include "given_team.hpp"
@@ -118,13 +120,18 @@ auto with_splitting(const Spec& spec, const Controller& controller, std::uint64_
   return visit_team(controller.name, split);
 }
 
-std::vector<double> choose_levels(const Spec& spec, const nb::object& given, std::uint64_t seed,
-                                  std::uint32_t effort, double share) {
+// The levels, and the ticks that finding them took.
+std::pair<std::vector<double>, std::uint64_t> choose_levels(const Spec& spec,
+                                                            const nb::object& given,
+                                                            std::uint64_t seed,
+                                                            std::uint32_t effort, double share) {
   const Controller controller(given);
   const nb::gil_scoped_release release;
   Interruption interruption;
-  return with_splitting(spec, controller, seed, effort, interruption,
-                        [&](auto splitting) { return splitting.choose_levels(share); });
+  return with_splitting(spec, controller, seed, effort, interruption, [&](auto splitting) {
+    std::vector<double> levels = splitting.choose_levels(share);
+    return std::pair(std::move(levels), splitting.steps());
+  });
 }
 
 // Replicates `first` to `first + count`: of each and each stage (reached, hits), and the ticks of
@@ -180,7 +187,7 @@ void bind_splitting(nb::module_& m) {
   m.def("choose_levels", &choose_levels, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"),
         nb::arg("effort"), nb::arg("share"),
         "Heights, as parts of the palm's half-length, each reached by about `share` of the carries "
-        "from the one before.");
+        "from the one before; and the ticks of finding them.");
   m.def("replicates", &replicates, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"),
         nb::arg("effort"), nb::arg("levels"), nb::arg("first"), nb::arg("count"),
         nb::arg("threads"),

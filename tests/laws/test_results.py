@@ -156,7 +156,7 @@ def study(folder: Path) -> Any:
 
 
 def noise_limit() -> NoiseLimit:
-    return NoiseLimit(0.02, (0.019, 0.021), 0.01, 3.0, 900, 90, (), "silent", 0, Scene())
+    return NoiseLimit(0.02, (0.019, 0.021), 0.01, 3.0, 900, 90, "mujoco", (), "silent", 0, Scene())
 
 
 # One of each kind of result; `folder` is an empty one.

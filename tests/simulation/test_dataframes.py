@@ -49,7 +49,8 @@ def test_comparison_as_dataset_has_every_row(comparison: pb.simulation.Compariso
     (refusal,) = comparison.refusals
     assert (refusal.controller, refusal.value) == ("resilient", 0.5)
     assert np.isnan(table["rms_m"].sel(controller="resilient", value=0.5))
-    assert table.attrs == {"key": "radio.latency_s", "seed": 0, "carries": 5}
+    attrs = {"key": "radio.latency_s", "seed": 0, "carries": 5, "world": "quasistatic"}
+    assert table.attrs == attrs
 
 
 def test_comparison_as_dataframe_has_every_row(comparison: pb.simulation.Comparison) -> None:

@@ -40,12 +40,12 @@ class Simulated:
     def __init__(self, monkeypatch: pytest.MonkeyPatch, rate: Any) -> None:
         self.rate = rate
         self.calls: list[tuple[list[float], np.ndarray, np.ndarray]] = []
-        monkeypatch.setattr(MODULE, "run_batch", self.run_batch)
-        monkeypatch.setattr(MODULE._Carries, "_spec", lambda _, noise: noise)
+        monkeypatch.setattr(MODULE, "carry_many", self.carry_many)
+        monkeypatch.setattr(MODULE._Carries, "_prepared", lambda _, noise: noise)
 
-    def run_batch(self, specs: Any, index: Any, seeds: Any, *_: Any, **__: Any) -> dict[str, Any]:
-        self.calls.append((specs, index, seeds))
-        dropped = uniform(seeds) < self.rate(np.asarray(specs)[index])
+    def carry_many(self, noises: Any, index: Any, seeds: Any, *_: Any, **__: Any) -> dict[str, Any]:
+        self.calls.append((noises, index, seeds))
+        dropped = uniform(seeds) < self.rate(np.asarray(noises)[index])
         return {"outcome": np.where(dropped, DROPPED, DELIVERED)}
 
 
@@ -159,3 +159,20 @@ def test_one_noisy_robot_is_varied_and_the_other_keeps_its_noise(
     one = pb.noise_limit(overrides=SHORT | {"robot.left.noise_m_s": 0.0}, **given)
     ratio = one.sigma_star_m_s / both.sigma_star_m_s
     assert ratio == pytest.approx(math.sqrt(2), rel=0.15)  # the variances of both robots add up
+
+
+def test_carries_in_another_world_run_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wide intervals are allowed there; the bracket is carried in MuJoCo, too."""
+    seen: list[str] = []
+
+    def carry_many(prepared: Any, index: Any, seeds: Any, **_: Any) -> dict[str, Any]:
+        seen.extend(one.world.name for one in prepared)
+        noises = np.array([one.scene.robot.noise_m_s for one in prepared])
+        dropped = uniform(seeds) < curve(0.02, 4.0, 0.1)(noises[index])
+        return {"outcome": np.where(dropped, DROPPED, DELIVERED)}
+
+    monkeypatch.setattr(MODULE, "carry_many", carry_many)
+    found = pb.noise_limit(world="mujoco", drop_rate=0.1, relative_half_width=0.1)
+    assert set(seen) == {"mujoco"} == {found.world}
+    assert found.interval[0] < 0.02 < found.interval[1]
+    assert ", mujoco" in repr(found)

@@ -7,6 +7,7 @@ tests/cpp/sim/multilevel_splitting_test.cpp.
 
 import json
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -19,7 +20,12 @@ from palmbots._util.confidence_intervals import clopper_pearson, student_t95
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DROPPED, run_seeds
-from palmbots.simulation.rare_events import PILOT, _estimates, estimate_drop_rate
+from palmbots.simulation.rare_events import (
+    PILOT,
+    _estimates,
+    _Splitting,
+    estimate_drop_rate,
+)
 
 NOISY = {
     "distributed": {"robot.noise_m_s": 0.022},
@@ -83,7 +89,7 @@ def test_estimate_uses_only_the_counted_replicates(noise: float, seed: int, effo
         "paper", "distributed", overrides=keys, seed=seed, relative_half_width=1.0, effort=effort
     )
     spec = to_spec(load_scene("paper", keys))
-    assert list(result.levels) == _core.choose_levels(spec, "distributed", seed, 1000, 0.4)
+    assert list(result.levels) == _core.choose_levels(spec, "distributed", seed, 1000, 0.4)[0]
     rows, ticks = _core.replicates(
         spec,
         "distributed",
@@ -174,8 +180,41 @@ def test_budget_ends_the_work_and_its_interval_is_as_wide_as_it_has_to_be() -> N
     assert not found.is_narrow
     assert "the budget of 20,000 carries allows no narrower interval" in repr(found)
     assert found.replicates >= 16
-    assert 10_000 < found.equivalent_carries < 20_000
+    assert 5_000 < found.equivalent_carries < 20_000
     assert values == sorted(values) and values[-1] == 1
+
+
+@pytest.mark.parametrize(
+    ("noise", "controller", "budget"),
+    [(0.02, "distributed", 20_000), (0.01, "shared-sign", 20_000), (0.02, "distributed", 5000)],
+)
+def test_estimated_rest_of_the_work_does_not_grow(
+    noise: float, controller: str, budget: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At every report, the work so far over its fraction; none costs more than the budget."""
+    rests: list[float] = []
+    report, plain = _Splitting.report, _Splitting.plain
+    counted = [0.0]
+
+    def watch(run: _Splitting, fraction: float) -> None:
+        report(run, fraction)
+        if counted[0]:  # plain carries: their share of what is left
+            return
+        assert 0 < fraction <= 1
+        rests.append(run.spent * (1 - fraction) / fraction)
+
+    def count(run: _Splitting, carries: int) -> int:
+        counted[0] = run.spent + carries
+        assert rests == [] or carries <= rests[-1] + 1
+        return plain(run, carries)
+
+    monkeypatch.setattr(_Splitting, "report", watch)
+    monkeypatch.setattr(_Splitting, "plain", count)
+    keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
+    found = estimate_drop_rate(overrides=keys, controller=controller, budget=budget)
+    assert all(after <= before * 1.02 for before, after in pairwise(rests))
+    assert counted[0] <= budget and (found.replicates == 0) == (counted[0] > 0)
+    assert f"budget: {budget:,}" in repr(found)
 
 
 @pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])

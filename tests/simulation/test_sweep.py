@@ -37,6 +37,21 @@ def test_rows_are_ordered_by_controller_and_value() -> None:
     assert {0.25, 0.5, 0.75, 1.0} <= set(values)
 
 
+def test_carries_of_another_world_are_those_of_carry() -> None:
+    near = {"task.distance_m": 0.05}
+    (row,) = pb.compare(
+        key="robot.noise_m_s", values=[0.01], controllers=["silent"], carries=2, world="mujoco",
+        overrides=near,
+    ).rows  # fmt: skip
+    carries = [
+        pb.carry(controller="silent", seed=s, world="mujoco", record=False, overrides=near)
+        for s in (0, 1)
+    ]
+    squares = [p**2 for c in carries for p in c.contact_rms_m.values()]
+    assert row.rms_m == pytest.approx(math.sqrt(np.mean(squares)), rel=1e-12)
+    assert row.n == 2 and row.messages_per_m == 0
+
+
 def test_row_aggregates_single_carries() -> None:
     """The carries of a row are those of `carry` with the same seeds."""
     key, value, seeds = "robot.noise_m_s", 0.01, range(5, 25)

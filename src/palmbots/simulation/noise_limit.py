@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -29,8 +28,10 @@ from palmbots._util.results import Result
 from palmbots.control.registry import ControllerEntry, ControllerLike, resolve
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.simulation.batch import DROPPED, available_cores, run_batch
+from palmbots.simulation.batch import DROPPED, available_cores
+from palmbots.simulation.outcome_counts import carry_many
 from palmbots.simulation.prepare import Prepared, prepare
+from palmbots.simulation.worlds import DEFAULT_WORLD, WorldEntry, world_entry
 
 NOISE_KEY = "robot.noise_m_s"
 LEAST_M_S, MOST_M_S = 1e-4, 1.0
@@ -38,7 +39,7 @@ LEAST_M_S, MOST_M_S = 1e-4, 1.0
 LEVELS = 5
 """Noises at which the carries that count run."""
 MOST_CARRIES_IN_PYTHON = 20_000
-"""More carries of a Python controller than this take longer than about a quarter of an hour."""
+"""More carries that Python steps than this take longer than about a quarter of an hour."""
 
 # Half of the window in ln(noise), for a relative half-width h of the interval. Where noise makes a
 # contact reach the end of a palm, the rate's quantile is about −c/noise, whose second derivative in
@@ -91,6 +92,7 @@ class NoiseLimit(Result):
     carries: int
     """Those that count."""
     pilot_carries: int
+    world: str
     points: tuple[NoisePoint, ...]
     controller: str
     seed: int
@@ -103,7 +105,8 @@ class NoiseLimit(Result):
         low, high = (100 * end for end in self.interval)
         star = bold(f"σ* = {100 * self.sigma_star_m_s:.3g} cm/s")
         yield Line(star, f", 95 % {low:.3f} to {high:.3f}")
-        yield quiet(f"{self.controller}, seed {self.seed}")
+        place = "" if self.world == DEFAULT_WORLD else f", {self.world}"
+        yield quiet(f"{self.controller}, seed {self.seed}{place}")
         yield f"at robot.noise_m_s = σ*, {100 * self.rate:g} % of carries drop the object"
         heads = ("noise (cm/s)", "carries", "dropped % (95 %)")
         yield Table([point.row() for point in self.points if point.counts], heads, right=heads)
@@ -128,6 +131,7 @@ def noise_limit(
     drop_rate: float = 0.01,
     relative_half_width: float = 0.01,
     seed: int = 0,
+    world: str = "quasistatic",
     threads: int | None = None,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
@@ -138,12 +142,14 @@ def noise_limit(
 
     Args:
         scene: as in `palmbots.carry`.
-        controller: as in `palmbots.carry`. A Python controller runs one carry after the other, so
-            it needs a greater `relative_half_width`.
+        controller: as in `palmbots.carry`. A Python controller is slow, so it needs a greater
+            `relative_half_width`.
         drop_rate: share of carries that drop at the limit.
         relative_half_width: half-width of the 95 % interval, relative to the noise. The interval
             may be a little wider, because the number of carries is an estimate.
         seed: random seed.
+        world: as in `palmbots.carry`. One that Python steps is as slow as a Python controller, and
+            runs in one process per processor.
         threads: worker threads; None: one per processor.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
@@ -162,13 +168,14 @@ def noise_limit(
     workers = available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
     base = load_scene(scene, overrides)
     few = max(200, math.ceil(4 / drop_rate))
-    if entry.is_python:
-        _refuse_if_slow(entry, drop_rate, relative_half_width, few)
+    place = world_entry(world)
+    if entry.is_python or place.is_stepped:
+        _refuse_if_slow(entry, place, drop_rate, relative_half_width, few)
     if all(override.noise_m_s is not None for override in (base.robot.left, base.robot.right)):
         raise PalmbotsError(
             f"{NOISE_KEY}: both robots override it; allowed: an override of one robot at most"
         )
-    run = _Carries(base, entry, seed, workers, on_progress or (lambda fraction: None))
+    run = _Carries(base, entry, place, seed, workers, on_progress or (lambda fraction: None))
     pilot = _locate(run, base.robot.noise_m_s, drop_rate, few)
     pilot_carries = run.carries
     found: Crossing | None = None
@@ -192,6 +199,7 @@ def noise_limit(
         slope=found.slope,
         carries=run.carries - pilot_carries,
         pilot_carries=pilot_carries,
+        world=place.name,
         points=tuple(run.points),
         controller=entry.name,
         seed=seed,
@@ -199,15 +207,19 @@ def noise_limit(
     )
 
 
-def _refuse_if_slow(entry: ControllerEntry, rate: float, half_width: float, few: int) -> None:
+def _refuse_if_slow(
+    entry: ControllerEntry, place: WorldEntry, rate: float, half_width: float, few: int
+) -> None:
     expected = 12 * few + _needed(rate, half_width, _TYPICAL_SLOPE)
     if expected > MOST_CARRIES_IN_PYTHON:
         left = max(MOST_CARRIES_IN_PYTHON - 12 * few, 1)
         least = half_width * math.sqrt(_needed(rate, half_width, _TYPICAL_SLOPE) / left)
+        what, other = f"controller: {entry.name}", "a shipped controller"
+        if place.is_stepped:
+            what, other = f"world: {place.name}", DEFAULT_WORLD
         raise PalmbotsError(
-            f"controller: {entry.name} is in Python and needs about {expected:,} carries, one "
-            f"after the other; allowed: a shipped controller, or a wider interval "
-            f"(relative_half_width {math.ceil(100 * least) / 100:g} or more)"
+            f"{what} is stepped in Python and needs about {expected:,} carries; allowed: {other}, "
+            f"or a wider interval (relative_half_width {math.ceil(100 * least) / 100:g} or more)"
         )
 
 
@@ -223,6 +235,7 @@ class _Carries:
 
     base: Scene
     entry: ControllerEntry
+    place: WorldEntry
     seed: int
     threads: int
     report: Callable[[float], None]
@@ -244,11 +257,10 @@ class _Carries:
         index = np.arange(count) % len(noises)
         seeds = np.arange(first, first + count, dtype=np.uint64) + np.uint64(self.seed)
         start = self.fraction
-        outcome = run_batch(
-            [self._spec(noise) for noise in noises],
+        outcome = carry_many(
+            [self._prepared(noise) for noise in noises],
             index,
             seeds,
-            self.entry,
             threads=self.threads,
             watch=lambda done: self.report(start + share * done / count),
         )["outcome"]
@@ -273,11 +285,11 @@ class _Carries:
         self.points = [NoisePoint(p.noise_m_s, p.carries, p.drops, False) for p in self.points]
         self.fraction = 0.3
 
-    def _spec(self, noise: float) -> Any:
+    def _prepared(self, noise: float) -> Prepared:
         if noise not in self.prepared:
             scene = load_scene(self.base, {NOISE_KEY: noise})
-            self.prepared[noise] = prepare(scene, self.entry)
-        return self.prepared[noise].spec
+            self.prepared[noise] = prepare(scene, self.entry, self.place)
+        return self.prepared[noise]
 
 
 def _fit(points: list[NoisePoint], rate: float) -> Crossing | None:
@@ -345,7 +357,7 @@ def _measure(
     """The crossing from carries of its own, and half the window of ln(noise) in which they ran."""
     window = min(math.sqrt(_WINDOW_SQUARED * half_width), _WIDEST_PROBIT / pilot.slope)
     count = max(_needed(rate, half_width, pilot.slope), 200 * LEVELS)
-    if run.entry.is_python:
+    if run.entry.is_python or run.place.is_stepped:
         count = min(count, MOST_CARRIES_IN_PYTHON)
     steps = np.linspace(-window, window, LEVELS)
     noises = [min(math.exp(pilot.x + float(step)), MOST_M_S) for step in steps]

@@ -10,10 +10,12 @@ steps, take longer; for them the number must be given.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import whole_number
@@ -31,7 +33,7 @@ from palmbots.simulation.batch import (
     available_cores,
     can_run_in_lanes,
     is_built,
-    run_seeds,
+    run_batch,
 )
 from palmbots.simulation.carry_worker import run_apart
 from palmbots.simulation.prepare import Prepared, check_precision, prepare
@@ -266,9 +268,27 @@ def carry_seeds(
     report: Callable[[float], None] | None = None,
 ) -> Columns:
     """Columns of the carries with seeds first … first + count − 1, in the fastest way there is."""
-    spec, entry, cores = prepared.spec, prepared.controller, available_cores()
     watch = None if report is None else lambda done: report(done / count)
-    if entry.is_python or prepared.world.is_stepped:
-        seeds = (np.arange(count, dtype=np.uint64) + np.uint64(first)).tolist()
-        return run_apart([prepared], [0] * count, seeds, precision, processes=cores, watch=watch)
-    return run_seeds(spec, entry, first, count, precision, threads=cores, watch=watch)
+    seeds = np.arange(count, dtype=np.uint64) + np.uint64(first)
+    index = np.zeros(count, np.uint32)
+    return carry_many([prepared], index, seeds, precision, threads=available_cores(), watch=watch)
+
+
+def carry_many(
+    prepared: Sequence[Prepared],
+    index: NDArray[Any],
+    seeds: NDArray[np.uint64],
+    precision: str = "double",
+    *,
+    threads: int,
+    watch: Callable[[int], None] | None = None,
+) -> Columns:
+    """Columns of the carries of ``prepared[index[i]]`` with ``seeds[i]``, which have the same
+    controller and world: in processes of their own where Python steps them."""
+    entry, world = prepared[0].controller, prepared[0].world
+    if entry.is_python or world.is_stepped:
+        return run_apart(
+            prepared, index.tolist(), seeds.tolist(), precision, processes=threads, watch=watch
+        )
+    specs = [one.spec for one in prepared]
+    return run_batch(specs, index, seeds, entry, precision, threads=threads, watch=watch)

@@ -49,8 +49,8 @@ PILOT = 12
 """The smallest number of pilot replicates."""
 FEWEST, MOST = 16, 10_000
 """Limits of the number of replicates that count."""
-BUDGET = 200_000
-"""Carries."""
+SPLITTING = 20
+"""A budget of fewer stages than this has plain carries only: splitting would not end within it."""
 _AT_ONCE = 16  # replicates between two checks of the budget; not a matter of threads
 _SEEDS_APART = 2**41  # plain carries share no seeds with those of other commands
 # More replicates than the scatter of the pilot requires, because that scatter is an estimate: at
@@ -111,10 +111,13 @@ class DropRate(Result):
             yield Table(rows, heads, right=heads)
         if not self.is_narrow:
             yield f"the budget of {self.budget:,} carries allows no narrower interval (--budget)"
-        if not self.carries:
+        cost = f"cost: that of {self.equivalent_carries:,.0f} whole carries; budget: {self.budget:,}"
+        if self.carries:
+            yield quiet(cost)
+        else:
             yield quiet(
                 f"{plural(self.replicates, 'replicate')} of {plural(self.effort, 'carry')} per "
-                f"stage; cost: that of {self.equivalent_carries:,.0f} whole carries"
+                f"stage; {cost}"
             )
             if self.effort < EFFORT:
                 yield quiet(
@@ -202,7 +205,7 @@ def estimate_drop_rate(
         fractions, cost = tuple(_fractions(stages, effort)), run.carries(run.ticks - spent)
     else:
         count, is_narrow = 0, False
-        carries = cost = max(1000, budget - round(run.carries(run.ticks)))
+        carries = cost = max(1000, budget - math.ceil(run.spent))
         dropped = run.plain(carries)
         rate, interval = dropped / carries, clopper_pearson(dropped, carries)
     run.report(1.0)
@@ -242,8 +245,13 @@ class _Splitting:
         self._budget, self._workers, self._on_progress = budget, workers, on_progress
         self._core = prepared.controller.for_core(prepared.spec)
         self._duration_s = scene.task.distance_m / scene.robot_of("left").speed_m_s
-        self.levels = _core.choose_levels(prepared.spec, self._core, seed, max(effort, 1000), SHARE)
-        self.ticks = 0
+        self.levels: list[float] = []
+        self.ticks = self._before = 0
+        tried = max(effort, EFFORT)
+        if budget >= SPLITTING * tried:
+            self.levels, self._before = _core.choose_levels(
+                prepared.spec, self._core, seed, tried, SHARE
+            )
         self._fraction = 0.0
 
     def report(self, fraction: float) -> None:
@@ -255,10 +263,15 @@ class _Splitting:
         """How many whole carries last that many ticks."""
         return ticks * self._prepared.spec.period / self._duration_s
 
+    @property
+    def spent(self) -> float:
+        """What the work has cost so far, in carries."""
+        return self.carries(self._before + self.ticks)
+
     def affordable(self, pilot: int) -> int:
         """How many replicates the rest of the budget allows."""
         each = self.carries(self.ticks) / max(pilot, 1)
-        return int((self._budget - self.carries(self.ticks)) / each) if each > 0 else 0
+        return int((self._budget - self.spent) / each) if each > 0 else 0
 
     def planned(self, pilot: int, count: int) -> float:
         """The completed fraction after the pilot run, where `count` more replicates follow."""
@@ -268,13 +281,14 @@ class _Splitting:
         """At least `PILOT` replicates and a quarter of those wanted, or half of the budget."""
         rows = np.zeros((0, len(self.levels) + 1, 2))
         target = PILOT
-        while len(rows) < target and self.carries(self.ticks) < self._budget / 2:
+        while self.levels and len(rows) < target and self.spent < self._budget / 2:
             at = len(rows)
-            half = self._budget / 2 - self.carries(self.ticks)
-            each = self.carries(self.ticks) / at if at else half / 2
+            half = self._budget / 2 - self.spent
+            # At first, the most that a replicate can cost.
+            each = self.carries(self.ticks) / at if at else (len(self.levels) + 1) * self._effort
             more = max(1, min(target - at, _AT_ONCE, int(half / max(each, 1e-9))))
             rows = np.concatenate([rows, self._run(at, more)])
-            self.report(self.carries(self.ticks) / self._budget)
+            self.report(self.spent / self._budget)
             if len(rows) >= target:
                 wanted = min(self.wanted(rows, half_width), self.affordable(len(rows)))
                 target = max(target, math.ceil(wanted / 4)) if wanted else target

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palmbots._types import Interval, MaybeNaN, Overrides
-from palmbots._util.arguments import one_of, seed_of, show
+from palmbots._util.arguments import seed_of, show
 from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import Z95, wilson
 from palmbots._util.optional_imports import require
@@ -26,9 +26,10 @@ from palmbots.control.registry import ControllerLike, resolve, shipped_names
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.variations import with_values
-from palmbots.simulation.batch import DELIVERED, DROPPED, available_cores, run_seeds
-from palmbots.simulation.prepare import Prepared, prepare
-from palmbots.simulation.worlds import PRECISIONS
+from palmbots.simulation.batch import DELIVERED, DROPPED
+from palmbots.simulation.outcome_counts import carry_seeds
+from palmbots.simulation.prepare import Prepared, check_precision, prepare
+from palmbots.simulation.worlds import DEFAULT_WORLD, world_entry
 from palmbots.wire import PACKET_SIZE
 
 if TYPE_CHECKING:
@@ -113,6 +114,7 @@ class Comparison(Result):
     scene: Scene
     key: str
     seed: int
+    world: str
     rows: tuple[Row, ...]
     refusals: tuple[Refusal, ...] = field(default=(), metadata=NOT_IN_JSON)
     """Controllers have no row where they refuse the scene."""
@@ -128,7 +130,8 @@ class Comparison(Result):
         """One row for each controller and value, and what was refused."""
         rows = self.rows
         carries = plural(rows[0].n, "carry") if rows else "no carry"
-        yield f"{carries} per value and controller, seeds from {self.seed}; intervals: 95 %"
+        place = "" if self.world == DEFAULT_WORLD else f" in the {self.world} world"
+        yield f"{carries} per value and controller{place}, seeds from {self.seed}; intervals: 95 %"
         section, _, name = self.key.rpartition(".")
         is_long = len(self.key) > _LONGEST_HEAD and section  # takes two lines
         key_head = f"{section}.\n{name}" if is_long else self.key
@@ -192,7 +195,12 @@ class Comparison(Result):
         return xr.Dataset(
             variables,
             coords={"controller": controllers, "value": values, "end": ["low", "high"]},
-            attrs={"key": self.key, "seed": self.seed, "carries": carries},
+            attrs={
+                "key": self.key,
+                "seed": self.seed,
+                "carries": carries,
+                "world": self.world,
+            },
         )
 
     def to_dataframe(self) -> Any:
@@ -239,6 +247,7 @@ def compare(
     controllers: Sequence[ControllerLike] | None = None,
     carries: int = 200,
     seed: int = 0,
+    world: str = "quasistatic",
     precision: str = "double",
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
@@ -256,6 +265,8 @@ def compare(
             it.
         carries: carries per controller and value. All have the seeds seed, seed + 1, …
         seed: the first seed.
+        world: as in `palmbots.carry`. The carries of a world that Python steps run in one process
+            per processor, and take about a second each.
         precision: ``double`` or ``float``.
         overrides: further scene keys to set.
         on_progress: called with the completed fraction.
@@ -266,7 +277,8 @@ def compare(
     """
     entries = [resolve(c) for c in (shipped_names() if controllers is None else controllers)]
     _each_once("controllers", [entry.name for entry in entries])
-    one_of("precision", precision, PRECISIONS)
+    place = world_entry(world)
+    check_precision(place, precision)
     seed = seed_of(seed)
     if not isinstance(key, str):
         raise SceneError(f"sweep: {show(key)} is not a key; allowed: a dotted key")
@@ -286,13 +298,15 @@ def compare(
                 on_progress((i + fraction) / len(cells))
 
         try:
-            prepared = prepare(at, entry)
+            prepared = prepare(at, entry, place)
         except SceneError as error:
             refusals.append(Refusal(entry.name, value, str(error)))
         else:
             rows.append(_cell(prepared, key, value, carries, seed, precision, report))
         report(1.0)
-    found = Comparison(scene=base, key=key, seed=seed, rows=tuple(rows), refusals=tuple(refusals))
+    found = Comparison(
+        scene=base, key=key, seed=seed, world=place.name, rows=tuple(rows), refusals=tuple(refusals)
+    )
     if not rows:
         raise PalmbotsError(found.refusal_lines()[0])
     return found
@@ -316,15 +330,7 @@ def _cell(
     precision: str,
     report: Callable[[float], None],
 ) -> Row:
-    run = run_seeds(
-        prepared.spec,
-        prepared.controller,
-        seed,
-        n,
-        precision,
-        threads=available_cores(),
-        watch=lambda finished: report(finished / n),
-    )
+    run = carry_seeds(prepared, seed, n, precision, report)
     dropped = int(np.count_nonzero(run["outcome"] == DROPPED))
     delivered = int(np.count_nonzero(run["outcome"] == DELIVERED))
     square, low, high = _ratio(np.mean(run["contact_rms_m"] ** 2, axis=1), np.ones(n))

@@ -15,6 +15,7 @@ from palmbots._util.named_registry import Registry
 from palmbots.simulation.driven_world import DrivenWorld
 
 PRECISIONS = ("double", "float")
+DEFAULT_WORLD = "quasistatic"
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class WorldEntry:
 
 
 _WORLDS: Registry[WorldEntry] = Registry(
-    "world", {"quasistatic": "palmbots.simulation.quasistatic:WORLD"}
+    "world", {DEFAULT_WORLD: "palmbots.simulation.quasistatic:WORLD"}
 )
 
 
