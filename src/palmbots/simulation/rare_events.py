@@ -111,7 +111,7 @@ class DropRate(Result):
             yield Table(rows, heads, right=heads)
         if not self.is_narrow:
             yield f"the budget of {self.budget:,} carries allows no narrower interval (--budget)"
-        cost = f"cost: that of {self.equivalent_carries:,.0f} whole carries; budget: {self.budget:,}"
+        cost = f"cost: {self.equivalent_carries:,.0f} whole carries; budget: {self.budget:,}"
         if self.carries:
             yield quiet(cost)
         else:
