@@ -144,8 +144,8 @@ def assess(
 
     Args:
         scene: as in `palmbots.carry`.
-        turn_radius_m: of the 90° turn that is tried in the MuJoCo world if the path is straight; 0:
-            no curve is tried.
+        turn_radius_m: radius of the 90° turn that is tried in the MuJoCo world if the path is
+            straight; 0: no curve is tried.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
 

@@ -132,7 +132,7 @@ def compare_on_curve(
     Args:
         scene: as in `palmbots.carry`. If its path is straight, it turns by 90° instead.
         controller: as in `palmbots.carry`.
-        turn_radius_m: of the turn that takes the place of a straight path.
+        turn_radius_m: radius of the turn that replaces a straight path.
         carries: carries with each change, all with the seeds 0, 1, …
         overrides: scene keys to set.
         on_progress: called with the completed fraction.

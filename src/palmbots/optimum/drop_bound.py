@@ -148,7 +148,7 @@ def bound(
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Bound:
-    """Compute what no controller beats while robots drive.
+    """Bound all controllers whose robots keep driving.
 
     The result is the greatest noise at which such a controller can drop as few as 1 % of carries,
     and the least drop rate at the scene's own noise. A robot that stands with its brakes on has

@@ -68,13 +68,13 @@ COARSE = Grid(80, 40, 1.0)
 def refuse_unfit(scene: Scene) -> None:
     """Raise `SceneError` for a scene that the opening problem cannot describe."""
     if scene.bumps.script or scene.bumps.rate_per_m > 0 or scene.bumps.pushes:
-        raise SceneError("bumps: the optimum does not know them; allowed: no bumps and no pushes")
+        raise SceneError("bumps: the bound does not cover them; allowed: no bumps and no pushes")
     if scene.faults.random_reboots or any(
         fault.kind in {"reboot", "freeze"} for fault in scene.faults.script
     ):
         raise SceneError(
-            "faults: a robot that reboots or freezes may stand, and the optimum knows robots that "
-            "drive only; allowed: other faults"
+            "faults: a robot that reboots or freezes may stand, and the bound covers only "
+            "robots that drive; allowed: other faults"
         )
     left, right = scene.robot_of("left"), scene.robot_of("right")
     differ = left.noise_tau_s != right.noise_tau_s

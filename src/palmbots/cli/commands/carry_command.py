@@ -55,8 +55,8 @@ def carry(
 
     Args:
         forks: from this time [s] on, use the random numbers of another seed (repeatable).
-        seeds: count the outcomes of this many seeds, from 0; None: about 1000, where that takes a
-            second.
+        seeds: count the outcomes of this many seeds, from 0; None: up to 1000, and none where
+            carries take long.
         out: write figures, animation and log to this folder.
         animation: ``gif``, mp4 or none; None: gif.
         video: write a 3-D video and a still of the MuJoCo world.
