@@ -70,8 +70,8 @@ def run(arguments: list[str]) -> int:
     os.environ["MPLBACKEND"] = "agg"
     try:
         with hold_warnings():
-            app = build_app(arguments[0] if arguments else None, listed=True)
-            status = app(args=arguments, prog_name="palmbots", standalone_mode=False)
+            group = _commands(arguments[0] if arguments else None)
+            status = group(args=arguments, prog_name="palmbots", standalone_mode=False)
         if status == INTERRUPTED:  # Typer's answer to a KeyboardInterrupt; commands never return it
             return _interrupted()
         return status if isinstance(status, int) else DONE
@@ -100,12 +100,15 @@ class _Command(TyperCommand):
     """A command whose help lists the worlds where it says ``{worlds}``."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        for option in self.params:
-            if "{worlds}" in (getattr(option, "help", None) or ""):
+        texts = {option: getattr(option, "help", None) for option in self.params}
+        for option, text in texts.items():
+            if "{worlds}" in (text or ""):
                 from palmbots.simulation import world_names
 
-                option.help = option.help.replace("{worlds}", " or ".join(world_names()))  # type: ignore[attr-defined]
+                option.help = text.replace("{worlds}", " or ".join(world_names()))  # type: ignore[attr-defined, union-attr]
         super().format_help(ctx, formatter)
+        for option, text in texts.items():  # other worlds may be registered until it is asked again
+            option.help = text  # type: ignore[attr-defined]
 
 
 class _Group(TyperGroup):
@@ -116,9 +119,14 @@ class _Group(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if args[0] in self.commands:  # also when the shell completes what follows
-            made: Any = get_command(build_app(args[0], listed=True))
-            self.commands[args[0]] = made.commands[args[0]]
+            self.commands[args[0]] = _commands(args[0]).commands[args[0]]
         return super().resolve_command(ctx, args)
+
+
+@cache
+def _commands(wanted: str | None) -> Any:
+    """The commands as Typer runs them; only the one that is wanted has options."""
+    return get_command(build_app(wanted, listed=True))
 
 
 @cache
@@ -192,8 +200,7 @@ def _usage_message(error: Any) -> str:
 def _with_option_name(message: str, arguments: list[str]) -> str:
     """The message with the option that was given, or should have been, in place of the Python
     argument it stands for: ``--slope-deg: value is …``, not ``slope_deg: value is …``."""
-    group: Any = get_command(build_app(arguments[0] if arguments else None, listed=True))
-    command = group.commands.get(arguments[0]) if arguments else None
+    command = _commands(arguments[0]).commands.get(arguments[0]) if arguments else None
     name, _, rest = message.partition(":")
     for parameter in getattr(command, "params", ()):
         given = any(word.split("=")[0] in parameter.opts for word in arguments)
