@@ -82,11 +82,12 @@ def best_of(counts: Sequence[OutcomeCounts]) -> OutcomeCounts | None:
 def on_mechanics(analysis: Analysis, name: str) -> Answer:
     """Whether the object can be carried at all, and what is tightest."""
     question, command = "Can it be carried?", f"palmbots analyze {name}"
-    if analysis.holds and not analysis.warnings:
-        tightest = f"tightest margin: {analysis.ranking[0].sentence()}"
-        return Answer(question, "yes", tightest, command)
     if analysis.holds:
-        return Answer(question, "partly", analysis.warnings[0], command)
+        # The next question is about the weight.
+        doubts = [one for one in analysis.warnings if one != analysis.load.warning()]
+        tightest = next(one for one in analysis.ranking if one.quantity != "mass")
+        text = "; ".join([*doubts[:1], f"tightest margin: {tightest.sentence()}"])
+        return Answer(question, "partly" if doubts else "yes", text, command)
     failing = next(one for one in analysis.properties.values() if not one.holds)
     return Answer(
         question, "no", f"with the {failing.shallow} palm shallow, {failing.binding}", command
