@@ -84,12 +84,19 @@ def longest_way(graph: dict[Any, list[Any]], rest: tuple[str, str]) -> int:
     }  # fmt: skip
     assert goal
     assert all(after in goal for state in goal for after in graph[state])
-    done, rounds, left = set(goal), 0, set(graph) - goal
+    number = {state: k for k, state in enumerate(graph)}  # a state takes long to compare
+    done, rounds = [state in goal for state in graph], 0
+    left = {
+        number[state]: [number[after] for after in some]
+        for state, some in graph.items()
+        if state not in goal
+    }
     while left:
-        ready = {state for state in left if all(after in done for after in graph[state])}
+        ready = [state for state, some in left.items() if all(done[after] for after in some)]
         assert ready, "a run never reaches the goal"
-        done |= ready
-        left -= ready
+        for state in ready:
+            done[state] = True
+            del left[state]
         rounds += 1
     return rounds
 

@@ -6,6 +6,7 @@ contact that slides. Nothing of the package is imported.
 """
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 State = tuple[Any, ...]
@@ -30,6 +31,7 @@ class MachineSearch:
 
     def __init__(self, machines: Any, *, reach: int, delay: int, turning: int) -> None:
         self.machines = machines
+        self.row = cache(lambda robot, *seen: row_of(machines[robot], *seen))
         self.outputs = [{s.name: s for s in machine.states} for machine in machines]
         self.reach, self.delay, self.turning = reach, delay, turning
 
@@ -51,7 +53,7 @@ class MachineSearch:
                 choices.append("")
             for heard in choices:
                 sign = (p[robot] > 0) - (p[robot] < 0)
-                row = row_of(self.machines[robot], names[robot], sign, heard, palms[robot][1] == 0)
+                row = self.row(robot, names[robot], sign, heard, palms[robot][1] == 0)
                 name = names[robot] if row is None else row.next
                 box = [(word, min(age + 1, self.delay)) for word, age in mine]
                 if row is not None and row.heard:

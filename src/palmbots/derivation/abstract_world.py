@@ -94,12 +94,16 @@ class _Machine:
         self._robots = {first.memory: first}
         self.first: bytes = first.memory
         self.step = cache(self._step)
+        self.name = cache(self._name)
 
     def _step(self, memory: bytes, *seen: Any) -> tuple[bytes, Any]:
         robot = copy(self._robots[memory])
         out = robot.step(*seen)
         self._robots.setdefault(robot.memory, robot)
         return robot.memory, out
+
+    def _name(self, memory: bytes) -> str:
+        return self._robots[memory].name
 
     def robot(self, memory: bytes) -> Any:
         """The controller with this memory."""
@@ -115,6 +119,7 @@ def _after_turn(palm: tuple[int, int], command: int, turning: int = _TURNING) ->
     return (command, turning) if command != palm[0] else (command, max(0, palm[1] - 1))
 
 
+@cache
 def _shown(palms: tuple[tuple[int, int], tuple[int, int]]) -> Palms:
     def shown(angle: int, turning: int) -> Palm:
         return "turning" if turning else "steep" if angle == _STEEP else "shallow"
@@ -179,12 +184,13 @@ class _Pair(ABC):
         wheels = _both(state.wheels, robot, move)
         direction, other = _MOVES[move], _MOVES[wheels[1 - robot]]
         signs = (_sign(state.p[0]), _sign(state.p[1]))
+        shown = _shown(palms)
         motion = None
         if direction is not None:
             fights = other not in (None, direction)
-            motion = Motion(signs, _shown(palms), direction, fights)
+            motion = Motion(signs, shown, direction, fights)
         begins = state.wheels[robot] == 0
-        turn = Turn(robot, state.p, self.names(minds), _shown(palms), motion, begins, said)
+        turn = Turn(robot, state.p, self.names(minds), shown, motion, begins, said)
         for p in _moved(state.p, motion):
             yield turn, State(p, palms, wheels, minds, lead)
 
@@ -199,8 +205,8 @@ class _Distributed(_Pair):
         return (self._robot.first, self._robot.first), ((), ())
 
     def names(self, minds: Any) -> tuple[str, str]:
-        left, right = (self._robot.robot(memory).name for memory in minds[0])
-        return left, right
+        left, right = minds[0]
+        return self._robot.name(left), self._robot.name(right)
 
     def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         robots, inboxes = minds
@@ -244,8 +250,8 @@ class MachinePair(_Pair):
 
     def names(self, minds: Any) -> tuple[str, str]:
         """The case of each robot."""
-        left, right = (m.robot(x).name for m, x in zip(self._robots, minds[0], strict=True))
-        return left, right
+        left, right = minds[0]
+        return self._robots[0].name(left), self._robots[1].name(right)
 
     def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         """The step in which no message is late."""
@@ -307,8 +313,8 @@ class _Resilient(_Pair):
         return minds
 
     def names(self, minds: Any) -> tuple[str, str]:
-        left, right = (m.robot(x).name for m, x in zip(self._robots, minds[0], strict=True))
-        return left, right
+        left, right = minds[0]
+        return self._robots[0].name(left), self._robots[1].name(right)
 
     def hear(self, minds: Any, robot: int, sign: int, turned: bool) -> tuple[Any, int, int, str]:
         robots, mail, known, said = minds
