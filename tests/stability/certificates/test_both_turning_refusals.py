@@ -182,7 +182,7 @@ def test_jam_conditions_by_hand(
 ) -> None:
     t = Fraction(tangents[0]), Fraction(tangents[1])
     mu = Fraction(friction)
-    at = [Corner(t, (mu, mu), Fraction(1), Fraction(1), Fraction(turn), Fraction(2), Fraction(0))]
+    at = [Corner(t, (mu, mu), Fraction(1), Fraction(0), Fraction(turn), Fraction(2), Fraction(0))]
     for number, moves in zip((1, 2), possible, strict=True):
         if moves:
             prove_no_jam(number, at)
@@ -202,7 +202,7 @@ def test_jam_proof_by_hand(
     box = box_of(pb.load_scene("paper"))
     part = Subbox(box.shallow_deg, box.friction, box.width, box.contacts)
     t, mu = (float(tangents[0]), float(tangents[1])), float(friction)
-    corner = property_proof.Corner(t, (mu, mu), (1.0, 1.0), float(turn), 2.0, 0.0)
+    corner = property_proof.Corner(t, (mu, mu), (1.0, 0.0), float(turn), 2.0, 0.0)
     monkeypatch.setattr(jam_proof, "corners", lambda *_: [corner])
     for number, moves in zip((1, 2), possible, strict=True):
         obligation = Obligation("jam", "no jam", number, 0, part)

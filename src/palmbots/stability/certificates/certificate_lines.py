@@ -36,6 +36,9 @@ def _witness(witness: dict[str, Any]) -> Iterator[Item]:
             f"the {name.split()[1]} palm touches edge {witness['edge']} of the outline "
             "(counted counter-clockwise from the left contact, which is 0)"
         )
+    elif name.startswith("jam") and witness["fails"] != "wedged":
+        side = "right" if witness["fails"] == "lift_left" else "left"
+        yield f"{name}: the COM lies beyond the {side} contact, so a contact need not slide"
     elif name.startswith("jam"):
         yield f"{name}: both contacts are wedged, and neither slides"
     elif name == "0 turning":

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The checker's conditions for "no jam": forms at the corners of a box, in exact rationals.
 
-Claim: nowhere in the certificate's box are both contacts wedged, on closing with their up edges, on
-opening with their down edges. With the forms of `property_conditions`, the left contact is wedged
-where b − a T ≤ 0 and the right one where d + c T ≤ 0, with the edges (a, b) and (c, d).
+Claim: everywhere in the certificate's box the object presses on both palms without any squeeze,
+since its COM lies between the contacts, and nowhere are both contacts wedged, on closing with their
+up edges, on opening with their down edges. With the forms of `property_conditions`, the left
+contact is wedged where b − a T ≤ 0 and the right one where d + c T ≤ 0, with the edges (a, b) and
+(c, d).
 
 An edge that is nowhere wedged excludes a jam. So does a d + b c > 0 with a > 0 and c > 0: the sum
 c (b − a T) + a (d + c T) = a d + b c would be at most 0 in a jam. With a < 0 and c < 0, as on
@@ -19,11 +21,14 @@ from palmbots.stability.certificates.checker.property_conditions import (
 )
 
 _UP, _DOWN = 1, -1
+_PALMS = {"lift_left": LEFT, "lift_right": RIGHT}
 _DIRECTION = {1: _UP, 2: _DOWN}  # by the number of the obligation: closing, opening
 
 
 def prove_no_jam(number: int, at: list[Corner]) -> None:
     """Raise `CheckFailed` unless the corners of a box prove that the robots do not jam in it."""
+    if not all(corner.pressed(side) > 0 for corner in at for side in (LEFT, RIGHT)):
+        raise CheckFailed("the COM may lie beyond a contact")
     slide = _DIRECTION[number]
     for side in (LEFT, RIGHT):
         if all(corner.bounded(side, slide) > 0 for corner in at):
@@ -35,9 +40,14 @@ def prove_no_jam(number: int, at: list[Corner]) -> None:
 
 
 def refute_no_jam(number: int, what: str, at: list[Corner]) -> None:
-    """Raise `CheckFailed` unless both contacts are wedged at all corners around a point."""
+    """Raise `CheckFailed` unless the claim fails at all corners around a point: both contacts are
+    wedged, or the object does not press on a palm."""
+    if what in _PALMS:
+        if not all(corner.pressed(_PALMS[what]) < 0 for corner in at):
+            raise CheckFailed("the COM is not certainly beyond a contact at the witness")
+        return
     if what != "wedged":
-        raise CheckFailed('the condition of "no jam" is "wedged"')
+        raise CheckFailed('the condition of "no jam" is "wedged", "lift_left" or "lift_right"')
     slide = _DIRECTION[number]
     if not all(corner.bounded(side, slide) < 0 for corner in at for side in (LEFT, RIGHT)):
         raise CheckFailed("the contacts are not certainly wedged at the witness")
