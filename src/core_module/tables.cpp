@@ -62,7 +62,7 @@ nb::dict described(const Spec& spec) {
     d["name"] = name_of(static_cast<State>(s));
     d["case"] = std::string(1, output.name);
     d["palm"] = name_of(output.command.palm);
-    d["move"] = name_of(output.command.move);
+    d["move"] = name_of(output.brakes ? Move::hold : output.command.move);
     d["stop"] = output.command.stop || output.brakes;
     d["waits"] = output.waits;
     d["message"] = name_of(output.message);

@@ -51,7 +51,7 @@ def test_times_in_the_default_scene() -> None:
         "wait": 10.0,
     }
     assert table["shortest_lease_s"] == pytest.approx(2 * (0.05 + 0.05 + 0.01))
-    assert table["lease_s"] == pytest.approx(0.22 + 4 * 0.05)
+    assert table["lease_s"] == pytest.approx(0.22 + 3 * 0.05)
     assert _core.transition_table("centralized", to_spec(Scene())) is None
     late = table_of("shared-sign", to_spec(load_scene({"radio": {"latency_s": 0.2}})))
     assert (late["limits_s"]["turn"], late["limits_s"]["notice"]) == (0.21, 0.21)
@@ -74,7 +74,7 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, 
     for seed in range(20):
         chance = random.Random(f"{controller} {leads} {brake} {seed}")
         shipped = _core.table_robot(controller, spec, leads)
-        clock = Clock(beacon=5, lease=42, **limits)
+        clock = Clock(beacon=5, lease=37, **limits)
         rules = SignRobot(clock, leads, brake, shares, by_touch=by_touch)
         sign, news_sign, deaf = 0, 0, seed % 2 == 0
         for tick in range(3000):
@@ -87,7 +87,7 @@ def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, 
             news, age = None, 0
             if chance.random() < 0.2 and not deaf:
                 news = (news_sign, chance.choice(("steep", "shallow")) if news_sign else "steep")
-                age = chance.choice((5, 12, 41, 42, 43, 50)) if tick % 3 else 12
+                age = chance.choice((5, 12, 36, 37, 38, 50)) if tick % 3 else 12
             number = 0 if news is None else _core.MessageKind[WORDS[news]]
             palm, move, stop, message, send = shipped.step(sign, True, number, age)
             expected = rules.step(sign, news, age)
@@ -131,9 +131,9 @@ FLOORS = [
     # Each at the noise up to which at most 1 % of the carries may drop the object.
     ("silent", {"robot.noise_m_s": 0.030}),
     ("shared-sign", {"robot.noise_m_s": 0.0355, "control.brake": False}),
-    ("shared-sign", {"robot.noise_m_s": 0.051}),
-    ("shared-sign", {"robot.noise_m_s": 0.051, "task.direction": "backward"}),
-    ("shared-sign", {"robot.noise_m_s": 0.045, "radio.loss": 0.2, "faults.random_reboots": 1}),
+    ("shared-sign", {"robot.noise_m_s": 0.061}),
+    ("shared-sign", {"robot.noise_m_s": 0.061, "task.direction": "backward"}),
+    ("shared-sign", {"robot.noise_m_s": 0.052, "radio.loss": 0.2, "faults.random_reboots": 1}),
     ("shared-sign", {"robot.noise_m_s": 0.03} | UNEQUAL),
 ]  # fmt: skip
 
@@ -248,5 +248,5 @@ def test_trailing_robot_stops_when_both_are_outward_and_leading_one_when_both_ar
             # Away: the rear robot backwards, the front one forwards; closer: the reverse.
             correction = 0.03 * (1 if start > 0 else -1)
             sign = {front: 1, rear: -1}
-            assert speeds[stops] == pytest.approx(sense * sign[stops] * correction)
+            assert (speeds[stops] == 0).all()
             assert speeds[goes] == pytest.approx(sense * (0.06 + sign[goes] * correction))

@@ -68,8 +68,10 @@ class SignRobot:
         else:
             self.phase = None
             move, stop = self._together(sign, self.partner_sign)
-        says = other(self.palm) if self.tie is not None and self.ending else self.palm
-        message = (sign, says if sign else "steep")
+        # Only the leader of a tie names its palm; every other sign has one message.
+        names = self.tie is not None and self.leads
+        says = other(self.palm) if self.ending else self.palm
+        message = (sign, says if names else "shallow" if sign < 0 else "steep")
         due = self.shares and (
             message != self.message or self.now - self.said_at >= self.clock.beacon
         )
@@ -145,7 +147,7 @@ class SignRobot:
                 self.palm = other(self.palm)
             self.turn_began, self.ending = self.now, not self.ending
         self.tie = a
-        return ("away" if a > 0 else "closer"), stops
+        return ("hold" if stops else "away" if a > 0 else "closer"), stops
 
 
 def other(palm: str) -> str:

@@ -2,6 +2,7 @@
 // The resilient controller as shipped (palmbots/control/resilient.hpp, palmbots/control/beacon.hpp)
 // behind resilient.h.
 #include "palmbots/control/resilient.hpp"
+#include "palmbots/control/resilient_timing.hpp"
 
 #include <cstdio>
 #include <cstdlib>
@@ -113,11 +114,25 @@ extern "C" {
 
 struct pair pair;
 
-void set_times(int lease, int hold, int braking, int join, int travels_too) {
-  times = {1,
-           static_cast<std::uint16_t>(lease),
-           {static_cast<std::uint16_t>(hold), static_cast<std::uint16_t>(braking),
-            static_cast<std::uint16_t>(join)}};
+void set_times(int lease, int delay, int braking, int naps, int hold_less, int join_less,
+               int travels_too) {
+  times = palmbots::ResilientTiming::of({.period = 1,
+                                         .beacon = 1,
+                                         .lease = double(lease),
+                                         .watchdog = double(naps),
+                                         .delay = double(delay),
+                                         .braking = double(braking),
+                                         .clock_ratio = 1,
+                                         .shift = 0,
+                                         .room = 0,
+                                         .drift = 0,
+                                         .off_zone = 0})
+              .times;
+  const auto lessen = [](std::uint16_t& limit, int cycles) {
+    limit = static_cast<std::uint16_t>(limit - cycles);
+  };
+  lessen(times.limits[static_cast<int>(Resilient::Limit::hold)], hold_less);
+  lessen(times.limits[static_cast<int>(Resilient::Limit::join)], join_less);
   stale = static_cast<std::uint8_t>(lease + 1);
   travels = travels_too != 0;
   if (lease > LONGEST_LEASE) {

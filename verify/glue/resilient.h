@@ -62,8 +62,10 @@ struct deed {
   unsigned char stop;
 };
 
-/* Times in cycles; `travels`: whether to keep what robots know of travelling and resting. */
-void set_times(int lease, int hold, int braking, int join, int travels);
+/* All times in cycles. Of the first four follow those of the table (palmbots::ResilientTiming), less
+ * `hold_less` and `join_less`. `travels`: whether to keep what robots know of travelling and resting. */
+void set_times(int lease, int delay, int braking, int naps, int hold_less, int join_less,
+               int travels);
 void robot_boot(int side, int again);
 
 /* One more cycle has passed. */

@@ -2,6 +2,7 @@
 // The controllers silent and shared-sign as shipped (palmbots/control/table_robot.hpp) behind signs.h.
 #include "palmbots/control/shared_sign.hpp"
 #include "palmbots/control/silent.hpp"
+#include "palmbots/sim/table_team.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -22,36 +23,13 @@ constexpr std::uint16_t fresh =
 bool talks = true;
 bool brake = true;
 int lease = 0;
-std::uint16_t turn_limit = 0;
-std::uint16_t notice_limit = 0;
-std::uint16_t push_limit = 0;
-std::uint16_t rest_limit = 0;
-std::uint16_t cross_limit = 0;
-
-// Parts and multiples of the push, as Table::seconds has them; at least one cycle.
-std::uint16_t part_of_push(int tenths) {
-  return static_cast<std::uint16_t>(std::max(1, push_limit * tenths / 10));
-}
-
 template <class Table>
-TableTimes<Table> times_of() {
-  if constexpr (Table::mail == palmbots::Mail::beacons) {
-    return {1,
-            fresh,
-            {turn_limit, notice_limit, push_limit, rest_limit, part_of_push(1), part_of_push(3),
-             part_of_push(8), part_of_push(40)}};
-  } else {
-    return {
-        1,
-        fresh,
-        {push_limit, rest_limit, part_of_push(1), part_of_push(8), part_of_push(3), cross_limit}};
-  }
-}
+TableTimes<Table> times{};
 
 // The controller of a robot, awake and without a message of its partner.
 template <class Table>
 TableRobot<Table> awake(int side) {
-  auto robot = robot_in<Table>(pair.mind[side].state, side, times_of<Table>(), brake);
+  auto robot = robot_in<Table>(pair.mind[side].state, side, times<Table>, brake);
   robot.clock().since_entered = pair.mind[side].since_entered;
   return robot;
 }
@@ -59,7 +37,7 @@ TableRobot<Table> awake(int side) {
 // The controller of a robot that starts by touch.
 template <class Table>
 TableRobot<Table> first(int side) {
-  return TableRobot<Table>(times_of<Table>(), {side == RIGHT, brake, true});
+  return TableRobot<Table>(times<Table>, {side == RIGHT, brake, true});
 }
 
 template <class Table>
@@ -125,16 +103,14 @@ extern "C" {
 
 struct pair pair;
 
-void set_program(int talks_too, int may_stop, int longest, int turn, int notice, int push, int rest,
-                 int cross) {
+void set_program(int talks_too, int may_stop, int longest, int turn, int delay, int reach,
+                 int crossing) {
   talks = talks_too != 0;
   brake = may_stop != 0;
   lease = longest;
-  turn_limit = static_cast<std::uint16_t>(turn);
-  notice_limit = static_cast<std::uint16_t>(notice);
-  push_limit = static_cast<std::uint16_t>(push);
-  rest_limit = static_cast<std::uint16_t>(rest);
-  cross_limit = static_cast<std::uint16_t>(cross);
+  const palmbots::TableTiming timing{double(turn), double(delay), double(reach), double(crossing)};
+  times<Silent> = {1, fresh, palmbots::table_limits<Silent>(timing, 1)};
+  times<SharedSign> = {1, fresh, palmbots::table_limits<SharedSign>(timing, 1)};
   if (lease > OLDEST) {
     std::fprintf(stderr, "a lease of %d cycles is too long for the model\n", lease);
     std::exit(2);

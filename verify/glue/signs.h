@@ -28,12 +28,12 @@ struct mind {
 
 struct pair {
   struct mind mind[2];
-  unsigned char message[2];  /* on which each robot acts; 0: its partner is silent */
-  unsigned char age[2];   /* of it, in cycles, */
-  unsigned char bound[2]; /* and as the robot bounds it: since what the message echoes was sent */
+  unsigned char message[2]; /* on which each robot acts; 0: its partner is silent */
+  unsigned char age[2];     /* of it, in cycles, */
+  unsigned char bound[2];   /* and as the robot bounds it: since what the message echoes was sent */
   unsigned char said[2][OLDEST + 1]; /* to each robot, by age; 0: nothing, or no longer of use */
-  unsigned char echo[2]
-                    [OLDEST + 1]; /* how old the newest message was that its partner had heard then */
+  unsigned char
+      echo[2][OLDEST + 1]; /* how old the newest message was that its partner had heard then */
 };
 extern struct pair pair;
 
@@ -43,10 +43,9 @@ struct deed {
   unsigned char stop;
 };
 
-/* `talks`: shared-sign, else silent. `turn`, `push` and `rest`: the limits of the table. All times in
- * cycles. The right robot leads. */
-void set_program(int talks, int brake, int lease, int turn, int notice, int push, int rest,
-                 int cross);
+/* `talks`: shared-sign, else silent. The last four are a palmbots::TableTiming, from which the limits
+ * of the table follow. All times in cycles. The right robot leads. */
+void set_program(int talks, int brake, int lease, int turn, int delay, int reach, int crossing);
 void robot_boot(int side);
 /* Both robots as they are before the left one starts by itself. */
 void start_by_touch(void);

@@ -53,11 +53,11 @@ c_code {
 byte ARMED; /* sum of the above */
 byte START; /* contacts start, and bumps leave them, up to so many cells off the zero zone */
 byte LEASE; /* cycles for which a message counts */
-byte HELD;  /* cycles for which a palm stays up for a partner that fell silent */
+byte HELD_LESS; /* cycles by which a palm stays up for a silent partner for a shorter time than shipped */
 byte DELAY; /* cycles that a beacon takes at most when all is well */
 byte BRAKING; /* cycles after a move that a robot takes its wheels to brake, */
-byte JOIN; /* cycles for which a robot that was ready may still start after its partner */
 byte COAST; /* and that they do */
+byte JOIN_LESS; /* cycles by which a robot that was ready may start after its partner for a shorter time */
 byte NAPS;  /* steps in a row that a robot may miss */
 byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
 byte SKEW;  /* cycles that nobody may travel alone; 0: travel is left out */
@@ -222,10 +222,10 @@ active proctype cycle()
       now.TURN = parameter("TURN");
       now.START = parameter("START");
       now.LEASE = parameter("LEASE");
-      now.HELD = parameter("HELD");
+      now.HELD_LESS = parameter("HELD_LESS");
       now.DELAY = parameter("DELAY");
       now.BRAKING = parameter("BRAKING");
-      now.JOIN = parameter("JOIN");
+      now.JOIN_LESS = parameter("JOIN_LESS");
       now.COAST = parameter("COAST");
       now.NAPS = parameter("NAPS");
       now.TRAVEL = parameter("TRAVEL");
@@ -233,7 +233,8 @@ active proctype cycle()
       now.CALMS = parameter("CALMS");
       now.reboots = parameter("REBOOTS");
       now.bumps = parameter("BUMPS");
-      set_times(now.LEASE, now.HELD, now.BRAKING, now.JOIN, now.SKEW > 0 || now.SPAN > 0);
+      set_times(now.LEASE, now.DELAY, now.BRAKING, now.NAPS, now.HELD_LESS, now.JOIN_LESS,
+                now.SKEW > 0 || now.SPAN > 0);
       robot_boot(LEFT, 0);
       robot_boot(RIGHT, 0);
     };

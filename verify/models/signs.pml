@@ -53,9 +53,7 @@ byte BRAKE; /* whether a robot may stop as a correction */
 byte LEASE; /* cycles for which a message counts */
 byte DELAY; /* cycles that a message takes at most when the radio is calm */
 byte LINKS; /* how often a robot may begin to hear its partner before the radio is calm; 255: any number */
-byte TAKES; /* limit of the table: cycles for which the leader keeps its palm, */
-byte PUSH;  /* before a robot pauses that moves closer, */
-byte PAUSE; /* and of the pause */
+byte REACH; /* cycles in which a correction moves a contact from the end of a palm to 0, as the table has it */
 byte COAST; /* cycles that the wheels lag behind the command: 0 or 1 */
 byte NAPS;  /* 1: a robot whose clock is slow may miss a step without knowing it, */
 byte APART; /* after so many cycles without one missed, */
@@ -66,7 +64,7 @@ byte FAIR;  /* times in a row that the same contact slides where no property spe
 byte OPPOSED; /* see FIGHT */
 byte NOTICE; /* see ALONE */
 byte TOUCH; /* 1: the left robot starts, and the right one when it feels that */
-byte CROSS; /* limit of the table: cycles for which the left robot's palm is steep at the start */
+byte CROSS; /* cycles in which a robot that starts crosses the zero zone, as the table has it */
 byte READY; /* 1: at the start the palms are already where a start by touch wants them */
 byte FEELS; /* 1: while a robot is off, the contact of the other one slides where no property speaks, */
             /* and the left robot does not reboot while a property says otherwise */
@@ -278,9 +276,7 @@ active proctype cycle()
       now.LEASE = parameter("LEASE");
       now.DELAY = parameter("DELAY");
       now.LINKS = parameter("LINKS");
-      now.TAKES = parameter("TAKES");
-      now.PUSH = parameter("PUSH");
-      now.PAUSE = parameter("PAUSE");
+      now.REACH = parameter("REACH");
       now.COAST = parameter("COAST");
       now.NAPS = parameter("NAPS");
       now.APART = parameter("APART");
@@ -303,7 +299,7 @@ active proctype cycle()
       now.links[RIGHT] = now.LINKS;
       now.reboots = parameter("REBOOTS");
       now.bumps = parameter("BUMPS");
-      set_program(now.TALKS, now.BRAKE, now.LEASE, now.TAKES, now.DELAY, now.PUSH, now.PAUSE, now.CROSS);
+      set_program(now.TALKS, now.BRAKE, now.LEASE, now.TURN, now.DELAY, now.REACH, now.CROSS);
       robot_boot(LEFT);
       robot_boot(RIGHT);
       if (now.TOUCH) start_by_touch();

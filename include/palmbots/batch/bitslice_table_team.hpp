@@ -143,8 +143,8 @@ class BitslicedTableTeam {
     cases_.note(robots_);
     const BitslicedCommand before = std::exchange(commands_, robots_.commands());
     if constexpr (Robot::has_clock) {
-      commands_.stop |=
-          may_stop_ & robots_.who([](const TableOutput& output) { return output.brakes; });
+      commands_.switch_off(may_stop_ &
+                           robots_.who([](const TableOutput& output) { return output.brakes; }));
       commands_.stop |= own_.stopped & there_;
       // A robot that is off keeps its palm, also one whose program has not run yet.
       commands_.shallow = (commands_.shallow & ~programs.off) | (before.shallow & programs.off);

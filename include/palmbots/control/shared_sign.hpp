@@ -8,9 +8,9 @@
 //           palm; if a = b = 0 it stays
 //   wheels  both robots move away if a + b > 0 and closer if a + b < 0; at opposite signs away; if
 //           a = b = 0 nominal speed
-//   brake   if a = b ≠ 0 one robot also stops travelling and keeps its correction: the follower if
+//   brake   if a = b ≠ 0 one robot stands instead, if the scene lets robots stop: the follower if
 //           both contacts are outward, so that the robots separate, and the leader if both are
-//           inward
+//           inward. Wheels that the brakes hold add no noise to what the partner corrects
 //   silence without news from the partner for a lease, the rule of `silent` on the own sign; with
 //           the next news, the above again. The partner may just have stopped. So the leader's palm
 //           is steep at first, because then its own contact slides and shows that. A leader that
@@ -18,12 +18,12 @@
 //           Then it tries again in the same way, with its palm steep at first.
 //
 // TURNS. The leader decides: it holds a palm for a turn, then takes the other one. Its message
-// names its palm, and the follower takes the opposite. So the robots need no common clock, and a
-// turn begins with the palms that the robots had. One message delay before a turn ends, the
-// leader's message already names the next palm, so that both palms start to turn at the same time.
-// A turn must not be shorter than the time in which a palm turns, because the palms would never
-// cross; nor than two message delays, because the message of one turn must arrive before the next
-// message leaves.
+// names its palm, and the follower takes the opposite; the follower's own message names its sign
+// only. So the robots need no common clock, and a turn begins with the palms that the robots had.
+// One message delay before a turn ends, the leader's message already names the next palm, so that
+// both palms start to turn at the same time. A turn must not be shorter than the time in which a
+// palm turns, because the palms would never cross; nor than two message delays, because the message
+// of one turn must arrive before the next message leaves.
 //
 // docs/theory/sign-controllers.md gives the reasons for each rule and what it achieves.
 #pragma once
@@ -179,8 +179,8 @@ struct SharedSign {
       /* lead_in_steep_ends     */ braking({'d', {Palm::steep, Move::closer}, M::minus_shallow, notice}),
       /* lead_in_shallow_ends   */ braking({'d', {Palm::shallow, Move::closer}, M::minus, notice}),
       /* follow_out_steep       */ braking({'b', {Palm::steep, Move::away}, M::plus}),
-      /* follow_out_shallow     */ braking({'b', {Palm::shallow, Move::away}, M::plus_shallow}),
-      /* follow_in_steep        */ {'d', {Palm::steep, Move::closer}, M::minus},
+      /* follow_out_shallow     */ braking({'b', {Palm::shallow, Move::away}, M::plus}),
+      /* follow_in_steep        */ {'d', {Palm::steep, Move::closer}, M::minus_shallow},
       /* follow_in_shallow      */ {'d', {Palm::shallow, Move::closer}, M::minus_shallow},
       /* alone_centred          */ {' ', {Palm::shallow, Move::hold}, M::zero},
       /* alone_watch            */ {' ', {Palm::steep, Move::hold}, M::zero, watch},

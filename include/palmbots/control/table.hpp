@@ -101,7 +101,7 @@ struct TableOutput {
   MessageKind message = MessageKind::none;  // with beacons
   std::int8_t limit = -1;                   // the number of the state's time limit; -1: it has none
   bool waits = false;                       // it waits for a message
-  bool brakes = false;  // it stops, too, if the scene lets a robot stop as a correction
+  bool brakes = false;  // it stands instead, if the scene lets a robot stop as a correction
 };
 
 constexpr TableOutput braking(TableOutput output) {

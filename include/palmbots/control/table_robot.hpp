@@ -328,8 +328,12 @@ class TableRobot {
   }
   constexpr void finish(const RobotInput& in, State before, RobotOutput& out) {
     if (state_ != before) clock_.since_entered = 0;
-    if constexpr (brakes)
-      out.command.stop = out.command.stop || (now().brakes && clock_.role.may_stop);
+    if constexpr (brakes) {
+      if (now().brakes && clock_.role.may_stop) {
+        out.command.move = Move::hold;
+        out.command.stop = true;
+      }
+    }
     if constexpr (mail == Mail::beacons) {
       const auto done = clock_.own.finish(true, *this, is_centred(in.sign), clock_.age, !silence(),
                                           clock_.own_limits());

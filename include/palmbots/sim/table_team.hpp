@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -15,6 +16,12 @@ namespace palmbots {
 
 template <class Table>
 using TableTeam = RobotTeam<TableRobot<Table>>;
+
+// So many ticks take at least this time; at least one.
+inline std::uint16_t ticks_in(double seconds, double period) {
+  const double whole = std::ceil(seconds / period - 1e-9);
+  return static_cast<std::uint16_t>(std::clamp(whole, 1.0, 60000.0));
+}
 
 // What the time limits of tables depend on in a scene [s].
 inline TableTiming table_timing_of(const Spec& spec) {
@@ -36,19 +43,21 @@ inline TableTiming table_timing_of(const Spec& spec) {
   return timing;
 }
 
+// The time limits of a table [ticks of this many seconds].
+template <class Table>
+std::array<std::uint16_t, Table::limits> table_limits(const TableTiming& timing, double period) {
+  std::array<std::uint16_t, Table::limits> limits{};
+  for (std::size_t i = 0; i < Table::limits; ++i) {
+    limits[i] = ticks_in(Table::seconds(static_cast<typename Table::Limit>(i), timing), period);
+  }
+  return limits;
+}
+
 // The times of a table in a scene [ticks].
 template <class Table>
 TableTimes<Table> table_times_of(const Spec& spec) {
-  const auto ticks = [&](double seconds) {
-    const double whole = std::ceil(seconds / spec.period - 1e-9);
-    return static_cast<std::uint16_t>(std::clamp(whole, 1.0, 60000.0));
-  };
-  TableTimes<Table> times{ticks(spec.beacon), ticks(table_lease(spec)), {}};
-  const TableTiming timing = table_timing_of(spec);
-  for (std::size_t i = 0; i < Table::limits; ++i) {
-    times.limits[i] = ticks(Table::seconds(static_cast<typename Table::Limit>(i), timing));
-  }
-  return times;
+  return {ticks_in(spec.beacon, spec.period), ticks_in(table_lease(spec), spec.period),
+          table_limits<Table>(table_timing_of(spec), spec.period)};
 }
 template <>
 inline TableTimes<Resilient> table_times_of<Resilient>(const Spec& spec) {

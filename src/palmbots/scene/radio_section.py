@@ -76,8 +76,8 @@ class RadioParameters(Section):
     lease_s: float | None = key("radio.lease_s")
     """Controllers resilient and shared-sign: longest age at which a beacon is valid. Not set:
     resilient 0.5, longer if the latency requires it, shorter if the palms and the noise leave less
-    room; shared-sign a round trip and four beacons. With control.brake, it is proved for
-    shared-sign only up to 0.3 (in the default scene) that no contact leaves its palm."""
+    room; shared-sign a round trip and three beacons. With control.brake, it is proved for
+    shared-sign only up to 0.39 (in the default scene) that no contact leaves its palm."""
 
 
 DirectionOverride = override_of(
