@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """`python -m palmbots` is the command `palmbots`.
 
-This module imports almost nothing, so that Ctrl-C while the packages are imported is caught too.
+This module imports almost nothing, so that Ctrl-C while the packages are imported is heard, too.
+There it ends the process at once: an exception that is raised while Python imports may be lost.
 """
 
 import gc
 import os
 import signal
 import sys
+from typing import Any
 
 _ALLOCATIONS_PER_COLLECTION = 50_000
 
@@ -23,9 +25,18 @@ def main() -> None:
     gc.set_threshold(_ALLOCATIONS_PER_COLLECTION)
     # Pydantic would look for plugins in the metadata of every installed package.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    try:
-        from palmbots.cli.main import main as run_command
+    usual = signal.getsignal(signal.SIGINT)  # ignored, where a shell without job control says so
 
+    def end(*_: Any) -> None:
+        say(INTERRUPTION_LINE)
+        os._exit(INTERRUPTED)
+
+    if usual is signal.default_int_handler:
+        signal.signal(signal.SIGINT, end)
+    from palmbots.cli.main import main as run_command
+
+    try:
+        signal.signal(signal.SIGINT, usual)
         run_command()
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)

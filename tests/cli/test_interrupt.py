@@ -13,6 +13,7 @@ from typer.main import get_command
 
 import palmbots._core as core
 from commands import FUNCTIONS, Run, required
+from pair_programs import new_pair
 from palmbots.cli.main import build_app
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
@@ -114,6 +115,62 @@ sys.meta_path[0].find_spec = lambda name, path, target=None: (
 )
 main()
 """
+
+
+# The same where the exception would be lost, as in a destructor.
+IN_DESTRUCTOR = IMPORTING.replace(
+    "main()\n",
+    """
+class Held:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        for _ in range(1000):
+            pass
+
+def find_spec(name, path, target=None):
+    if name == interrupt:
+        Held()
+
+sys.meta_path[0].find_spec = find_spec
+main()
+""",
+)
+
+
+def test_interrupted_where_it_becomes_another_exception(tmp_path: Path) -> None:
+    """As in compiled modules of others."""
+    code = """
+import os, signal, sys
+from palmbots.pair import pair_file
+
+def load_pair(*_):
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+        for _ in range(1000):
+            pass
+    except KeyboardInterrupt:
+        raise RuntimeError("error calling a function: KeyboardInterrupt") from None
+
+pair_file.load_pair = load_pair
+from palmbots.__main__ import main
+sys.argv = ["palmbots", "robot", "pair.toml", "--side", "left"]
+main()
+"""
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (result.returncode, result.stdout, result.stderr) == (130, "", LINE)
+
+
+@pytest.mark.parametrize("module", ["typer", "palmbots.robot.live_robot"])
+def test_interrupted_where_exceptions_are_lost(module: str, tmp_path: Path) -> None:
+    """In a robot's program, which would otherwise go on and wait for its hardware."""
+    pair = new_pair(tmp_path)
+    result = subprocess.run(
+        [sys.executable, "-c", IN_DESTRUCTOR, module, "robot", str(pair), "--side", "left"],
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert (result.returncode, result.stdout, result.stderr) == (130, "", LINE)
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,12 @@ _END_WITHIN_S = 2.0
 
 
 @contextlib.contextmanager
-def ended_by_signal() -> Iterator[threading.Event]:
-    """An event that SIGTERM and Ctrl-C set; a second one of them ends the program at once."""
+def ended_by_signal(*, second_ends: bool = True) -> Iterator[threading.Event]:
+    """An event that SIGTERM and Ctrl-C set.
+
+    Args:
+        second_ends: a second one of them ends the program at once.
+    """
     event = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         yield event
@@ -23,8 +27,9 @@ def ended_by_signal() -> Iterator[threading.Event]:
 
     def end(*_: object) -> None:
         event.set()
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        if second_ends:
+            for number, handler in before.items():
+                signal.signal(number, handler)
 
     for number in before:
         signal.signal(number, end)

@@ -3,12 +3,18 @@
 
 They arise in the code of a user, such as a controller in Python. Python prints a traceback for
 each and continues; the command line prints a warning with the place instead, once for each place.
+
+Ctrl-C can be such an exception, too: Python raises it wherever the main thread happens to be, as in
+the garbage collector. There it is lost, so it is sent once more. In a compiled module it may become
+another exception, so it is also remembered.
 """
 
+import _thread
+import signal
 import sys
 import threading
 from pathlib import Path
-from types import TracebackType
+from types import FrameType, TracebackType
 from typing import Any
 
 from palmbots.cli import INTERRUPTION_LINE
@@ -23,8 +29,8 @@ def install_exception_hooks() -> None:
     def report(what: str, error: BaseException | None, trace: TracebackType | None) -> None:
         from palmbots.control.own_code import show_error
 
-        if isinstance(error, KeyboardInterrupt):  # Ctrl-C while Python waits for the last threads
-            say(INTERRUPTION_LINE)
+        if isinstance(error, KeyboardInterrupt):
+            _interrupt_again()
             return
         text = "an unknown error" if error is None else show_error(error)
         fault = text + _place(trace)
@@ -43,6 +49,34 @@ def install_exception_hooks() -> None:
 
     threading.excepthook = in_thread
     sys.unraisablehook = unraisable
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt)
+
+
+_is_interrupted = False
+
+
+def was_interrupted() -> bool:
+    """Whether Ctrl-C has been heard."""
+    return _is_interrupted
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    global _is_interrupted
+    _is_interrupted = True
+    signal.default_int_handler(number, frame)
+
+
+_SOON_S = 0.01
+
+
+def _interrupt_again() -> None:
+    if not threading.main_thread().is_alive():  # Python waits for the last threads, and continues
+        say(INTERRUPTION_LINE)
+        return
+    again = threading.Timer(_SOON_S, _thread.interrupt_main)
+    again.daemon = True
+    again.start()
 
 
 def _place(trace: TracebackType | None) -> str:

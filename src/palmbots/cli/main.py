@@ -26,7 +26,7 @@ from palmbots._util.end_signal import end_with_starter
 from palmbots._util.exit_status import BAD_INPUT, CLOSED_PIPE, DONE, INTERRUPTED
 from palmbots._util.exit_status import FAILED as FAILED
 from palmbots.cli import INTERRUPTION_LINE
-from palmbots.cli._exception_hooks import install_exception_hooks
+from palmbots.cli._exception_hooks import install_exception_hooks, was_interrupted
 from palmbots.cli._run import Interrupted
 from palmbots.cli._streams import discard_unwritable, say
 from palmbots.cli._warnings import hold_warnings
@@ -65,6 +65,15 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:
     """Run one command; returns the exit status."""
+    try:
+        return _run(arguments)
+    except Exception:
+        if not was_interrupted():
+            raise
+        return _interrupted()
+
+
+def _run(arguments: list[str]) -> int:
     # Commands only write files. A notebook of another environment may have set a backend that is
     # not installed here; matplotlib then refuses to be imported.
     os.environ["MPLBACKEND"] = "agg"

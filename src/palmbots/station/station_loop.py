@@ -8,14 +8,13 @@ last operator's screen is gone, nobody could stop the robots any more, so the lo
 import contextlib
 import math
 import os
-import signal
 import socket
-import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 
+from palmbots._util.end_signal import ended_by_signal
 from palmbots.clocks.control_clock import control_clock
 from palmbots.errors import PalmbotsError
 from palmbots.pair.live_ends import open_pair_link
@@ -79,7 +78,8 @@ def run_station_loop(
         server = StationServer(station_address(pair), facts)
         end: dict[str, Any] = {"error": "the station has failed"}
         stack.callback(lambda: server.close(end))
-        ended = stack.enter_context(_ended_by_signal())
+        # The robots stop first, whoever sends the signal, and however often.
+        ended = stack.enter_context(ended_by_signal(second_ends=False))
         clock = control_clock("station", PERIOD_S)
         station = Station(pair, clock.link(link), _to_all(server.lines.append, on_line))
         stack.callback(station.close)
@@ -215,19 +215,3 @@ def _only_station(file: Any) -> Iterator[None]:
                 "allowed: one at a time; palmbots station PAIR --attach opens a screen for it"
             ) from None
         yield
-
-
-@contextlib.contextmanager
-def _ended_by_signal() -> Iterator[threading.Event]:
-    """An event that SIGTERM or SIGINT sets, in place of ending the program at once."""
-    event = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield event
-        return
-    numbers = (signal.SIGTERM, signal.SIGINT)
-    before = [signal.signal(number, lambda *_: event.set()) for number in numbers]
-    try:
-        yield event
-    finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)
