@@ -89,11 +89,14 @@ def test_turn_is_tried_in_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_command_names_commands_that_run(
     as_json: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    page = tmp_path / "page.html"
+    page = tmp_path / ("page.pdf" if as_json else "page.html")
     words = ["assess", "paper", "--set", "task.distance_m=0.5", "--turn-radius-m", "0"]
     assert run([*words, "--out", str(page), *(["--json"] if as_json else [])]) == 0
-    text = page.read_text()
-    assert text.count("<img") == 2 and not re.search(r"(src|href)=\"(?!data:)", text)
+    if as_json:
+        assert page.read_bytes().startswith(b"%PDF")
+    else:
+        text = page.read_text()
+        assert text.count("<img") == 2 and not re.search(r"(src|href)=\"(?!data:)", text)
     shown = capsys.readouterr().out
     if as_json:
         table = json.loads(shown)

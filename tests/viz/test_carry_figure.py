@@ -140,3 +140,14 @@ def test_runs():
     assert runs(np.array([], bool)) == []
     assert runs(np.array([True, True, False, True])) == [(0, 2), (3, 3)]
     assert runs(np.array([False, True, False])) == [(1, 2)]
+
+
+def test_limits_are_those_of_the_scene():
+    """The usable part of the palm, and the lips even where the object stays away from them."""
+    short = {"task.distance_m": 0.1, "palm.usable_m": 0.1, "start.left_m": 0.049}
+    figure = figure8.draw_carry(pb.carry("paper", "none", overrides=short))
+    assert "ends of the usable palm, ±50 mm" in texts(figure)
+    curved = {"task.path.kind": "arc", "task.path.lead_in_m": 0.0, "task.distance_m": 0.1}
+    lips = {"palm.lip_height_m": 0.03, "palm.lip_clearance_m": 0.02}
+    carry = pb.carry("paper", "silent", world="mujoco", overrides={**curved, **lips})
+    assert "lips, ±20 mm" in texts(figure8.draw_carry(carry))

@@ -15,7 +15,7 @@ import itertools
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
@@ -40,6 +40,20 @@ def read_regular(path: Path) -> bytes:
     """The content of a file (`open_regular`)."""
     with open_regular(path) as stream:
         return stream.read()
+
+
+def check_suffix(path: str | os.PathLike[str], allowed: Collection[str]) -> str:
+    """The suffix of a path in small letters.
+
+    Raises:
+        PalmbotsError: it is none of those that are allowed.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in allowed:
+        raise PalmbotsError(
+            f"{path}: suffix is {suffix or 'missing'}; allowed: {', '.join(allowed)}"
+        )
+    return suffix
 
 
 def _refusal(path: Path, error: OSError) -> PalmbotsError:

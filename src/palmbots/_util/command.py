@@ -37,6 +37,8 @@ class Option:
     """Positional."""
     is_file: bool = False
     """A positional argument: the file that the result is about."""
+    suffixes: tuple[str, ...] = ()
+    """Of the file that is written, which select its format; empty: any."""
     is_hidden: bool = False
     """For other programs of the package only."""
     percent: bool = False

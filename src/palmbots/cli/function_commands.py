@@ -167,8 +167,10 @@ def _check_place(written: dict[str, Given], chosen: dict[str, Any]) -> None:
     elif place.option.metavar == "DIR":
         check_output(path)
     else:
-        from palmbots._util.atomic_files import check_file
+        from palmbots._util.atomic_files import check_file, check_suffix
 
+        if place.option.suffixes:
+            check_suffix(path, place.option.suffixes)
         check_file(path)
 
 

@@ -226,7 +226,7 @@ def _contact_reach(view: _View) -> float:
     edges = [
         abs(e) for sign, *zone in view.spec.zones if sign == 0 for e in zone if math.isfinite(e)
     ]
-    longest = max(palm.length for palm in view.spec.palms) / 2
+    longest = max(view.carry.scene.palm_of(side).reach_m for side in SIDES)
     seen = np.nan_to_num(np.abs(view.series("contact"))).max()
     reach = max(1.25 * seen, 1.2 * max(edges, default=0.0), 1e-3)
     return 1e3 * (reach if reach < 0.6 * longest else max(reach, 1.12 * longest))
@@ -234,7 +234,8 @@ def _contact_reach(view: _View) -> float:
 
 def _draw_contact(panel: Axes, view: _View, side: Side, reach: float) -> None:
     """Contact coordinate in mm, with the zero zones, and the ends of the palm if they are near."""
-    half = view.spec.palms[SIDES.index(side)].length / 2 * 1e3
+    palm = view.carry.scene.palm_of(side)
+    half = 1e3 * palm.reach_m
     for sign, low, high in view.spec.zones:
         if sign == 0:
             panel.axhspan(low * 1e3, high * 1e3, color=ZERO, alpha=0.13, lw=0)
@@ -243,7 +244,8 @@ def _draw_contact(panel: Axes, view: _View, side: Side, reach: float) -> None:
     if reach > half:
         for end in (-half, half):
             panel.axhline(end, color=DROP, lw=0.9)
-        note = f"ends of the palm, ±{half:.0f} mm"
+        part = "palm" if palm.usable_m is None else "usable palm"
+        note = f"ends of the {part}, ±{half:.0f} mm"
         place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"}
         panel.annotate(note, (0.004, half), (0, -2), size=6.5, color=DROP, **place)
     panel.set_ylim(-reach, reach)
@@ -265,21 +267,24 @@ def _draw_lateral(panel: Axes, view: _View) -> None:
     """Lateral contact coordinate in mm; at the lines the object tips or meets a lip."""
     scene = view.carry.scene
     palm = min((scene.palm_of(side) for side in SIDES), key=lambda p: p.width_m)
-    edge = 1e3 * (palm.lip_clearance_m if palm.lip_height_m > 0 else palm.width_m / 2)
+    has_lips = palm.lip_height_m > 0
+    edge = 1e3 * (palm.lip_clearance_m if has_lips else palm.width_m / 2)
     reach = 0.0
     for side in SIDES:
         across = view.series("lateral", side) * 1e3
         panel.plot(view.time, across, color=HUE[side], ls=LINE[side])
         reach = max(reach, np.abs(across).max())
     panel.axhline(0, color=QUIET, lw=0.5)
-    reach = max(1.15 * reach, 1.0)
-    if reach > 0.3 * edge:
+    seen, reach = reach, max(1.15 * reach, 1.0)
+    if has_lips or reach > 0.3 * edge:
         reach = max(reach, 1.2 * edge)
         for end in (-edge, edge):
             panel.axhline(end, color=DROP, lw=0.9)
-        what = "lips" if palm.lip_height_m > 0 else "sides of the palm"
+        what = "lips" if has_lips else "sides of the palm"
         place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"}
         note = f"{what}, ±{edge:.0f} mm"
+        if has_lips and seen > edge:
+            note += "; farther out, the object is askew and leans on a lip"
         panel.annotate(note, (0.004, edge), (0, -2), size=6.5, color=DROP, **place)
     panel.set_ylim(-reach, reach)
     panel.set_ylabel(axis_label("across\npalm", "mm"))

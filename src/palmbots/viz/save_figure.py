@@ -5,11 +5,9 @@ The files contain no date, so the same figure gives the same file.
 """
 
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from palmbots._util.atomic_files import whole_file
-from palmbots.errors import PalmbotsError
+from palmbots._util.atomic_files import check_suffix, whole_file
 from palmbots.viz.style import styled
 
 if TYPE_CHECKING:
@@ -31,10 +29,6 @@ def write_figure(path: str | os.PathLike[str], figure: "Figure") -> None:
     Raises:
         PalmbotsError: the suffix is not allowed, or the path cannot be written.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in _SAVING:
-        raise PalmbotsError(
-            f"{path}: suffix is {suffix or 'missing'}; allowed: {', '.join(_SAVING)}"
-        )
+    suffix = check_suffix(path, _SAVING)
     with styled(), whole_file(path) as stream:
         figure.savefig(stream, format=suffix[1:], **_SAVING[suffix])
