@@ -78,7 +78,7 @@ def panel(axes: Axes, rows: list[dict[str, str]], looks: dict[str, Look]) -> Non
     ).T
     bound[1] = np.maximum(bound[1], LEAST_PERCENT / 10)
     axes.fill_between(bound[0], bound[1], LEAST_PERCENT / 10, color=RULE, lw=0)
-    axes.plot(*bound, color=INK, lw=1.2, label="bound of every controller")
+    axes.plot(*bound, color=INK, lw=1.2, label="bound of robots that keep driving")
     for controller in dict.fromkeys(row["controller"] for row in rows):
         if controller == BOUND:
             continue

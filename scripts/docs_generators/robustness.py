@@ -75,7 +75,7 @@ def over_the_noise() -> str:
             for row in rows
             if (row["speeds"], row["controller"]) == (speeds, controller)
         }
-        name = "bound of every controller" if controller == "bound" else f"`{controller}`"
+        name = "bound of robots that keep driving" if controller == "bound" else f"`{controller}`"
         cells = [_at(noise, of) for noise in noises]
         lines.append([SPEEDS[speeds], name, *cells])
     head = [f"{100 * float(noise):g} cm/s" for noise in noises]
