@@ -78,7 +78,7 @@ def run_station_loop(
         server = StationServer(station_address(pair), facts)
         end: dict[str, Any] = {"error": "the station has failed"}
         stack.callback(lambda: server.close(end))
-        # The robots stop first, whoever sends the signal, and however often.
+        # The robots stop first, however many signals arrive.
         ended = stack.enter_context(ended_by_signal(second_ends=False))
         clock = control_clock("station", PERIOD_S)
         station = Station(pair, clock.link(link), _to_all(server.lines.append, on_line))

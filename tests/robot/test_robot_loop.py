@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The control loop of a robot: what it stores, when it boots again, and what it leaves behind."""
+
+import math
+import threading
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from palmbots.drivers.driver import Drive, Reading
+from palmbots.errors import PalmbotsError
+from palmbots.pair.pair_file import Pair, init_pair, load_pair
+from palmbots.pair.stored_state import StoredState
+from palmbots.robot.live_robot import core_settings
+from palmbots.robot.reading_gauge import ReadingGauge
+from palmbots.robot.robot_loop import RobotLoop
+from palmbots.robot.robot_program import controller_of
+from palmbots.scene.scene import Scene, load_scene
+
+SEEN = Reading(0, True, 0.5)
+WATCHDOG = 5.0
+
+
+class Hardware:
+    """Driver, clock, link and storage of a robot, in one."""
+
+    works = is_done = is_stepped = True
+    overruns = recent_overruns = 0
+
+    def __init__(self, reads: list[Reading | None]) -> None:
+        self.reads = reads
+        self.written: list[Drive] = []
+        self.kept: list[StoredState] = []
+        self.sent: list[str] = []
+        self.stops = self.boots = 0
+
+    def read(self) -> Reading | None:
+        if not self.reads:
+            raise PalmbotsError("driver: is lost")
+        return self.reads.pop(0)
+
+    def write(self, drive: Drive) -> None:
+        self.written.append(drive)
+
+    def stop(self) -> None:
+        self.stops += 1
+
+    def wait(self) -> int:
+        return 1
+
+    def receive(self) -> list[bytes]:
+        return []
+
+    def send(self, receiver: str, data: bytes) -> None:
+        self.sent.append(receiver)
+
+    def keep(self, state: StoredState) -> None:
+        self.kept.append(state)
+
+    def boot(self) -> StoredState:
+        self.boots += 1
+        return StoredState(epoch=8, carries=True)
+
+    def settle(self) -> None:
+        pass
+
+    def forget(self) -> None:
+        pass
+
+
+class Program:
+    """The core's program: it drives, and says something to its partner in every step."""
+
+    def __init__(self, wheels: bool) -> None:
+        self.wheels, self.judged, self.to_store = wheels, [], (wheels, False)
+        self.stamps = [(1, 1)]
+
+    def step(self, elapsed: int, reading: Any, packets: list[bytes]) -> tuple[Any, ...]:
+        return 0, 0, not self.wheels, [(1, b"packet", 0)], "", False, True
+
+
+class Log:
+    """Takes what a program logs."""
+
+    def __init__(self) -> None:
+        self.read: list[dict[str, Any]] = []
+
+    def take(
+        self, robot: Any, elapsed: int, values: dict[str, Any], packets: Any, answer: Any
+    ) -> None:
+        self.read.append(values)
+
+    def withhold(self, receiver: int) -> None: ...
+    def close(self) -> None: ...
+
+
+@pytest.fixture
+def pair(tmp_path: Path) -> Pair:
+    return load_pair(init_pair(tmp_path / "pair.toml")[0])
+
+
+def loop_of(
+    pair: Pair, hardware: Hardware, *, wheels: bool, may_resume: bool = True
+) -> tuple[RobotLoop, list[StoredState]]:
+    """A loop whose program has started, and the states with which it starts."""
+    starts: list[StoredState] = []
+
+    def start(state: StoredState) -> Any:
+        starts.append(state)
+        return Program(wheels), Log()
+
+    both: Any = hardware
+    gauge = ReadingGauge(pair, "left", Scene(), SEEN, 0.0)
+    loop = RobotLoop(
+        "left", Scene(), start, both, both, both, both, gauge,
+        watchdog=WATCHDOG, on_line=lambda _: None,
+    )  # fmt: skip
+    loop.start(StoredState(epoch=7, carries=wheels), may_resume=may_resume)
+    return loop, starts
+
+
+@pytest.mark.parametrize("wheels", [False, True])
+def test_the_others_hear_of_a_lost_driver_and_it_is_stored(pair: Pair, wheels: bool) -> None:
+    hardware = Hardware([SEEN])
+    loop, _ = loop_of(pair, hardware, wheels=wheels)
+    assert loop.step(1)
+    sent = len(hardware.sent)
+    with pytest.raises(PalmbotsError, match="is lost"):
+        loop.step(1)
+    assert len(hardware.sent) == sent + 1
+    assert not loop._log.read[-1]["driver_ok"]  # type: ignore[union-attr]
+    assert hardware.kept[-1] == StoredState(7, False, wheels, False)
+    assert len(hardware.kept) == 2
+
+
+@pytest.mark.parametrize(
+    ("elapsed", "wheels", "boots"), [(5, True, 0), (6, True, 1), (40, True, 1), (6, False, 0)]
+)
+def test_a_program_held_up_longer_than_the_watchdog_boots_in_a_carry(
+    pair: Pair, elapsed: int, wheels: bool, boots: int
+) -> None:
+    hardware = Hardware([SEEN])
+    loop, starts = loop_of(pair, hardware, wheels=wheels)
+    assert loop.step(elapsed)
+    assert hardware.boots == boots
+    assert [state.epoch for state in starts] == [7, 8][: 1 + boots]
+
+
+@pytest.mark.parametrize("ended", [False, True])
+def test_the_driver_is_stopped_at_the_end(pair: Pair, ended: bool) -> None:
+    hardware = Hardware([SEEN, SEEN, None])
+    loop, _ = loop_of(pair, hardware, wheels=True)
+    event = threading.Event()
+    if ended:
+        event.set()
+    loop.run(event)
+    assert hardware.stops == 1
+    assert len(hardware.written) == (0 if ended else 2)
+
+
+@pytest.mark.parametrize(("battery_v", "is_ok"), [(7.1, False), (7.2, True), (None, True)])
+def test_a_low_battery_is_reported(tmp_path: Path, battery_v: float | None, is_ok: bool) -> None:
+    values = {"hardware.battery_low_v": 7.2}
+    pair = load_pair(init_pair(tmp_path / "pair.toml", values=values)[0])
+    gauge = ReadingGauge(pair, "left", Scene(), Reading(0, True, math.nan, 8.0), 0.0)
+    found = gauge.take(Reading(0, True, math.nan, battery_v), carries=False)
+    assert found["battery_ok"] is is_ok
+
+
+def test_limits_of_the_station_follow_the_rate_of_a_simulated_robot(pair: Pair) -> None:
+    """The station lives in real time; the robot's ticks pass at a multiple of it."""
+    scene = load_scene(pair.scene())
+    usual, fast = (core_settings(pair, scene, controller_of(pair), 0.0, r) for r in (1.0, 3.0))
+    for name in ("station_limit", "order_age", "status_period"):
+        assert fast[name] == 3 * usual[name], name
+    assert fast["time_limit"] == usual["time_limit"]
