@@ -51,6 +51,19 @@ def test_images_hold_what_the_pair_says(pair: Path, tmp_path: Path, here: Run) -
         assert 0x100 < start < PAGE
 
 
+def test_a_pair_file_that_says_nothing_about_the_robots_gives_one_line(
+    pair: Path, tmp_path: Path, here: Run
+) -> None:
+    done = here("firmware", str(pair), "--out", str(tmp_path / "images"))
+    line = f"palmbots: warning: {pair}: all keys of [hardware] have their defaults; "
+    assert done.returncode == 0
+    assert done.stderr.startswith(line) and done.stderr.count("\n") == 1
+    text = pair.read_text()
+    assert "wheel_radius_m = 0.04" in text
+    pair.write_text(text.replace("wheel_radius_m = 0.04", "wheel_radius_m = 0.033"))
+    assert here("firmware", str(pair), "--out", str(tmp_path / "images")).stderr == ""
+
+
 def test_no_two_images_share_an_epoch(pair: Path, tmp_path: Path, here: Run) -> None:
     spans = []
     for _ in range(2):

@@ -3,6 +3,7 @@
 
 import io
 import os
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -14,6 +15,7 @@ from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
 from palmbots.boards.pair_settings import BOOTS_PER_IMAGE, BoardPair, board_pair
 from palmbots.boards.settings_page import PAGE_ADDRESS, PAGE_SIZE
+from palmbots.drivers.hardware import Hardware
 from palmbots.errors import PalmbotsError
 from palmbots.pair.pair_file import load_pair
 from palmbots.pair.stored_state import held, read_state, write_state
@@ -51,7 +53,10 @@ def image_with(name: str, page: bytes) -> str:
     out=Option(metavar="DIR"),
 )
 def write_images(
-    pair_file: str | os.PathLike[str], out: str | os.PathLike[str] = "firmware"
+    pair_file: str | os.PathLike[str],
+    out: str | os.PathLike[str] = "firmware",
+    *,
+    on_warning: Callable[[str], None] | None = None,
 ) -> list[Path]:
     """Make images for boards that are the robots of a pair.
 
@@ -61,6 +66,7 @@ def write_images(
     Args:
         pair_file: the pair.toml of both robots.
         out: folder for the images. Those of an earlier call are replaced.
+        on_warning: called with a sentence if the file says nothing about the robots.
 
     Note:
         The images hold the key, so only their owner can read them.
@@ -74,6 +80,12 @@ def write_images(
     pair = load_pair(pair_file)
     boards = board_pair(pair)
     program("robot")  # a missing package is reported before anything is written
+    is_unedited = pair.settings.hardware.model_dump() == Hardware().model_dump()
+    if on_warning is not None and is_unedited:
+        on_warning(
+            f"{pair.file}: all keys of [hardware] have their defaults; measure your robots and "
+            "write their values before you flash (wheels, palm, full_speed_m_s)"
+        )
     out = folder(out)
     written = []
     for side in SIDES:
