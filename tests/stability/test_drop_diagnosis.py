@@ -19,7 +19,7 @@ HINT = ", even with contacts inside the zero zone; run: "
 
 def carried(capsys: pytest.CaptureFixture[str], *words: str, outcome: str = "DROPPED") -> list[str]:
     """What a carry's report says of missing properties: a wrapped sentence and a whole command."""
-    status = cli.run(["carry", *words])
+    status = cli.run(["carry", "--seeds", "1", *words])
     output = capsys.readouterr().out
     assert f"\n{outcome} " in f"\n{output}", output
     assert status == (0 if outcome == "DELIVERED" else 1)
@@ -86,9 +86,9 @@ def test_scene_that_the_analysis_refuses_has_no_hint(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """Palms so long that the object cannot span them, and no smaller zone."""
-    keys = (OFF_CENTRE, "palm.length_m=1.0", "tactile.zones=[]", "task.distance_m=100.0")
+    keys = (OFF_CENTRE, "palm.length_m=1.0", "tactile.zones=[]", "task.distance_m=6.0")
     words = [word for key in keys for word in ("--set", key)]
-    assert carried(capsys, *words) == []
+    assert carried(capsys, *words, "--seed", "5") == []
     assert cli.run(["analyze", *words]) == 2
 
 
