@@ -147,6 +147,25 @@ def test_a_program_held_up_longer_than_the_watchdog_boots_in_a_carry(
     assert [state.epoch for state in starts] == [7, 8][: 1 + boots]
 
 
+@pytest.mark.parametrize("may_resume", [False, True])
+def test_a_carry_goes_on_after_a_boot_only_if_the_pair_allows_it(
+    pair: Pair, may_resume: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Otherwise the distance of the next carry counts from where it begins."""
+    carried: list[bool] = []
+    take = ReadingGauge.take
+
+    def noted(self: ReadingGauge, seen: Reading, *, carries: bool, **others: Any) -> Any:
+        carried.append(carries)
+        return take(self, seen, carries=carries, **others)
+
+    monkeypatch.setattr(ReadingGauge, "take", noted)
+    loop, _ = loop_of(pair, Hardware([SEEN, SEEN]), wheels=True, may_resume=may_resume)
+    assert loop.step(1)
+    assert loop.step(40)
+    assert carried == [may_resume, may_resume]
+
+
 @pytest.mark.parametrize("ended", [False, True])
 def test_the_driver_is_stopped_at_the_end(pair: Pair, ended: bool) -> None:
     hardware = Hardware([SEEN, SEEN, None])

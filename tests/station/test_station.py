@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The station on a clock of the test: wishes, restarts, other stations, forged packets."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from palmbots.station.correction_watch import CorrectionWatch
 from palmbots.station.fault_watch import FaultWatch
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.station.station import PERIOD_S, OtherStation, Station
-from palmbots.wire import Endpoint, Operate, Packet, encode
+from palmbots.wire import Endpoint, Hello, Operate, Packet, encode
 
 CARRYING = ("carrying", "holding")
 STEP = round(PERIOD_S / 0.01)
@@ -49,6 +50,19 @@ def test_a_refused_wish_lapses(tmp_path: Path) -> None:
     late = [line for line in pair.lines if "no effect within 5 s" in line]
     assert len(late) == 2
     assert "left: arm has no effect within 5 s: is disarmed (partner_lost: it has" in late[0]
+
+
+def test_a_robot_that_leaves_stopped_is_stopped_again(tmp_path: Path) -> None:
+    """Only a stop stays in force."""
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
+    pair.wish("arm", "armed")
+    pair.wish("stop", "stopped")
+    pair.run(30)  # until the station knows it
+    view = pair.station.robots["left"]
+    assert view.status is not None
+    assert pair.station._due("left") == Hello(stop=True)
+    view.status = replace(view.status, mode="armed")
+    assert pair.station._due("left") == Operate("stop", stop=True)
 
 
 def test_the_script_does_not_arm_again_after_a_fault(tmp_path: Path) -> None:
