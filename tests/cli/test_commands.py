@@ -11,6 +11,7 @@ import pytest
 from typer.main import get_command
 
 from commands import Run, assert_refused
+from palmbots._util.atomic_files import write_whole
 from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
 from palmbots.control.registry import shipped_names
@@ -161,6 +162,26 @@ def test_one_is_singular(here: Run) -> None:
     assert "\n1 message, 1 lost   1 bump   trace" in text
 
 
+def test_files_of_another_carry_at_the_same_time_stay(
+    here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The other one writes while this one draws: one file anew, and one over an older one."""
+
+    def save(result: Any, path: Path, **_: Any) -> None:
+        path.write_text("new")
+        (tmp_path / "plan.png").write_text("of the other carry")
+        write_whole(tmp_path / "carry.mp4", "of the other carry")
+
+    monkeypatch.setattr("palmbots.viz.carry_figure.save", save)
+    for name in ("carry.mp4", "carry.gif"):
+        (tmp_path / name).write_text("of an earlier carry")
+    options = ("carry", *SHORT, "--out", str(tmp_path), "--controller", "none", "--seeds", "1")
+    text = here(*options, "--animation", "none").stdout
+    assert f"removed {tmp_path / 'carry.gif'}" in text and text.count("removed") == 1
+    for name in ("plan.png", "carry.mp4"):
+        assert (tmp_path / name).read_text() == "of the other carry"
+
+
 def test_files_of_an_earlier_carry_are_removed(
     here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -172,7 +193,7 @@ def test_files_of_an_earlier_carry_are_removed(
     for name in earlier:
         (tmp_path / name).write_text("of an earlier carry")
     (tmp_path / "other.gif").write_text("not ours")
-    options = ("carry", *SHORT, "--out", str(tmp_path), "--controller", "none")
+    options = ("carry", *SHORT, "--out", str(tmp_path), "--controller", "none", "--seeds", "1")
     text = here(*options).stdout
     for name in earlier:
         assert f"removed {tmp_path / name} of an earlier carry" in text

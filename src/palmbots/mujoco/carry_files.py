@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -42,21 +42,46 @@ def check_video_file(folder: str | os.PathLike[str]) -> None:
     check_film(user_path(folder) / video_name())
 
 
+Version = tuple[int, int, int]
+"""Of a file: its number, size and time."""
+
+
+def earlier_files(folder: str | os.PathLike[str]) -> dict[Path, Version]:
+    """The files of an earlier carry in a folder that the next one may not have."""
+    place, found = user_path(folder), {}
+    for path in (place / name for name in _NAMES):
+        if (version := _version(path)) is not None:
+            found[path] = version
+    return found
+
+
+def _version(path: Path) -> Version | None:
+    """Which file has this name; None: none."""
+    try:
+        state = path.stat()
+    except OSError:
+        return None
+    return state.st_ino, state.st_size, state.st_mtime_ns
+
+
 def save_carry(
     carry: Carry,
     folder: str | os.PathLike[str],
     *,
     animation: Animation = "gif",
     video: bool = False,
+    earlier: Mapping[Path, Version] | None = None,
     on_stage: Callable[[str, float], None] | None = None,
 ) -> tuple[list[Path], list[Path]]:
     """Write the figures, the log and the animation of a carry.
 
     Args:
         carry: with its trace.
-        folder: where. Files of an earlier carry that this one does not have are removed.
+        folder: where.
         animation: its format.
         video: write a 3-D video and a still of the MuJoCo world, too.
+        earlier: files to remove if this carry does not have them, and if they are still the same:
+            another carry may write to the folder meanwhile. None: those that are there now.
         on_stage: called with the name of the present stage and the completed fraction of it.
 
     Returns:
@@ -66,6 +91,7 @@ def save_carry(
         PalmbotsError: a file cannot be written, or the video cannot be rendered.
     """
     place, show = writable_folder(folder), on_stage or (lambda stage, fraction: None)
+    earlier = earlier_files(place) if earlier is None else earlier
 
     def report(fraction: float) -> None:
         show("figure, log, animation", fraction)
@@ -92,5 +118,5 @@ def save_carry(
         written += [place / _STILL, place / video_name()]
         save_still(carry, written[-2])
         save_video(carry, written[-1], on_progress=lambda fraction: show("video", fraction))
-    outdated = [place / name for name in _NAMES if place / name not in written]
-    return written, [path for path in outdated if remove(path)]
+    outdated = [path for path in earlier if path not in written]
+    return written, [p for p in outdated if _version(p) == earlier[p] and remove(p)]

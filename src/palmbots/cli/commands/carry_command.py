@@ -4,7 +4,7 @@
 import shlex
 import time
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from palmbots._util.command import Option, command
 from palmbots._util.exit_status import DONE, FAILED
@@ -75,6 +75,7 @@ def carry(
     _check_options(animation, video, view, world, out)
     chosen = load(scene, overrides)
     check_output(out)
+    earlier = _earlier(out)
     entry = controller_of(controller, unproved=unproved, quiet=as_json)
     prepared = prepare(chosen, entry, world)
     check_precision(prepared.world, precision)
@@ -117,8 +118,9 @@ def carry(
 
         with staged_progress(as_json) as stage:
             written, removed = save_carry(
-                result, out, animation=animation or "gif", video=video, on_stage=stage
-            )
+                result, out, animation=animation or "gif", video=video, earlier=earlier,
+                on_stage=stage,
+            )  # fmt: skip
     from palmbots.stability.drop_diagnosis import analyze_hint, touch_start_hint
 
     explain = {"dropped": analyze_hint, "stalled": touch_start_hint}.get(result.outcome)
@@ -134,6 +136,15 @@ def carry(
     after = [Line(f"removed {path} of an earlier carry", is_whole=True) for path in removed]
     print_result(shown, as_json=as_json, about=scene, written=written, after=after)
     return DONE if result.outcome == "delivered" else FAILED
+
+
+def _earlier(out: Path | None) -> Any:
+    """The files that an earlier carry left in a folder."""
+    if out is None:
+        return None
+    from palmbots.mujoco.carry_files import earlier_files
+
+    return earlier_files(out)
 
 
 _SEEDS = 100  # none of 100 is less than 3 % with 95 %
