@@ -15,6 +15,7 @@ from palmbots.station.correction_watch import CorrectionWatch
 from palmbots.station.fault_watch import FaultWatch
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.station.station import PERIOD_S, OtherStation, Station
+from palmbots.station.station_epochs import StationEpochs
 from palmbots.wire import Endpoint, Hello, Operate, Packet, encode
 
 CARRYING = ("carrying", "holding")
@@ -82,6 +83,44 @@ def test_the_script_does_not_arm_again_after_a_fault(tmp_path: Path) -> None:
         pair.run(STEP)
         assert not set(pair.modes()) & {"armed", "ready", *CARRYING}
     assert done is False
+
+
+def test_the_script_starts_only_once(tmp_path: Path) -> None:
+    """An order to start that was void may not be repeated when nobody expects it any more."""
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
+    pair.wish("arm", "armed")
+    script = carry_once(pair.station, 600)
+    done = None
+    for _ in range(400):
+        done = next(script)
+        if done is not None:
+            break
+        if pair.station.wished == "start":
+            pair.air.hold(1.5, "station")
+        pair.run(STEP)
+    assert done is False
+    assert sum("script: start" in line for line in pair.lines) == 1, pair.lines
+
+
+def test_a_robot_that_two_programs_claim_to_be_is_not_armed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
+    with monkeypatch.context() as patch:
+        patch.setattr(pair.station, "claimed_twice", lambda: ("left",))
+        pair.station.wish("arm")
+        pair.run(100)
+        assert pair.modes() == ("disarmed", "disarmed")
+        assert pair.station._due("right") == Hello()
+    pair.wish("arm", "armed")
+
+
+def test_the_epoch_before_a_boot_of_this_station_is_no_other_station() -> None:
+    epochs = StationEpochs(5)
+    epochs.take("left", (4, 100), 0, 0.0)
+    assert epochs.found(0.1) == "alone"
+    epochs.take("right", (3, 100), 0, 0.0)
+    assert epochs.found(0.1) == "listening"
 
 
 def test_the_script_gives_up_when_a_check_before_arming_fails(tmp_path: Path) -> None:

@@ -206,6 +206,17 @@ def test_damaged_facts_of_a_log_are_one_line(tmp_path: Path) -> None:
                 verify(run_log_of(log.path, facts, log.messages, is_cut=False))
 
 
+def test_a_packet_to_an_unknown_end_takes_no_part_in_the_alignment(tmp_path: Path) -> None:
+    pair = LoggedPair(tmp_path, "resilient", Air(), UP)
+    pair.run(20)
+    logs = read_run([pair.written()])
+    left = next(log for log in logs if log.end == "left")
+    said = next(tick for _, tick in left.messages["ticks"] if tick.receivers)
+    said.receivers[:] = [255] * len(said.receivers)
+    found = next(one for one in replay_run(logs).logs if one.end == "left")
+    assert found.difference is not None and "receivers" in found.difference
+
+
 def test_other_files_are_no_logs_of_runs(tmp_path: Path) -> None:
     other = tmp_path / "other.mcap"
     other.write_bytes(b"no log")

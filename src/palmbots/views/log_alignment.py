@@ -68,7 +68,8 @@ def traffic(log: RunLog) -> Traffic:
     for now, tick in log.messages["ticks"]:
         arrived = [(log.end, data, received) for data in tick.received]
         said = zip(tick.receivers, tick.sent, strict=False)
-        left = [(ends[to], data, sent) for to, data in said if to not in tick.withheld]
+        known = ((to, data) for to, data in said if to < len(ends) and to not in tick.withheld)
+        left = [(ends[to], data, sent) for to, data in known]
         for receiver, data, times in [*arrived, *left]:
             packet = decode(data, key, pair, receiver).packet  # type: ignore[arg-type]
             if packet is not None:
