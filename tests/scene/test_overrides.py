@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from palmbots.errors import SceneError
 from palmbots.scene.overrides import merged, parse_override, parse_overrides
+from palmbots.scene.scene import load_scene
 
 
 @pytest.mark.parametrize(
@@ -62,3 +63,12 @@ def test_any_text_is_parsed_or_refused_in_one_line(text):
         assert str(error).isprintable()
     else:
         assert key and text.lstrip().startswith(key)
+
+
+def test_a_straight_path_needs_no_keys_of_the_curve_below() -> None:
+    """So a question about a curved scene can be asked for a straight path, too."""
+    curved = {"task": {"path": {"kind": "arc", "radius_m": 3.0, "angle_deg": 45.0}}}
+    assert load_scene(curved, {"task.path.kind": "straight"}) == load_scene("paper")
+    assert load_scene(curved, {"task.path.kind": "s"}).task.path.radius_m == 3.0
+    with pytest.raises(SceneError, match="radius_m"):
+        load_scene(curved, {"task.path": {"kind": "straight", "radius_m": 2.0}})

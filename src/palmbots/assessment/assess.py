@@ -101,17 +101,26 @@ class Assessment(Result):
 
     @property
     def conclusion(self) -> str:
-        """The verdict in one sentence."""
+        """The verdict in one sentence: what speaks against the scene, and what to use."""
         best = best_of(self.counts)
         if best is None:
             return "no shipped controller carries this object"
-        return f"use {best.controller}: it fails in {failures(best)} of carries"
+        use = f"use {best.controller}: it fails in {failures(best)} of carries"
+        doubts = [
+            words
+            for answer, words in (
+                (self.answers.carried, "the object is not held in every state that may occur"),
+                (self.answers.load, "the object may be too heavy for these robots"),
+            )
+            if answer.verdict != "yes"
+        ]
+        return "; ".join([*doubts, use])
 
     def paragraphs(self) -> Iterator[tuple[Answer, Table | None]]:
         """Each answer, and the numbers behind it."""
         tables = {
             "drops": counts_table(self.counts),
-            "controllers": needs_table(self.counts),
+            "controllers": needs_table(self.counts, self.scene),
             "radio": radio_table(self.radio),
         }
         for name in QUESTIONS:
@@ -155,6 +164,7 @@ def assess(
     """
     chosen = load_scene(scene, overrides)
     name = chosen.spelled
+    planar = f"{name} --set task.path.kind=straight" if chosen.task.path.is_curved else name
     report = on_progress or (lambda fraction: None)
     straight = chosen.model_copy(update={"task": chosen.task.model_copy(update={"path": Path()})})
     analysis = analyze(straight)
@@ -174,13 +184,13 @@ def assess(
         )  # fmt: skip
     report(1.0)
     answers = Answers(
-        carried=on_mechanics(analysis, name),
+        carried=on_mechanics(analysis, planar),
         load=on_load(load_limits(chosen), name),
-        drops=on_drops(counts, name),
-        controllers=on_controllers(counts, name),
-        angles=on_angles(angles, name),
-        radio=on_radio(radio, name),
-        curve=on_curve(curve, name),
+        drops=on_drops(counts, planar),
+        controllers=on_controllers(counts, planar),
+        angles=on_angles(angles, planar),
+        radio=on_radio(radio, planar),
+        curve=on_curve(curve, chosen),
     )
     return Assessment(answers, counts, angles, radio, curve, chosen, analysis)
 
@@ -198,7 +208,7 @@ def _with_losses(scene: Scene, counts: tuple[OutcomeCounts, ...]) -> Iterator[Ra
     best = best_of(counts)
     tried = [one for one in counts if suffices(one)] or ([best] if best else [])
     names = [one.controller for one in tried if describe(one.controller).uses_radio]
-    for loss in LOSSES if names else ():
+    for loss in sorted({*LOSSES, scene.radio.loss}) if names else ():
         lossy, carries = {"radio.loss": loss}, counts[0].carries
         found = [count_outcomes(scene, name, seeds=carries, overrides=lossy) for name in names]
         yield RadioTrial(loss, tuple(found))

@@ -11,10 +11,12 @@ from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, quiet, warn_word
 from palmbots._util.text import millimetres
 from palmbots.assessment.angles import AngleTrial
-from palmbots.control.registry import describe
+from palmbots.control.dead_band import overrun_m, zero_zone_m
+from palmbots.control.registry import WIDE_ZONE, describe
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits
 from palmbots.mujoco.curve_trial import CurveTrial
+from palmbots.scene.scene import Scene
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.stability.analysis import Analysis
 
@@ -87,6 +89,8 @@ def on_mechanics(analysis: Analysis, name: str) -> Answer:
         doubts = [one for one in analysis.warnings if one != analysis.load.warning()]
         tightest = next(one for one in analysis.ranking if one.quantity != "mass")
         text = "; ".join([*doubts[:1], f"tightest margin: {tightest.sentence()}"])
+        if tightest.quantity == "contact" and (tightest.times or 1.0) < 1.0:
+            text += "; so the robots have to correct it"
         return Answer(question, "partly" if doubts else "yes", text, command)
     failing = next(one for one in analysis.properties.values() if not one.holds)
     return Answer(
@@ -125,13 +129,22 @@ def on_controllers(counts: Sequence[OutcomeCounts], name: str) -> Answer:
     return Answer(question, "yes" if RECOMMENDED in enough else "partly", text, command)
 
 
-def needs_table(counts: Sequence[OutcomeCounts]) -> Table | None:
-    """What each controller that suffices needs."""
+def needs_table(counts: Sequence[OutcomeCounts], scene: Scene) -> Table | None:
+    """What each controller that suffices needs, and whether the zero zone is wide enough."""
     enough = [one.controller for one in counts if suffices(one)]
     if not enough:
         return None
-    rows = [(f"  {one}", need) for one in enough for need in describe(one).requirements or ("",)]
+    rows = [
+        (f"  {one}", need.replace(WIDE_ZONE, f"{WIDE_ZONE} ({_widths(scene, one)})"))
+        for one in enough
+        for need in describe(one).requirements or ("",)
+    ]
     return Table(rows, ("  controller", "needs"))
+
+
+def _widths(scene: Scene, controller: str) -> str:
+    zone, overrun = zero_zone_m(scene), overrun_m(scene, controller)
+    return f"here: {millimetres(zone)}, overrun {millimetres(overrun)}"
 
 
 def on_angles(trial: AngleTrial | None, name: str) -> Answer:
@@ -172,19 +185,21 @@ def on_radio(trials: Sequence[RadioTrial], name: str) -> Answer:
     return Answer(question, "partly" if len(held) > 1 else "no", text, command)
 
 
-def on_curve(trial: CurveTrial | None, name: str) -> Answer:
+def on_curve(trial: CurveTrial | None, scene: Scene) -> Answer:
     """What a curve does."""
-    question = "Does it survive a curve?"
+    question, name = "Does it survive a curve?", scene.spelled
     if trial is None:
         return Answer(question, "open", "", f"palmbots curve {name}")
     command = f"palmbots curve {name} -c {trial.controller}"
-    where, radius = "on its path", trial.changes.get("task.path.radius_m")
+    if scene.task.slope_deg:
+        command += " --set task.slope_deg=0"  # curves are simulated on level floors only
+    where, radius = f"on its path ({scene.task.path.kind})", trial.changes.get("task.path.radius_m")
     if isinstance(radius, float):
         where = f"90° with radius {radius:g} m"
         command += f" --turn-radius-m {radius:g}"
     forecast, counts = trial.forecast, trial.counts
     if forecast is None:
-        return Answer(question, "no", f"{where}: {trial.refusal}", command)
+        return Answer(question, "open", f"{where}: {trial.refusal}", command)
     if counts is None:
         return Answer(question, "no", f"{where}: {forecast.text()}", command)
     drift = f"forecast drift {millimetres(forecast.mean_m)}"

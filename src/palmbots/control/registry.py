@@ -29,6 +29,8 @@ from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene
 
+WIDE_ZONE = "a zero zone wider than the overrun that the delay of the radio causes"
+
 
 @dataclass(frozen=True)
 class ControllerEntry:
@@ -85,13 +87,12 @@ class ControllerEntry:
     def requirements(self) -> tuple[str, ...]:
         """What the controller needs besides palms, switches and wheels, one line each."""
         alone = self.team == "robots" and not self.uses_radio
-        late = "a zero zone wider than the overrun that the delay of the radio causes"
         needs = {
             "a station that both robots can reach by radio": self.team == "station",
             "a radio between the robots": self.uses_radio and self.team == "robots",
             "a time for start and end on which the robots agree": alone,
             "a radio and control period that its time bounds admit": self.has_time_bounds,
-            late: self.team == "station" or self.drives_by_both_signs,
+            WIDE_ZONE: self.team == "station" or self.drives_by_both_signs,
         }
         return tuple(need for need, applies in needs.items() if applies)
 

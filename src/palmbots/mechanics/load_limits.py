@@ -124,10 +124,12 @@ class LoadLimits(Result):
             f"heaviest object {mass_text(first.heaviest_kg)} kg: beyond it {first.meaning} "
             f"{_place(first)} ({first.key})"
         )
-        start = self.at_start_kg
-        if start is None or start <= first.heaviest_kg:
+        known = [one for one in self.limits if one.at_start_kg is not None]
+        start = min(known, key=lambda one: one.at_start_kg or 0.0, default=None)
+        if start is None or start.at_start_kg is None:
             return text
-        return f"{text}; {mass_text(start)} kg where the carry starts"
+        mass = mass_text(start.at_start_kg)
+        return f"{text}; where the carry starts {mass} kg: beyond it {start.meaning} ({start.key})"
 
     def lines(self) -> Iterator[Item]:
         """The verdict, and every limit."""

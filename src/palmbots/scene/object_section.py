@@ -60,8 +60,8 @@ class Object(Section):
     """Centre of mass, in the frame of the vertices, inside the convex hull of the outline. Not set,
     with an outline of your own: its centroid."""
     mass_kg: float = key("object.mass_kg")
-    """Mass; matters in the MuJoCo world only. Not set, with an outline of your own: volume times
-    the density of the paper's box, 125 kg/m³."""
+    """Mass: what the robots have to hold (palmbots load). The quasistatic world needs no mass. Not
+    set, with an outline of your own: volume times the density of the paper's box, 125 kg/m³."""
     depth_m: float = key("object.depth_m")
     """Length of the extrusion, across the direction of travel."""
 

@@ -102,7 +102,8 @@ def merged(
     return result
 
 
-# An override of the first key makes the other keys of its table obsolete in the scene below it.
+# An override of the first key (to this value) makes the other keys of its table obsolete in the
+# scene below it.
 _SUPERSEDES = {
     "object": {
         "vertices_m": ("box_m", "contacts", "com_m", "mass_kg"),
@@ -110,6 +111,10 @@ _SUPERSEDES = {
     },
     "palm": {"friction": ("friction_angle_deg",), "friction_angle_deg": ("friction",)},
 }
+_SUPERSEDES["task.path"] = {
+    "kind=straight": ("radius_m", "angle_deg", "turn", "transition_m", "lead_in_m", "waypoints_m",
+                      "file"),
+}  # fmt: skip
 _SUPERSEDES |= {f"palm.{side}": _SUPERSEDES["palm"] for side in SIDES}
 
 
@@ -125,8 +130,9 @@ def without_superseded(
     obsolete: dict[str, Any] = {}
     for table, rules in _SUPERSEDES.items():
         keys = _table_at(given, table)
-        for key, others in rules.items():
-            if key in keys:
+        for rule, others in rules.items():
+            key, _, value = rule.partition("=")
+            if key in keys and value in ("", keys[key]):
                 obsolete |= {f"{table}.{other}": None for other in others if other not in keys}
     return merged(data, obsolete) if obsolete else dict(data)
 
