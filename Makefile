@@ -108,7 +108,7 @@ soak: $(VENV)/strict.done $(VENV)/soak.done firmware  ## random examples, fuzzin
 fuzz: $(VENV)/test.done  ## libFuzzer on the wire's decoder, on all cores; FUZZ_SECONDS=600
 	$(BIN)/python tests/soak/fuzz_decode.py $(or $(FUZZ_SECONDS),600)
 
-build: $(VENV)/build.done  ## everything compiled, at full speed: statistics take a tenth of the time
+build: $(VENV)/build.done  ## everything compiled, at full speed: statistics are several times as fast
 
 quick: $(VENV)/carry.done  ## everything compiled without optimization, to try a change of the core
 	$(call install,OFF,ON,ON)

@@ -71,8 +71,7 @@ class SlowBuildWarning(UserWarning):
 
 
 SLOW_BUILD = (
-    "this build runs carries one by one; `make build`, once, makes statistics about ten times as "
-    "fast"
+    "this build runs carries one by one; `make build`, once, makes statistics several times as fast"
 )
 FEW_SECONDS = 10_000
 """Carries of the default scene that take a few seconds one by one."""
