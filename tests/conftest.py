@@ -2,6 +2,7 @@
 """Settings of all tests: Hypothesis profiles, and reports of slow tests and of failures."""
 
 import atexit
+import gc
 import os
 import shutil
 import signal
@@ -28,6 +29,9 @@ sys.dont_write_bytecode = False
 
 # No test multiplies large matrices, and each of these processes would start threads for them.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# With Python's thresholds a tenth of the time of the tests goes into collecting garbage.
+gc.set_threshold(20_000, 20, 20)
 
 # A checker of addresses, which comes with the tools of the docs: jsonschema would import it, which
 # takes seconds, and no schema here has addresses.
@@ -93,6 +97,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             usual = test._hypothesis_internal_use_settings
             more = settings(usual, max_examples=SOAK_FACTOR * usual.max_examples)
             test._hypothesis_internal_use_settings = more
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()  # modules and tests stay: no collection of garbage need visit them
 
 
 def pytest_runtest_teardown(item: pytest.Item) -> None:
