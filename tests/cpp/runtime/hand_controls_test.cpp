@@ -72,6 +72,16 @@ void a_press_is_one_wish() {
   }
 }
 
+// Neither it nor the other one counts before both have been released.
+void a_button_stuck_since_the_boot_means_nothing() {
+  for (const Meaning& meaning : meanings) {
+    HandControls controls;
+    for (const Buttons held : {Buttons{true, false}, Buttons{true, true}, Buttons{true, false}}) {
+      CHECK(is_nothing(wish_of(controls, held, meaning.mode)));
+    }
+  }
+}
+
 void a_button_that_bounces_means_nothing() {
   HandControls controls;
   wish_of(controls, {false, false}, M::ready);
@@ -84,5 +94,6 @@ void a_button_that_bounces_means_nothing() {
 
 int main() {
   a_press_is_one_wish();
+  a_button_stuck_since_the_boot_means_nothing();
   a_button_that_bounces_means_nothing();
 }
