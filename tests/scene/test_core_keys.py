@@ -79,7 +79,7 @@ def test_every_key_reaches_the_spec(name: str) -> None:
 
 def _needed(name: str, keys: dict[str, Any]) -> dict[str, Any]:
     """The other key without which a value may be refused."""
-    is_period = name in ("robot.period_s", "control.period_s")
-    needed = ("control.watchdog_s", "control.period_s") if is_period else ()
+    periods = ("control.watchdog_s", "control.period_s")
+    needed = periods if name in (*periods, "robot.period_s") else ()
     needed += ("palm.length_m",) if name == "palm.usable_m" else ()
     return {key: keys[key] for key in needed if key in keys and key != name}

@@ -38,7 +38,7 @@ def test_rows_are_ordered_by_controller_and_value() -> None:
 
 
 def test_carries_of_another_world_are_those_of_carry() -> None:
-    near = {"task.distance_m": 0.05}
+    near = {"task.distance_m": 0.05, "task.path.kind": "arc"}
     (row,) = pb.compare(
         key="robot.noise_m_s", values=[0.01], controllers=["silent"], carries=2, world="mujoco",
         overrides=near,

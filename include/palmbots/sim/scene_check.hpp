@@ -75,10 +75,16 @@ inline void check_robots(const SceneValues& scene, Problems& problems) {
   }
 }
 
-// A robot's period is no time between two ticks, and no longer than its motors wait.
+// A robot's period is no time between two ticks, and no longer than its motors wait. Without one it
+// is the tick.
 inline void check_periods(const SceneValues& scene, Problems& problems) {
   const double tick = scene.of<"control.period_s">();
   const double watchdog = scene.of<"control.watchdog_s">();
+  if (tick > watchdog * (1 + 1e-9)) {
+    report(problems, "control.watchdog_s", common, "is shorter than period_s, which is {0}",
+           "a number in s, from {0} to 1000000", {tick});
+    return;
+  }
   for (const std::size_t side : {left, right}) {
     const double period = scene.of<"robot.period_s">(own(side));
     if (!(period == period)) continue;

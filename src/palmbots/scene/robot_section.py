@@ -80,7 +80,8 @@ class Control(Section):
     period_s: float = key("control.period_s")
     """Time between two controller steps."""
     watchdog_s: float = key("control.watchdog_s")
-    """If a controller has not stepped for this time, its robot stops and restarts."""
+    """If a controller has not stepped for this time, its robot stops and restarts. At least
+    period_s."""
     brake: bool = key("control.brake")
     """Controllers shared-sign and silent: whether a robot may stop to correct a contact that is off
     centre, or because its partner seems to stand."""

@@ -16,10 +16,13 @@ ENTRY = re.compile(r"(.+)\[(\d{1,3})\]")
 """Pattern of a key of one number of a list: the key of the list, and the index."""
 
 
-def with_values(base: Scene, keys: Sequence[str], values: Sequence[Any], called: str) -> Scene:
+def with_values(
+    base: Scene, keys: Sequence[str], values: Sequence[Any], called: str, *, curved: bool = False
+) -> Scene:
     """The base scene with these keys set to these values.
 
-    Raises `SceneError`, one line that begins with `called`, where the result is not a valid scene.
+    Raises `SceneError`, one line that begins with `called`, where the result is not a valid scene,
+    or its path is curved and `curved` is not set.
     """
     given = dict(zip(keys, values, strict=True))
     plain = {key: value for key, value in given.items() if not ENTRY.fullmatch(key)}
@@ -47,7 +50,8 @@ def with_values(base: Scene, keys: Sequence[str], values: Sequence[Any], called:
         entries = {f"object.{key}": value for key, value in kept.items()} | entries
     varied = load_scene(scene, entries, called=called) if entries else scene
     try:
-        refuse_curved(varied)
+        if not curved:
+            refuse_curved(varied)
     except SceneError as error:
         raise SceneError(f"{called} {error}") from None
     return varied

@@ -287,7 +287,10 @@ def compare(
             raise PalmbotsError(f"values: none given; allowed: numbers for {key}")
         values = DEFAULT_VALUES
     base = load_scene(scene, overrides)
-    scenes = [with_values(base, [key], [value], called="sweep:") for value in values]
+    scenes = [
+        with_values(base, [key], [value], called="sweep:", curved=place.supports_curved)
+        for value in values
+    ]
     _each_once("values", values)
     rows, refusals = [], []
     cells = [(e, v, s) for e in entries for v, s in zip(values, scenes, strict=True)]
