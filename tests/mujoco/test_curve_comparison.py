@@ -79,6 +79,17 @@ def test_larger_radii_keep_the_angle_of_the_turn(carried: list[dict[str, Any]]) 
         )
 
 
+def test_lips_that_are_there_get_more_room(carried: list[dict[str, Any]]) -> None:
+    tight = {"palm.lip_height_m": 0.03, "palm.lip_clearance_m": 0.003}
+    pb.mujoco.compare_on_curve("paper", turn_radius_m=0.6, overrides=tight)
+    rooms = [one["palm.lip_clearance_m"] for one in carried if "palm.lip_clearance_m" in one]
+    assert rooms[0] == 0.012 and min(rooms) > 0.003
+    wide = tight | {"palm.lip_clearance_m": 0.02}
+    carried.clear()
+    pb.mujoco.compare_on_curve("paper", turn_radius_m=0.6, overrides=wide)
+    assert {"palm.lip_clearance_m": 0.03} in carried
+
+
 def test_refusal_names_the_command_that_tries_what_helps() -> None:
     scene = pb.load_scene("paper")
     scene.spell("crate.toml --set robot.noise_m_s=0.02")

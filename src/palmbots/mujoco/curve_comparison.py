@@ -169,8 +169,12 @@ def _plans(scene: Scene, own: CurveTrial) -> Iterator[tuple[str | None, Keys]]:
     can_be_longer = scene.palm.usable_m is None and not _overlaps(scene, longer)
     if can_be_longer:
         yield None, longer
-    if not any(palm.lip_height_m > 0 for palm in palms):
-        lips = _lips(scene)
+    lips = _lips(scene)
+    if any(palm.lip_height_m > 0 for palm in palms):
+        most = max(palm.lip_clearance_m for palm in palms)
+        clearance = max(float(lips["palm.lip_clearance_m"]), math.ceil(1.5e3 * most) / 1e3)
+        yield None, {"palm.lip_clearance_m": clearance}
+    else:
         yield None, lips
         if can_be_longer:
             yield None, {**longer, **_lips(load_scene(scene, dict(longer)))}

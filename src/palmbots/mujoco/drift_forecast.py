@@ -86,7 +86,8 @@ class Forecast:
                 raise SceneError(
                     f"palm.lip_clearance_m: {palm.lip_clearance_m:g} ({side}) is too tight: the "
                     f"object stands askew by {math.degrees(self.askew):.1f} degrees and would jam; "
-                    f"allowed: at least {math.ceil(1e4 * self.lip_room) / 1e4:g} on this path"
+                    f"allowed: at least {math.ceil(1e4 * self.lip_room) / 1e4:g} on this path; to "
+                    f"carry with lips that fit, run: palmbots curve {scene.spelled}"
                 )
         self.half = min(palm.width_m for palm in palms) / 2
         self.budget = min(palm.lip_clearance_m for palm in palms) if self.lips else self.half
