@@ -17,7 +17,8 @@ from palmbots.control.registry import (
     resolve,
     shipped_names,
 )
-from palmbots.optimum.opening import FINE, law_m_s, opening_problem, solve
+from palmbots.optimum import optimal_controllers
+from palmbots.optimum.opening import COARSE, FINE, law_m_s, opening_problem, solve
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DELIVERED, DROPPED, Columns, run_seeds
 from random_scenes import random_scene
@@ -78,13 +79,19 @@ UNEQUAL = {"robot.left.correction_m_s": 0.02, "robot.right.speed_m_s": 0.07}
         ("optimal-stopping", UNEQUAL),
     ],
 )
-def test_scenes_with_little_noise_are_delivered(name: str, change: dict[str, object]) -> None:
+def test_scenes_with_little_noise_are_delivered(
+    name: str, change: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On coarse grids: nobody looks at a drop rate here."""
+    monkeypatch.setattr(optimal_controllers, "FINE", COARSE)
+    monkeypatch.setattr(optimal_controllers, "_policy", optimal_controllers._policy.__wrapped__)
     run = pb.carry("paper", name, overrides={"task.distance_m": 0.5} | change)
     assert run.outcome == "delivered"
     assert run.messages == 0
     assert any("no robot can run it" in line for line in run.warnings)
 
 
+@pytest.mark.soak
 def test_noise_limit_of_the_reference_is_below_the_bound() -> None:
     short = {"task.distance_m": 0.3}
     limit = pb.noise_limit("paper", "optimal", relative_half_width=0.1, overrides=short)

@@ -148,8 +148,13 @@ def test_without_noise_the_bias_decides() -> None:
     assert solve(late, COARSE).drop == pytest.approx(0, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["positions", "noises", "speeds"])
-@pytest.mark.parametrize("fields", [pytest.param({}, marks=pytest.mark.soak), STOPPING])
+LONG = pytest.mark.soak
+
+
+@pytest.mark.parametrize(
+    "name", ["positions", *(pytest.param(name, marks=LONG) for name in ("noises", "speeds"))]
+)
+@pytest.mark.parametrize("fields", [pytest.param({}, marks=LONG), STOPPING])
 def test_finer_grids_change_little(name: str, fields: dict[str, float]) -> None:
     """Each grid refined by two: the drop rate by less than 3 %, so σ* by less than 0.3 %."""
     noise = 0.0393 if not fields else 0.0591
