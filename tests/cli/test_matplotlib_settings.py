@@ -13,10 +13,10 @@ SETTINGS = "text.usetex: True\nfont.size: 30\naxes.grid: True\n"
 
 def figure(folder: Path) -> bytes:
     """The figure that a command writes into a folder."""
-    short = ("--set", "task.distance_m=0.1", "--animation", "none")
-    run = palmbots("carry", *short, "--out", str(folder))
+    few = ("--values", "0", "--carries", "2", "--set", "task.distance_m=0.1")
+    run = palmbots("compare", *few, "--out", str(folder))
     assert (run.returncode, run.stderr) == (0, "")
-    return (folder / "carry.png").read_bytes()
+    return (folder / "compare.png").read_bytes()
 
 
 @pytest.fixture(scope="module")
