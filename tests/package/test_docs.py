@@ -59,6 +59,7 @@ FEW = {
     "carry -c optimal": ["--set", "task.distance_m=0.1"],
     "carry -c optimal-stopping": ["--set", "task.distance_m=0.1"],
     "compare": ["--carries", "2"],
+    "curve": ["--carries", "1", "--set", "robot.speed_m_s=0.18"],
     "design": ["--resolution-deg", "2", "--set", "task.distance_m=0.1"],
     "drop-rate": ["--effort", "20", "--relative-error-percent", "100", *NEAR],
     "bound": ["--set", "task.distance_m=0.05"],
@@ -79,6 +80,7 @@ SMALLER: dict[str, dict[str, Any]] = {
     "bound": {f"{OPTIMUM}.drop_bound.FINE": GRID, f"{OPTIMUM}.drop_bound.COARSE": GRID},
     "carry -c optimal": OPTIMAL,
     "carry -c optimal-stopping": OPTIMAL,
+    "curve": {"palmbots.mujoco.curve_trial.FORECASTS": 1},
     "speed-limits": {f"{LIMITS}.FRICTIONS": (0.3,), f"{LIMITS}.FACTORS": (1.0,)},
 }
 DATA = ROOT / "src" / "palmbots" / "studies" / "data"
