@@ -30,6 +30,7 @@ from palmbots.scene.scene import Scene
 from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
 from palmbots.viz import style
+from shape_files import svg, written
 from study_fixtures import SMALL
 
 SHORT = {"task.distance_m": 0.2}
@@ -82,6 +83,8 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     yield "bound", pb.bound("paper", "corrections", overrides=SHORT)
     law = [LawPoint(key, f, 0.04 * f, 0.041 * f) for key in KEYS for f in (1.0, 2.0)]
     yield "design-law", DesignLaw(tuple(law), Scene())
+    drawing = written(folder / "box.svg", svg('<rect width="200" height="100"/>'))
+    yield "imported-object", pb.import_object(drawing)
     yield "validation", pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1)
     yield "speed_limits", speed_limits()
     ranges = {

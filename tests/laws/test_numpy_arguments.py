@@ -19,6 +19,7 @@ import palmbots as pb
 from palmbots._util.results import Result
 from palmbots.scene.spec import to_spec
 from palmbots.studies import load_plan
+from shape_files import prism, stl, written
 from study_fixtures import SMALL
 
 SHORT = {"task.distance_m": 0.125}
@@ -51,6 +52,9 @@ CALLS: dict[str, dict[str, Any]] = {
                            "budget": 2000,
                            "overrides": {**SHORT, "robot.noise_m_s": 0.03125}},
     "feasible_contact_modes": STATE,
+    "import_object": {"scale": 0.5, "cut": 0.25, "tolerance_mm": 1.5, "depth_mm": 100.0,
+                      "density_kg_m3": 200.0, "mass_kg": 0.5, "com_mm": (60.0, 40.0),
+                      "unit": "mm"},
     "learn.run_episode": {"seed": 3},
     "mujoco.forecast_drift": {"seeds": 1, "scene": pb.load_scene("paper", ARC)},
     "noise_limit": {"drop_rate": 0.25, "relative_half_width": 0.0625, "seed": 1, "threads": 1,
@@ -153,6 +157,9 @@ def completed(name: str, given: dict[str, Any], folder: Path) -> tuple[list[Any]
     }
     if name == "studies.run_study":
         return [load_plan(STUDY)], given
+    if name == "import_object":
+        box = prism([(0, 0), (250, 0), (250, 160), (0, 160)], 100)
+        return [written(folder / "box.stl", stl(box))], given
     if name == "learn.run_episode":
         from palmbots.learn.carry_v0 import parallel_env
 

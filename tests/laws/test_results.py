@@ -47,6 +47,7 @@ from palmbots.studies.points import design_points
 from palmbots.views.log_alignment import ClockFit
 from palmbots.views.run_replay import RunReplay, Verified
 from schema_refusals import assert_fits_exactly
+from shape_files import svg, written
 from study_fixtures import SMALL
 
 SHORT = {"task.distance_m": 0.2}
@@ -202,6 +203,9 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     ),
     "EpisodeResult": lambda folder: EpisodeResult("delivered", 412, 3.75),
     "Exported": lambda folder: pb.export(mjcf=folder / "pair.xml", urdf=folder / "left.urdf"),
+    "ImportedObject": lambda folder: pb.import_object(
+        written(folder / "box.svg", svg('<rect width="200" height="100"/>'))
+    ),
     "KeyList": lambda folder: pb.keys("start"),
     "Log": lambda folder: pb.read_log(logged(folder)),
     "NoiseLimit": lambda folder: noise_limit(),
@@ -316,6 +320,7 @@ CALLS: list[tuple[str, tuple[str, ...]]] = [
     ("objects", ()),
     ("controllers", ()),
     ("keys", ()),
+    ("import", ("DRAWING", "--out", "OBJECT")),
     ("init", ("scene", "SCENE")),
     ("init", ("pair", "PAIR")),
     ("view", ("LOG", "--layout", "LAYOUT")),
@@ -339,6 +344,7 @@ def files(here: Run, tmp_path: Path) -> dict[str, str]:
     names = {
         "STUDY": "study.toml", "DIR": "results", "CERTIFICATE": "box.json", "LOG": "log/carry.mcap",
         "MJCF": "scene.xml", "SCENE": "scene.toml", "PAIR": "pair.toml", "LAYOUT": "layout.json",
+        "DRAWING": "box.svg", "OBJECT": "box.toml",
     }  # fmt: skip
     return {word: str(tmp_path / name) for word, name in names.items()}
 
@@ -356,6 +362,8 @@ def test_json_of_a_command_is_one_object_that_fits_its_schema_exactly(
             'controllers = ["none"]\n[set]\n"task.distance_m" = 0.2\n[vary]\n'
             '"robot.noise_m_s" = [0.02]\n[seeds]\ncount = 2\n'
         )
+    if "DRAWING" in arguments:
+        written(Path(files["DRAWING"]), svg('<rect width="200" height="100"/>'))
     if "CERTIFICATE" in arguments:
         here("certify", "-o", files["CERTIFICATE"])
     if "LOG" in arguments:

@@ -8,6 +8,7 @@ replaced by their tables when a scene is read, so that no dump and no log contai
 
 import difflib
 import os
+import shlex
 import tomllib
 from collections.abc import Mapping
 from functools import cache
@@ -23,6 +24,9 @@ from palmbots.scene.fields import field_error
 from palmbots.scene.files import read_table
 from palmbots.scene.object_section import Object
 from palmbots.scene.overrides import without_superseded
+
+IMPORTED = (".svg", ".dxf", ".stl", ".obj", ".gltf", ".glb")
+"""Suffixes of the drawings and meshes of which `palmbots.import_object` makes an object."""
 
 
 @cache
@@ -51,10 +55,11 @@ def by_name(given: object) -> object:
         return given
     known = object_names()
     if given not in known and (suffix := os.path.splitext(given)[1]) not in ("", ".toml"):
+        made = "in which vertices_m is the outline"
+        if suffix.lower() in IMPORTED:
+            made = f"as palmbots import {shlex.quote(given)} makes it"
         raise field_error(
-            given,
-            f"is a {suffix} file",
-            "a TOML file with the table [object], in which vertices_m is the outline",
+            given, f"is a {suffix} file", f"a TOML file with the table [object], {made}"
         )
     if is_object_file(given):
         return _from_file(given)

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An object made from a file: what people read of it, and its TOML file."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from palmbots._util.atomic_files import check_file, write_whole
+from palmbots._util.command import Option, writes
+from palmbots._util.plain_values import NOT_IN_JSON
+from palmbots._util.report import Item, Line, Table
+from palmbots._util.results import Result
+from palmbots._util.text import millimetres
+from palmbots._util.toml_writer import toml_text
+from palmbots._util.user_paths import user_path
+from palmbots.errors import PalmbotsError
+from palmbots.scene.object_frame import Point
+from palmbots.scene.object_section import Object
+from palmbots.shapes.point_arrays import Points
+
+
+@dataclass(frozen=True, repr=False)
+class ImportedObject(Result):
+    """An object of a scene, made from a drawing or a mesh. Its frame begins at the left end of the
+    outline, at the height of its lowest corners."""
+
+    figure = "imported-object"
+
+    source: str
+    """Name of the file."""
+    view: str
+    """What was taken: the ``drawing``, a ``section`` or the ``silhouette`` of a mesh."""
+    metres_per_unit: float
+    """Length of the unit of the file, `scale` included."""
+    vertices_m: tuple[Point, ...]
+    contacts: tuple[int, int]
+    com_m: Point
+    mass_kg: float
+    depth_m: float
+    arcs: int
+    """Arcs of the outline that are chords in `vertices_m`."""
+    tolerance_m: float
+    """Greatest deviation that was allowed."""
+    deviation_m: float
+    """Greatest distance between the outline of the file and `vertices_m`."""
+    carried: str
+    """How the scene `paper` with this object ends: an outcome, or why it is refused."""
+    remarks: tuple[str, ...]
+    """What was ignored or assumed."""
+    outline_m: Points = field(metadata=NOT_IN_JSON)
+    """The outline of the file, in the frame of `vertices_m`."""
+
+    @property
+    def object(self) -> Object:
+        """The section `object` of a scene."""
+        return Object.model_validate(
+            {
+                "vertices_m": self.vertices_m,
+                "contacts": self.contacts,
+                "com_m": self.com_m,
+                "mass_kg": self.mass_kg,
+                "depth_m": self.depth_m,
+            }
+        )
+
+    def toml(self) -> str:
+        """The text of an object file."""
+        head = [
+            f"Made from {self.source} ({self.view}).",
+            f"Its outline deviates by {millimetres(self.deviation_m)} at most.",
+        ]
+        comment = "".join(f"# {line}\n" for line in [*head, *self.remarks])
+        return f"{comment}\n{toml_text({'object': self.object.model_dump(exclude={'box_m'})})}"
+
+    def lines(self) -> Iterator[Item]:
+        """Size and mass, how exact the outline is, and how the object is carried."""
+        xs, ys = zip(*self.vertices_m, strict=True)
+        size = [max(xs) - min(xs), max(ys) - min(ys), self.depth_m]
+        yield (
+            f"imported  {' × '.join(map(millimetres, size))} (length, height, depth), "
+            f"{self.mass_kg:.4g} kg"
+        )
+        (left, _), (right, _) = (self.vertices_m[k] for k in self.contacts)
+        x, y = map(millimetres, self.com_m)
+        corners = f"{len(self.vertices_m)}"
+        if self.arcs:
+            corners += f", {self.arcs} {'arc' if self.arcs == 1 else 'arcs'} as chords"
+        yield Table(
+            [
+                ("  corners", corners),
+                (
+                    "  greatest deviation",
+                    f"{millimetres(self.deviation_m)}; tolerance {millimetres(self.tolerance_m)}",
+                ),
+                ("  contacts", f"{millimetres(right - left)} apart"),
+                ("  centre of mass", f"{x} from the left end, {y} above the bottom"),
+                ("  in the scene paper", self.carried),
+            ]
+        )
+        for remark in self.remarks:
+            yield Line(remark, indent=2)
+
+
+@writes("import", path=Option("--out -o", metavar="FILE.toml"))
+def write_object(result: ImportedObject, path: str | os.PathLike[str]) -> list[Path | Item]:
+    """Write an object file, and beside it a picture of the outline and the corners.
+
+    Args:
+        result: the object.
+        path: write the object to this TOML file, and a picture beside it.
+
+    Raises:
+        PalmbotsError: the name does not end in .toml, or a file cannot be written.
+    """
+    file = user_path(path)
+    if file.suffix != ".toml":
+        raise PalmbotsError(f"--out: value is {file}; allowed: a name that ends in .toml")
+    picture = file.with_suffix(".png")
+    check_file(picture)
+    write_whole(file, result.toml())
+    result.save_figure(picture)
+    name = shlex.quote(str(path))
+    hint = f"carry it: palmbots carry paper --set object={name}"
+    return [file, picture, Line(hint, is_whole=True)]

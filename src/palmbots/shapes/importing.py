@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``import``: an object from a drawing or a mesh.
+
+The steps: lines or triangles from the file (`drawings`, `meshes`), one closed outline in metres
+(`outlines`), few corners in its place (`fitting`), then mass and centre of mass from the volume.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import ValidationError
+
+import palmbots._core as _core
+from palmbots._types import Interval
+from palmbots._util.arguments import one_of, show, two_numbers
+from palmbots._util.atomic_files import read_regular
+from palmbots._util.command import Option, command
+from palmbots._util.text import millimetres
+from palmbots._util.user_paths import user_path
+from palmbots.errors import MissingExtra, PalmbotsError, one_line
+from palmbots.scene.core_keys import most_records
+from palmbots.scene.error_messages import validation_message
+from palmbots.scene.object_library import IMPORTED
+from palmbots.scene.object_section import Object
+from palmbots.shapes.body_from_file import (
+    UNITS,
+    Body,
+    Given,
+    of_drawing,
+    of_mesh,
+    refuse_one_point,
+    settled,
+)
+from palmbots.shapes.drawings import read_dxf, read_svg
+from palmbots.shapes.fitting import Fitted, polygon_of
+from palmbots.shapes.imported_object import ImportedObject
+from palmbots.shapes.meshes import read_mesh
+from palmbots.shapes.outlines import area_and_centroid
+from palmbots.shapes.point_arrays import Points
+from palmbots.simulation.single import carry
+
+_AXES = ("x", "y", "z", "-x", "-y", "-z")
+_DRAWINGS = {".svg": read_svg, ".dxf": read_dxf}
+_MESHES = {".stl": "z", ".obj": "z", ".gltf": "y", ".glb": "y"}  # and the axis that points upwards
+_COARSEST = 0.1  # largest tolerance, of the size
+_SEEN = math.radians(0.05)  # a turn that is worth a remark
+
+
+@command(
+    "import",
+    order=125,
+    example="palmbots import bottle.stl --unit mm --out bottle.toml",
+    file=Option(is_file=True),
+    unit=Option(metavar="mm|cm|m|in"),
+    scale=Option(metavar="FACTOR"),
+    up=Option(metavar="AXIS"),
+    across=Option(metavar="AXIS"),
+    view=Option(metavar="section|silhouette"),
+    cut=Option("--cut-percent", percent=True, least=0.01, most=0.99),
+    tolerance_mm=Option(),
+    depth_mm=Option(),
+    density_kg_m3=Option("--density", least=1.0, most=30000.0),
+    mass_kg=Option(),
+    com_mm=Option(metavar="X Y"),
+)
+def import_object(
+    file: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    scale: float | None = None,
+    up: str | None = None,
+    across: str | None = None,
+    view: Literal["section", "silhouette"] = "section",
+    cut: float = 0.5,
+    tolerance_mm: float | None = None,
+    depth_mm: float | None = None,
+    density_kg_m3: float = 125.0,
+    mass_kg: float | None = None,
+    com_mm: Interval | None = None,
+) -> ImportedObject:
+    """Make an object from an SVG, DXF, STL, OBJ or glTF file.
+
+    The outline of a drawing, or of a mesh seen from the side, becomes a polygon. Mass and centre of
+    mass follow from the volume and the density. The object stands on its lowest corners.
+
+    Args:
+        file: drawing (.svg, .dxf) or mesh (.stl, .obj, .gltf, .glb).
+        unit: unit of the file: mm, cm, m or in; None: that of the file, if it has one.
+        scale: multiply all lengths by this; None: 1. It also confirms an unusual size.
+        up: axis of the file that points upwards: x, y, z, -x, -y or -z; None: y of drawings and
+            glTF, z of others.
+        across: axis of a mesh across the direction of travel: x, y or z; None: y, or z if y points
+            upwards.
+        view: what becomes of a mesh: its section by a vertical plane, or its silhouette.
+        cut: place of the plane across, of the depth of the mesh.
+        tolerance_mm: greatest deviation of the outline; None: 0.5 % of its size, or what 32 corners
+            need.
+        depth_mm: extent across the direction of travel; None: that of the mesh, or 100 of a
+            drawing.
+        density_kg_m3: density of the body [kg/m³].
+        mass_kg: mass; None: volume times density.
+        com_mm: centre of mass from the left end and above the bottom of the outline; None: that of
+            the volume.
+
+    Raises:
+        PalmbotsError: the file cannot be read or has no unit, its outline is no object, or an
+            argument is out of range.
+        MissingExtra: a package that reads the file is not installed.
+    """
+    path = user_path(file)
+    suffix = path.suffix.lower()
+    if suffix not in IMPORTED:
+        raise PalmbotsError(f"{path}: is no drawing or mesh; allowed: {', '.join(IMPORTED)}")
+    if unit is not None:
+        one_of("unit", unit, tuple(UNITS))
+    up = up or _MESHES.get(suffix, "y")
+    one_of("up", up, _AXES if suffix in _MESHES else ("x", "y", "-x", "-y"))
+    one_of("view", view, ("section", "silhouette"))
+    scale, tolerance_mm = _above_0("scale", scale), _above_0("tolerance_mm", tolerance_mm)
+    depth_mm, mass_kg = _above_0("depth_mm", depth_mm), _above_0("mass_kg", mass_kg)
+    given = Given(path.name, unit, scale, None if depth_mm is None else depth_mm / 1000)
+    if suffix in _DRAWINGS:
+        if (across, view, cut) != (None, "section", 0.5):
+            raise PalmbotsError(
+                f"{path}: is a drawing; allowed without across, view and cut, which are for meshes"
+            )
+        drawing = _read(path, lambda data: _DRAWINGS[suffix](data))
+        body = of_drawing(drawing, up, given)
+    else:
+        across = across or ("z" if up[-1] == "y" else "y")
+        one_of("across", across, tuple(axis for axis in "xyz" if axis != up[-1]))
+        mesh = _read(path, lambda data: read_mesh(path, data, up, across))
+        metres = 1.0 if suffix in (".gltf", ".glb") else None
+        if mesh.open_edges and (mass_kg is None or com_mm is None):
+            raise PalmbotsError(
+                f"{path}: the mesh is not closed ({mesh.open_edges} edges do not join two "
+                "triangles), so it has no volume; allowed: a repaired mesh, or --mass-kg and "
+                "--com-mm"
+            )
+        body = of_mesh(mesh, metres, given, None if view == "silhouette" else cut)
+    return _object(body, tolerance_mm, density_kg_m3, mass_kg, com_mm)
+
+
+def _above_0(name: str, value: float | None) -> float | None:
+    if value is not None and not 0 < value < 1e9:
+        raise PalmbotsError(f"{name}: value is {show(value)}; allowed: a number above 0")
+    return None if value is None else float(value)  # also of NumPy's single precision
+
+
+def _read(path: Path, reader: Callable[[bytes], Any]) -> Any:
+    """What a reader makes of a file.
+
+    Raises:
+        PalmbotsError: the file cannot be read, or is of another kind than its name says.
+    """
+    try:
+        data = read_regular(path)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise PalmbotsError(f"{path}: cannot be read: {reason}") from None
+    if not data.strip():
+        raise PalmbotsError(f"{path}: the file is empty")
+    try:
+        return reader(data)
+    except MissingExtra:
+        raise
+    except PalmbotsError as error:
+        raise PalmbotsError(f"{path}: {error}") from None
+    except Exception as error:  # of a library, on a file that is damaged
+        is_internal = isinstance(error, TypeError | AttributeError | LookupError | AssertionError)
+        reason = "it is damaged" if is_internal or not str(error) else one_line(str(error))
+        kind = path.suffix[1:].upper()
+        raise PalmbotsError(f"{path}: cannot be read as {kind}: {reason}") from None
+
+
+def _object(
+    body: Body,
+    tolerance_mm: float | None,
+    density_kg_m3: float,
+    mass_kg: float | None,
+    com_mm: Interval | None,
+) -> ImportedObject:
+    """The object with the outline of a body, in the frame of `ImportedObject`."""
+    area, centre = area_and_centroid(body.outline.points)
+    volume = area * body.depth_m if body.volume_m3 is None else body.volume_m3
+    centre = centre if body.centre_m is None else body.centre_m
+    given = None if com_mm is None else np.array(two_numbers("com_mm", com_mm)) / 1000
+    if given is not None:
+        centre = body.outline.points.min(axis=0) + given
+    points, centre, turn = settled(body.outline.points, centre)
+    fitted, tolerance_m = _fitted(body.name, points, tolerance_mm)
+    refuse_one_point(points, tolerance_m, body.name)
+    corner = fitted.vertices.min(axis=0)
+    com = centre - corner if given is None else given
+    remarks = body.remarks
+    if abs(turn) > _SEEN:
+        way = "counter-clockwise" if turn > 0 else "clockwise"
+        angle = abs(math.degrees(turn))
+        remarks = (*remarks, f"It is turned {way} by {angle:.2g}° to stand on its lower side.")
+    table: dict[str, Any] = {
+        "vertices_m": _pairs(fitted.vertices - corner),
+        "com_m": _pairs([com])[0],
+        "mass_kg": float(f"{volume * density_kg_m3 if mass_kg is None else mass_kg:.6g}"),
+        "depth_m": round(body.depth_m, 6),
+    }
+    try:
+        made = Object.model_validate(table)
+    except ValidationError as error:
+        raise PalmbotsError(f"{body.name}: object.{validation_message(error, Object)}") from None
+    whole = {"object": made.model_dump(exclude={"box_m"})}
+    for key, value, problem, allowed in _core.check_scene(whole):
+        shown = f"{show(value)} " if value else ""
+        raise PalmbotsError(f"{body.name}: {key}: {shown}{problem}; allowed: {allowed}")
+    if _has_round_contact(fitted, made):
+        remarks = (*remarks, "A contact is at a rounded corner, whose chords a palm may touch.")
+    return ImportedObject(
+        source=body.name,
+        view=body.view,
+        metres_per_unit=body.metres,
+        vertices_m=made.vertices_m,
+        contacts=made.contacts,
+        com_m=made.com_m,
+        mass_kg=made.mass_kg,
+        depth_m=made.depth_m,
+        arcs=sum(piece.centre is not None for piece in fitted.pieces),
+        tolerance_m=tolerance_m,
+        deviation_m=fitted.deviation_m,
+        carried=_carried(made),
+        remarks=remarks,
+        outline_m=points - corner,
+    )
+
+
+def _fitted(name: str, points: Points, tolerance_mm: float | None) -> tuple[Fitted, float]:
+    """The polygon, and the tolerance that it keeps to.
+
+    Raises:
+        PalmbotsError: the given tolerance needs more corners than an object may have.
+    """
+    most = most_records("object.vertices_m")
+    size = float(np.ptp(points, axis=0).max())
+    tolerance = 0.005 * size if tolerance_mm is None else tolerance_mm / 1000
+    if not 1e-6 <= tolerance <= _COARSEST * size:
+        raise PalmbotsError(
+            f"tolerance_mm: value is {tolerance_mm:g}; allowed: 0.001 to {100 * size:.3g}, a tenth "
+            "of the size"
+        )
+    fitted = polygon_of(points, tolerance, most)
+    needed = len(fitted.vertices)
+    while len(fitted.vertices) > most:
+        tolerance *= 1.25
+        if tolerance > _COARSEST * size:
+            raise PalmbotsError(
+                f"{name}: needs {needed} corners within {millimetres(tolerance)}; allowed: at most "
+                f"{most}"
+            )
+        fitted = polygon_of(points, tolerance, most)
+    if tolerance_mm is not None and needed > most:
+        raise PalmbotsError(
+            f"tolerance_mm: value is {tolerance_mm:g}, which needs {needed} corners; allowed: what "
+            f"needs at most {most}, such as {1000 * tolerance:.3g}"
+        )
+    return fitted, tolerance
+
+
+def _pairs(points: Any) -> list[tuple[float, float]]:
+    """Points in whole micrometres."""
+    return [(round(float(x), 6) + 0.0, round(float(y), 6) + 0.0) for x, y in points]
+
+
+def _has_round_contact(fitted: Fitted, made: Object) -> bool:
+    """Whether an arc begins or ends at a contact."""
+    corner = fitted.vertices.min(axis=0)
+    contacts = corner + np.array([made.vertices_m[k] for k in made.contacts])
+    starts = [piece.start for piece in fitted.pieces]
+    arcs = [k for k, piece in enumerate(fitted.pieces) if piece.centre is not None]
+    ends = [starts[(k + step) % len(starts)] for k in arcs for step in (0, 1)]
+    return any(np.hypot(*(end - contact)) < 1e-3 for end in ends for contact in contacts)
+
+
+def _carried(made: Object) -> str:
+    """How a carry of the object in the scene paper ends."""
+    try:
+        found = carry("paper", overrides={"object": made.model_dump(exclude={"box_m"})})
+    except PalmbotsError as error:
+        return f"refused: {error}"
+    return found.outcome if found.outcome == "delivered" else f"{found.outcome} ({found.reason})"

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mesh (STL, OBJ, glTF): its triangles, its cut by a vertical plane, its volume.
+
+Coordinates are turned so that x points along the direction of travel, y upwards and z across.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palmbots._util.optional_imports import require
+from palmbots.errors import PalmbotsError
+from palmbots.shapes.point_arrays import Points
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """The triangles of a body."""
+
+    vertices: Points
+    """In the unit of the file; x along, y up, z across."""
+    faces: Any
+    """Three indices of vertices each."""
+    open_edges: int
+    """Edges that do not join two triangles with the same side outwards; 0: the mesh is closed."""
+
+    @property
+    def triangles(self) -> Points:
+        """Three points each."""
+        return self.vertices[self.faces]
+
+    @property
+    def depth(self) -> float:
+        """Extent across."""
+        return float(np.ptp(self.vertices[:, 2]))
+
+    def volume_and_centre(self) -> tuple[float, Points]:
+        """Volume and centre of volume of a closed mesh: sums over tetrahedra from one point."""
+        reference = self.vertices.mean(axis=0)
+        a, b, c = np.moveaxis(self.triangles - reference, 1, 0)
+        volumes = (a * np.cross(b, c)).sum(axis=1) / 6
+        volume = float(volumes.sum())
+        if volume == 0:
+            raise PalmbotsError("the mesh encloses no volume")
+        return abs(volume), reference + volumes @ (a + b + c) / (4 * volume)
+
+    def cut(self, share: float) -> list[Points]:
+        """The lines in which a plane at this share of the depth cuts the triangles.
+
+        Lines of neighbouring triangles end at the same point, to the last bit.
+        """
+        # A plane through vertices would cut their triangles in points, so it is off by a little.
+        low, depth = self.vertices[:, 2].min(), self.depth
+        above = self.vertices[:, 2] - (low + (share + 1.7e-7) * depth)
+        sides = above[self.faces] > 0
+        found: list[Points] = []
+        for face in self.faces[sides.any(axis=1) & ~sides.all(axis=1)]:
+            ends = []
+            for i, j in ((face[0], face[1]), (face[1], face[2]), (face[2], face[0])):
+                if (above[i] > 0) != (above[j] > 0):
+                    i, j = min(i, j), max(i, j)
+                    part = above[i] / (above[i] - above[j])
+                    ends.append(self.vertices[i] + part * (self.vertices[j] - self.vertices[i]))
+            found.append(np.array(ends)[:, :2])
+        return found
+
+
+def read_mesh(path: Path, data: bytes, up: str, across: str) -> Mesh:
+    """The mesh of a file. Vertices at the same place are one.
+
+    Args:
+        path: of the file; glTF may refer to files beside it.
+        data: its content.
+        up: the axis of the file that points upwards, such as ``z`` or ``-y``.
+        across: its axis across the direction of travel: x, y or z.
+    """
+    trimesh = require("trimesh", "import")
+    if path.suffix.lower() == ".gltf":
+        json.loads(data)  # trimesh would report something else
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # of textures, which do not matter
+    scene = trimesh.load_scene(
+        io.BytesIO(data),
+        file_type=path.suffix[1:].lower(),
+        resolver=trimesh.resolvers.FilePathResolver(str(path.absolute())),
+        process=False,
+    )
+    parts = [one for one in scene.dump() if hasattr(one, "faces") and len(one.faces)]
+    if not parts:
+        raise PalmbotsError("there are no triangles in it")
+    found = trimesh.util.concatenate(parts)
+    vertices, faces = np.asarray(found.vertices, float), np.asarray(found.faces)
+    if not np.isfinite(vertices).all():
+        raise PalmbotsError("a coordinate is not finite")
+    vertices, same = np.unique(vertices, axis=0, return_inverse=True)
+    faces = same.reshape(-1)[faces]
+    is_flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)  # two of its corners are one
+    faces = faces[~is_flat]
+    ends = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    _, edge, counts = np.unique(
+        np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
+    ways = np.bincount(edge.reshape(-1), np.where(ends[:, 0] < ends[:, 1], 1, -1))
+    return Mesh(_turned(vertices, up, across), faces, int(((counts != 2) | (ways != 0)).sum()))
+
+
+def _turned(vertices: Points, up: str, across: str) -> Points:
+    sign = -1.0 if up.startswith("-") else 1.0
+    above, over = "xyz".index(up[-1]), "xyz".index(across)
+    along = 3 - above - over
+    return vertices[:, [along, above, over]] * (sign, sign, 1.0)

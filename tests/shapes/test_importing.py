@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Objects from drawings and meshes: area, mass and centre of mass against closed forms, units, what
+points upwards, and that a written object can be carried.
+
+The closed forms share no code with the package: the shoelace formula, an ellipse, a prism.
+"""
+
+import math
+import shlex
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from commands import Run
+from shape_files import dxf, gltf, line, obj, prism, stl, svg, written
+
+TRAPEZOID = [(0.0, 0.0), (240.0, 0.0), (320.0, 120.0), (-80.0, 120.0)]
+DATA = Path(__file__).parents[3] / "shared" / "data" / "shapes"
+
+
+def shoelace(points: Sequence[tuple[float, float]]) -> tuple[float, float, float]:
+    """Area and centroid."""
+    area = x = y = 0.0
+    for (a, b), (c, d) in zip(points, [*points[1:], points[0]], strict=True):
+        cross = a * d - b * c
+        area, x, y = area + cross / 2, x + (a + c) * cross / 6, y + (b + d) * cross / 6
+    return area, x / area, y / area
+
+
+def imported(folder: Path, name: str, text: str, **options: Any) -> Any:
+    return pb.import_object(written(folder / name, text), **options)
+
+
+@pytest.mark.parametrize(
+    ("name", "make", "options"),
+    [
+        ("t.stl", lambda mesh: stl(mesh), {"unit": "mm"}),
+        ("t.obj", lambda mesh: obj(mesh), {"unit": "mm"}),
+        ("t.gltf", lambda mesh: gltf(mesh), {"unit": "mm", "up": "z"}),
+        ("t.gltf", lambda mesh: gltf(mesh), {"scale": 0.001, "up": "z"}),
+    ],
+    ids=["STL", "OBJ", "glTF in mm", "glTF scaled"],
+)
+def test_prism_has_its_volume_and_centre(
+    name: str, make: Any, options: dict[str, Any], tmp_path: Path
+) -> None:
+    found = imported(tmp_path, name, make(prism(TRAPEZOID, 90.0)), density_kg_m3=200.0, **options)
+    area, x, y = shoelace(TRAPEZOID)
+    assert found.mass_kg == pytest.approx(200 * area * 90 * 1e-9, rel=1e-5)
+    assert found.com_m == pytest.approx(((x + 80) / 1000, y / 1000), abs=2e-6)
+    assert found.depth_m == pytest.approx(0.09, abs=1e-6)
+    corners = {(round(1000 * x - 80), round(1000 * y)) for x, y in found.vertices_m}
+    assert corners == {(x, y) for x, y in TRAPEZOID}
+    assert [found.vertices_m[k] for k in found.contacts] == [(0.08, 0.0), (0.32, 0.0)]
+    assert (found.arcs, found.remarks) == (0, ())
+    silhouette = pb.import_object(tmp_path / name, view="silhouette", **options)
+    assert np.allclose(sorted(silhouette.vertices_m), sorted(found.vertices_m), atol=2e-6)
+
+
+def test_volume_is_that_of_the_whole_mesh_not_of_its_section(tmp_path: Path) -> None:
+    """A pyramid with a square base: a third of the prism, whose section is a triangle."""
+    a, h = 300.0, 120.0
+    vertices = [(0.0, 0.0, 0.0), (a, 0.0, 0.0), (a, a, 0.0), (0.0, a, 0.0), (a / 2, a / 2, h)]
+    faces = [(0, 2, 1), (0, 3, 2), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    found = imported(tmp_path, "p.stl", stl((vertices, faces)), unit="mm", density_kg_m3=100.0)
+    assert found.mass_kg == pytest.approx(100 * a * a * h / 3 * 1e-9, rel=1e-5)
+    assert found.com_m == pytest.approx((a / 2000, h / 4000), abs=2e-6)
+    assert len(found.vertices_m) == 3
+    cut = pb.import_object(tmp_path / "p.stl", unit="mm", cut=0.75)
+    assert max(y for _, y in cut.vertices_m) == pytest.approx(h / 2000, abs=2e-6)
+    assert cut.mass_kg == pytest.approx(125 / 100 * found.mass_kg, rel=1e-5)
+
+
+@pytest.mark.parametrize("tolerance_mm", [0.6, 1.0, None])
+def test_half_ellipse_on_a_box(tolerance_mm: float | None, tmp_path: Path) -> None:
+    """An SVG arc: the polygon keeps to the tolerance, the mass is that of the true curve."""
+    a, b, h = 125.0, 80.0, 60.0
+    text = svg(f'<path d="M0 160 H{2 * a} V{160 - h} A{a} {b} 0 0 0 0 {160 - h} Z"/>')
+    found = imported(tmp_path, "dome.svg", text, tolerance_mm=tolerance_mm, depth_mm=200.0)
+    box, dome = 2 * a * h, math.pi * a * b / 2
+    area = box + dome
+    y = (box * h / 2 + dome * (h + 4 * b / (3 * math.pi))) / area
+    assert found.mass_kg == pytest.approx(125 * area * 200 * 1e-9, rel=3e-4)
+    assert found.com_m == pytest.approx((a / 1000, y / 1000), abs=3e-5)
+    assert found.deviation_m <= found.tolerance_m
+    assert found.arcs > 0
+    # Every corner is on the true curve, within the tolerance, and so is the middle of every chord.
+    for (p, q), (r, s) in zip(
+        found.vertices_m, [*found.vertices_m[1:], found.vertices_m[0]], strict=True
+    ):
+        for x, y in ((p, q), ((p + r) / 2, (q + s) / 2)):
+            x, y = 1000 * x - a, 1000 * y - h
+            if y > 0 and abs(x) < 0.98 * a:
+                assert abs(y - b * math.sqrt(1 - (x / a) ** 2)) < 2.5 * 1000 * found.tolerance_m
+
+
+def test_rounded_corners_are_found_as_arcs_of_their_radius(tmp_path: Path) -> None:
+    from palmbots.shapes.fitting import polygon_of
+
+    turns = np.radians(np.arange(0, 91, 3))
+    arc = 0.02 * np.column_stack([np.cos(turns), np.sin(turns)])
+    corners = [(0.22, 0.1, 0), (0.02, 0.1, 1), (0.02, 0.02, 2), (0.22, 0.02, 3)]
+    ring = np.vstack(
+        [
+            arc @ np.array([[c, s], [-s, c]]) + (x, y)
+            for x, y, k in corners
+            for c, s in [(round(math.cos(k * math.pi / 2)), round(math.sin(k * math.pi / 2)))]
+        ]
+    )
+    fitted = polygon_of(ring, 0.001, 32)
+    radii = [piece.radius_m for piece in fitted.pieces if piece.centre is not None]
+    assert radii == pytest.approx([0.02] * 4, abs=1e-6)
+    sweeps = [piece.sweep_rad for piece in fitted.pieces if piece.centre is not None]
+    assert sum(sweeps) == pytest.approx(2 * math.pi, rel=0.05)
+    assert fitted.deviation_m <= 0.001
+
+
+def test_lines_and_arcs_of_a_dxf_are_joined_in_any_order_and_direction(tmp_path: Path) -> None:
+    """A stadium on its side, of loose lines and arcs; units by $INSUNITS."""
+    parts = [
+        line(0, 0, 200, 0),
+        ("ARC", 10, 100, 20, 100, 40, 100, 50, 0, 51, 180),
+        line(0, 100, 0, 0),
+        line(200, 100, 200, 0),
+    ]
+    found = imported(tmp_path, "d.dxf", dxf(parts))
+    area = 200 * 100 + math.pi * 100**2 / 2
+    assert found.mass_kg == pytest.approx(125 * area * 100 * 1e-9, rel=3e-4)
+    y = (20000 * 50 + math.pi * 5000 * (100 + 400 / (3 * math.pi))) / area
+    assert found.com_m == pytest.approx((0.1, y / 1000), abs=3e-5)
+    inches = imported(tmp_path, "i.dxf", dxf([part for part in parts if part[0] == "LINE"] + [
+        line(0, 100, 200, 100)], 1), scale=0.1)  # fmt: skip
+    assert inches.metres_per_unit == pytest.approx(0.00254)
+    assert max(inches.vertices_m) == pytest.approx((0.508, 0.254))
+
+
+@pytest.mark.parametrize(
+    ("size", "options", "metres"),
+    [
+        ('width="210mm" height="148mm" viewBox="0 0 2100 1480"', {}, 1e-4),
+        ('width="21cm" viewBox="0 0 210 148"', {}, 1e-3),
+        ('width="10in" height="5in"', {}, 0.0254 / 96),
+        ('width="640" viewBox="0 0 320 240"', {"unit": "mm"}, 1e-3),
+        ("", {"unit": "cm", "scale": 0.1}, 1e-3),
+    ],
+)
+def test_unit_of_an_svg(size: str, options: dict[str, Any], metres: float, tmp_path: Path) -> None:
+    shapes = '<g transform="translate(5 5)"><rect width="200" height="100"/></g>'
+    found = imported(tmp_path, "u.svg", svg(shapes, size), **options)
+    assert found.metres_per_unit == pytest.approx(metres)
+    xs, ys = zip(*found.vertices_m, strict=True)
+    assert (max(xs), max(ys)) == pytest.approx((200 * metres, 100 * metres), abs=2e-6)
+
+
+@pytest.mark.parametrize(("up", "high"), [("y", 0.11), ("-y", 0.11), ("x", 0.25), ("-x", 0.25)])
+def test_what_points_upwards(up: str, high: float, tmp_path: Path) -> None:
+    """A box without its upper right corner: its centre is left and low."""
+    text = svg('<path d="M0 0 H200 L250 40 V110 H0 Z"/>')
+    found = imported(tmp_path, "l.svg", text, up=up)
+    assert max(y for _, y in found.vertices_m) == pytest.approx(high)
+    x, y = found.com_m
+    left, low = x < max(x for x, _ in found.vertices_m) / 2, y < high / 2
+    assert (left, low) == {"y": (True, True), "-y": (False, False), "x": (False, True),
+                           "-x": (True, False)}[up]  # fmt: skip
+
+
+def test_mesh_that_is_nearly_upright_is_turned(tmp_path: Path) -> None:
+    c, s = math.cos(math.radians(1.5)), math.sin(math.radians(1.5))
+    box = [(0.0, 0.0), (250.0, 0.0), (250.0, 160.0), (0.0, 160.0)]
+    tilted = prism([(c * x - s * y, s * x + c * y) for x, y in box], 100.0)
+    found = imported(tmp_path, "t.stl", stl(tilted), unit="mm")
+    assert found.vertices_m[found.contacts[1]] == pytest.approx((0.25, 0.0), abs=2e-6)
+    assert found.com_m == pytest.approx((0.125, 0.08), abs=2e-6)
+    (remark,) = found.remarks
+    assert remark == "It is turned clockwise by 1.5° to stand on its lower side."
+
+
+def test_what_is_ignored_is_said(tmp_path: Path) -> None:
+    shapes = '<rect width="200" height="100"/><circle cx="50" cy="50" r="9"/><rect x="220" width="9" height="9"/>'  # noqa: E501
+    found = imported(tmp_path, "h.svg", svg(shapes), depth_mm=100.0)
+    assert found.remarks == ("1 hole is ignored.", "1 smaller outline is ignored.")
+    assert found.mass_kg == pytest.approx(0.25)
+
+
+def test_mesh_that_is_not_closed_needs_mass_and_com(tmp_path: Path) -> None:
+    vertices, faces = prism(TRAPEZOID, 90.0)
+    file = written(tmp_path / "open.stl", stl((vertices, faces[1:])))
+    with pytest.raises(pb.PalmbotsError, match="the mesh is not closed"):
+        pb.import_object(file, unit="mm", mass_kg=0.4)
+    found = pb.import_object(file, unit="mm", mass_kg=0.4, com_mm=(200.0, 50.0))
+    assert (found.mass_kg, found.com_m) == (0.4, (0.2, 0.05))
+
+
+def test_written_object_is_carried(tmp_path: Path, here: Run) -> None:
+    file = written(tmp_path / "t.stl", stl(prism(TRAPEZOID, 90.0)))
+    result = here("import", str(file), "--unit", "mm", "--out", str(tmp_path / "t.toml"))
+    assert result.returncode == 0, result
+    assert (tmp_path / "t.png").stat().st_size > 1000
+    command = result.stdout.partition("carry it: palmbots ")[2].splitlines()[0]
+    assert here(*shlex.split(command)).stdout.startswith("DELIVERED")
+    table = tomllib.loads((tmp_path / "t.toml").read_text("utf-8"))
+    scene = pb.load_scene("paper", {"object": str(tmp_path / "t.toml")})
+    assert scene.object.model_dump(exclude={"box_m"}) == pb.load_scene(
+        "paper", table
+    ).object.model_dump(exclude={"box_m"})
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/shapes")
+def test_scan_of_a_household_object() -> None:
+    """The cracker box of the YCB set is 60 mm × 158 mm × 210 mm by its makers."""
+    found = pb.import_object(DATA / "ycb" / "003_cracker_box_textured.gltf")
+    xs, ys = zip(*found.vertices_m, strict=True)
+    assert max(ys) == pytest.approx(0.21, abs=0.005)
+    assert max(xs) == pytest.approx(0.066, abs=0.01)
+    assert found.deviation_m <= found.tolerance_m
