@@ -225,7 +225,9 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     ),
     "SpeedLimits": lambda folder: speed_limits(),
     "StudyResult": study,
-    "Validation": lambda folder: pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1),
+    "Validation": lambda folder: pb.validate(
+        pb.load_scene("paper", {"task.distance_m": 0.05}), states=1, carries=1
+    ),
 }
 
 
