@@ -7,6 +7,7 @@ The closed forms share no code with the package: the shoelace formula, an ellips
 
 import math
 import shlex
+import sys
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,6 +18,7 @@ import pytest
 
 import palmbots as pb
 from commands import Run
+from palmbots.errors import MissingExtra
 from shape_files import dxf, gltf, line, obj, prism, stl, svg, written
 
 TRAPEZOID = [(0.0, 0.0), (240.0, 0.0), (320.0, 120.0), (-80.0, 120.0)]
@@ -178,6 +180,25 @@ def test_mesh_that_is_nearly_upright_is_turned(tmp_path: Path) -> None:
     assert found.com_m == pytest.approx((0.125, 0.08), abs=2e-6)
     (remark,) = found.remarks
     assert remark == "It is turned clockwise by 1.5° to stand on its lower side."
+
+
+def test_outline_with_many_corners_is_followed_less_closely(tmp_path: Path) -> None:
+    teeth = "".join(f"L{250 - 12.5 * k} 60 L{243.75 - 12.5 * k} 52 " for k in range(20))
+    text = svg(f'<path d="M0 160 H250 V60 {teeth} L0 60 Z"/>')
+    found = imported(tmp_path, "saw.svg", text, depth_mm=100.0)
+    assert len(found.vertices_m) <= 32
+    assert 0.00125 < found.deviation_m <= found.tolerance_m
+    (remark,) = found.remarks
+    assert remark == "Within the usual tolerance of 1.2 mm it would need more than 32 corners."
+
+
+def test_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = written(tmp_path / "t.stl", stl(prism(TRAPEZOID, 90.0)))
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    with pytest.raises(
+        MissingExtra, match=r"^import: the package trimesh is missing; run: "
+    ):
+        pb.import_object(file, unit="mm")
 
 
 def test_what_is_ignored_is_said(tmp_path: Path) -> None:

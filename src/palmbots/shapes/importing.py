@@ -48,7 +48,7 @@ from palmbots.simulation.single import carry
 _AXES = ("x", "y", "z", "-x", "-y", "-z")
 _DRAWINGS = {".svg": read_svg, ".dxf": read_dxf}
 _MESHES = {".stl": "z", ".obj": "z", ".gltf": "y", ".glb": "y"}  # and the axis that points upwards
-_COARSEST = 0.1  # largest tolerance, of the size
+_USUAL, _COARSEST = 0.005, 0.1  # tolerance, of the size
 _SEEN = math.radians(0.05)  # a turn that is worth a remark
 
 
@@ -203,6 +203,13 @@ def _object(
         way = "counter-clockwise" if turn > 0 else "clockwise"
         angle = abs(math.degrees(turn))
         remarks = (*remarks, f"It is turned {way} by {angle:.2g}° to stand on its lower side.")
+    usual = _USUAL * float(np.ptp(points, axis=0).max())
+    if tolerance_mm is None and tolerance_m > usual:
+        remarks = (
+            *remarks,
+            f"Within the usual tolerance of {millimetres(usual)} it would need more than "
+            f"{most_records('object.vertices_m')} corners.",
+        )
     table: dict[str, Any] = {
         "vertices_m": _pairs(fitted.vertices - corner),
         "com_m": _pairs([com])[0],
@@ -245,7 +252,7 @@ def _fitted(name: str, points: Points, tolerance_mm: float | None) -> tuple[Fitt
     """
     most = most_records("object.vertices_m")
     size = float(np.ptp(points, axis=0).max())
-    tolerance = 0.005 * size if tolerance_mm is None else tolerance_mm / 1000
+    tolerance = _USUAL * size if tolerance_mm is None else tolerance_mm / 1000
     if not 1e-6 <= tolerance <= _COARSEST * size:
         raise PalmbotsError(
             f"tolerance_mm: value is {tolerance_mm:g}; allowed: 0.001 to {100 * size:.3g}, a tenth "
