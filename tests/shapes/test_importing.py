@@ -195,9 +195,7 @@ def test_outline_with_many_corners_is_followed_less_closely(tmp_path: Path) -> N
 def test_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = written(tmp_path / "t.stl", stl(prism(TRAPEZOID, 90.0)))
     monkeypatch.setitem(sys.modules, "trimesh", None)
-    with pytest.raises(
-        MissingExtra, match=r"^import: the package trimesh is missing; run: "
-    ):
+    with pytest.raises(MissingExtra, match=r"^import: the package trimesh is missing; run: "):
         pb.import_object(file, unit="mm")
 
 
