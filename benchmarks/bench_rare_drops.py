@@ -46,7 +46,7 @@ def splitting(condition: Condition, controller: str) -> tuple[str, float, float,
     entry = resolve(controller)
     spec = prepare(scene_of(condition, NOISE_M_S), entry).spec
     core = entry.for_core(spec)
-    levels = _core.choose_levels(spec, core, 0, EFFORT, SHARE)
+    levels, _ = _core.choose_levels(spec, core, 0, EFFORT, SHARE)
     levels = levels[: math.ceil(math.log(DEEPEST) / math.log(SHARE))]
     rows, _ = _core.replicates(spec, core, 0, EFFORT, levels, 0, REPLICATES, 1)
     stages = np.array(rows, float) / EFFORT

@@ -129,7 +129,7 @@ class LoadLimits(Result):
         if start is None or start.at_start_kg is None:
             return text
         mass = mass_text(start.at_start_kg)
-        return f"{text}; where the carry starts {mass} kg: beyond it {start.meaning} ({start.key})"
+        return f"{text}; where the carry starts {mass} kg: beyond it {start.meaning}"
 
     def lines(self) -> Iterator[Item]:
         """The verdict, and every limit."""
