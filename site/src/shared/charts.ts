@@ -250,6 +250,32 @@ function wordsY(message: Message, lanes: Lanes): number {
   return lanes.robots[message.sender]! + (message.sender === 0 ? 28 : -26);
 }
 
+export interface MessageLabel {
+  index: number;
+  name: string;
+  x: number;
+  y: number;
+  width: number;
+}
+const LETTER_WIDTH = 6.2; // at most, of the labels' letters, on average
+
+// The names beside the arrows, where there is room for them.
+export function labelsOf(
+  arrows: Arrow[], chosen: number | null, isPeriodic: boolean, lanes: Lanes,
+): MessageLabel[] {
+  const found: MessageLabel[] = [];
+  const busyUntil = new Map<number, number>();
+  for (const { index, message, x0, x1 } of arrows) {
+    const [x, y] = [Math.max(x0, x1) + 6, wordsY(message, lanes)];
+    if (index !== chosen && (isPeriodic || x <= (busyUntil.get(y) ?? -1e9) + 14)) continue;
+    const name = message.short || message.kind;
+    const width = LETTER_WIDTH * name.length;
+    found.push({ index, name, x, y, width });
+    busyUntil.set(y, x + width);
+  }
+  return found;
+}
+
 // The lanes of both robots, and of a station, with corrections, and an arrow for each message.
 export function drawSequence(
   surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, latency: number,
@@ -282,11 +308,11 @@ function drawArrows(
   chosen: number | null, isPeriodic: boolean, lanes: Lanes,
 ): void {
   const c = surface.context;
-  const busyUntil = new Map<number, number>(); // by height
-  for (const arrow of arrowsOf(axis, run.messages, latency, lanes, chosen)) {
-    if (arrow.x1 < LEFT_MARGIN || arrow.x0 > surface.width) continue;
-    const { message } = arrow;
-    const lost = Number.isNaN(message.received);
+  const arrows = arrowsOf(axis, run.messages, latency, lanes, chosen).filter(
+    (arrow) => arrow.x1 >= LEFT_MARGIN && arrow.x0 <= surface.width,
+  );
+  for (const arrow of arrows) {
+    const lost = Number.isNaN(arrow.message.received);
     const isChosen = arrow.index === chosen;
     c.strokeStyle = lost ? p.drop : isChosen ? p.ink : p.quiet;
     c.fillStyle = c.strokeStyle;
@@ -305,14 +331,11 @@ function drawArrows(
       }
       c.stroke();
     }
-    const middle = Math.max(arrow.x0, arrow.x1);
-    const y = wordsY(message, lanes);
-    if (isChosen || (!isPeriodic && middle > (busyUntil.get(y) ?? -1e9) + 8)) {
-      const name = message.short || message.kind;
-      halo(c, p, name, middle + 6, y);
-      write(c, name, middle + 6, y, lost ? p.drop : p.ink,
-        { align: "left", weight: isChosen ? 650 : 400, size: 11 });
-      busyUntil.set(y, middle + 6 + c.measureText(name).width);
-    }
+  }
+  for (const { index, name, x, y } of labelsOf(arrows, chosen, isPeriodic, lanes)) {
+    const lost = Number.isNaN(run.messages[index]!.received);
+    halo(c, p, name, x, y);
+    write(c, name, x, y, lost ? p.drop : p.ink,
+      { align: "left", weight: index === chosen ? 650 : 400, size: 11 });
   }
 }

@@ -5,7 +5,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { Canvas } from "../shared/canvas";
 import {
   LEFT_MARGIN, type Lanes, RIGHT_MARGIN, type TimeAxis, arrowsOf, drawContacts, drawPalms,
-  drawSequence, lanesOf, sequenceHeight, timeAt,
+  drawSequence, labelsOf, lanesOf, sequenceHeight, timeAt,
 } from "../shared/charts";
 import type { Message, Recorded } from "../shared/core";
 import { get, ofSide } from "../shared/scene_values";
@@ -109,9 +109,11 @@ export function Charts() {
     const rect = (event.currentTarget as HTMLElement).getBoundingClientRect();
     const [x, y] = [event.clientX - rect.left, event.clientY - rect.top];
     const shown = axis(run, rect.width);
-    let best = -1;
+    const arrows = arrowsOf(shown, run.messages, latency, lanes, chosen.peek());
+    const labels = labelsOf(arrows, chosen.peek(), info?.isPeriodic ?? false, lanes);
+    let best = labels.find((one) => x >= one.x && x <= one.x + one.width && Math.abs(y - one.y) < 8)?.index ?? -1;
     let nearest = 14;
-    for (const a of arrowsOf(shown, run.messages, latency, lanes, chosen.peek())) {
+    for (const a of best < 0 ? arrows : []) {
       const share = (y - a.y0) / (a.y1 - a.y0);
       if (share < -0.1 || share > 1.1) continue;
       const gap = Math.abs(x - (a.x0 + (a.x1 - a.x0) * share));
