@@ -38,7 +38,7 @@ carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary h
 # Types are checked on one core meanwhile; what that says comes last.
 test: $(VENV)/strict.done style  ## everything a change must pass
 	@mkdir -p build; PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright >build/types.txt 2>&1 & types=$$!; trap "kill $$types" INT; \
-	{ $(BIN)/python tests/support/cxx.py && $(BIN)/python -m pytest --numprocesses auto --dist worksteal --durations=20; }; \
+	{ $(BIN)/python tests/support/cxx.py && $(BIN)/python -m pytest --numprocesses $$(( $$(nproc) + 1 )) --dist worksteal --durations=20; }; \
 	tests=$$?; wait $$types; types=$$?; cat build/types.txt; exit $$((tests || types))
 
 test-robot: $(VENV)/strict.done $(VENV)/robot.done  ## world and robots as processes: the same carries as inside one program
