@@ -146,6 +146,7 @@ def _share(
     watch: Callable[[int], None] | None,
 ) -> None:
     todo: Iterator[int] = iter(range(len(seeds)))
+    report = watch or (lambda _: None)
     finished = 0
     with ThreadPoolExecutor(len(workers)) as pool:
         running = {}
@@ -160,7 +161,8 @@ def _share(
             hand_out(worker)
         try:
             while running:
-                for task in wait(running, _TICK_S, FIRST_COMPLETED)[0]:
+                ended = wait(running, _TICK_S, FIRST_COMPLETED)[0]
+                for task in ended:
                     worker, i = running.pop(task)
                     row = task.result()
                     if not isinstance(row, dict):
@@ -168,8 +170,9 @@ def _share(
                     fill_row(columns, i, row)
                     finished += 1
                     hand_out(worker)
-                if watch is not None:
-                    watch(finished)
+                    report(finished)
+                if not ended:
+                    report(finished)
         except BaseException:
             for worker in workers:
                 worker.end()  # so that no thread waits for its answer
