@@ -31,6 +31,7 @@ from palmbots.scene.scene_schema import scene_schema
 from palmbots.simulation.carry_lines import REASONS
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
+from palmbots.stability.scene_limits import FAILING, SOMEWHERE
 from palmbots.viz.style import controller_looks
 
 ROOT = Path(__file__).parent.parent
@@ -239,6 +240,7 @@ def tables() -> dict[str, Any]:
         "requiredModes": {str(number): required_mode(number) for number in SLIDING_EDGES},
         "motionMeanings": MOTION_MEANINGS,
         "modeSentences": SENTENCES,
+        "failing": FAILING.replace("{where}", SOMEWHERE),
         "bindings": {
             f"{number}.{name}": text_of(number, name)
             for number in (1, 2)

@@ -265,10 +265,12 @@ const double* com_map(double x_low, double x_high, double y_low, double y_high, 
   return give(answer);
 }
 
-// What limits the scene's own angles over contacts within ± half [m].
+// What limits the scene's own angles over contacts within ± half [m]; 0: anywhere on the palms.
 PAGE_EXPORT(limits) const double* limits(double half) {
   answer.clear();
-  page::StaticsOfState(scene).append_limits(scene_angles(), square_region(half), answer);
+  const page::StaticsOfState statics_of(scene);
+  const Region<double> region = half > 0 ? square_region(half) : statics_of.whole_palms();
+  statics_of.append_limits(scene_angles(), region, answer);
   return give(answer);
 }
 

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The view Carry: playing, scrubbing, forking, disturbing, saving, and the URL."""
 
+import base64
 import io
 import math
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image, ImageChops
 from playwright.sync_api import Page, expect
@@ -200,9 +202,9 @@ def test_a_moment_is_taken_apart(open_page: Open) -> None:
         "figure8", p_left_m=p[0], p_right_m=p[1], theta_left_deg=math.degrees(theta[0]),
         theta_right_deg=math.degrees(theta[1]),
     )  # fmt: skip
-    for what, mode in (("together", found.closing), ("apart", found.opening)):
+    for what, mode in (("Closing", found.closing), ("Opening", found.opening)):
         assert mode is not None
-        expect(page.get_by_role("heading", name=f"Driven {what}")).to_contain_text("-".join(mode))
+        expect(page.get_by_role("heading", name=f"{what}:")).to_contain_text("-".join(mode))
     for side, place in (("left", 0), ("right", 1)):
         shown = page.locator(f"label:has(#p-{side}) output").inner_text().removesuffix(" mm")
         assert float(shown.replace("−", "-")) == pytest.approx(1000 * p[place], abs=0.06)
@@ -354,3 +356,29 @@ def test_the_commands_are_copied(open_page: Open) -> None:
     assert copied == page.locator(".command").inner_text()
     page.clock.run_for(2000)
     expect(page.get_by_role("button", name="copy", exact=True)).to_be_visible()
+
+
+def drawn_heights(page: Page) -> list[int]:
+    """How many pixels of the first and the last column are drawn: the floor there."""
+    data = page.evaluate("document.getElementById('stage').toDataURL()").split(",")[1]
+    alpha = np.asarray(Image.open(io.BytesIO(base64.b64decode(data))).convert("RGBA"))[..., 3]
+    return [int((alpha[:, x] > 0).sum()) for x in (2, alpha.shape[1] - 3)]
+
+
+@pytest.mark.parametrize("direction", ["forward", "backward"])
+def test_a_slope_is_drawn(open_page: Open, direction: str) -> None:
+    """The floor rises in the direction of travel, and what one drags follows the pointer."""
+    page = open_page(
+        hash_of("carry", {"t": 0.1}, task__slope_deg=8.0, task__direction=direction), width=1366
+    )
+    low, high = drawn_heights(page)[:: 1 if direction == "forward" else -1]
+    width = page.locator("#stage").bounding_box()["width"]
+    assert high - low == pytest.approx(math.tan(math.radians(8)) * (width - 5), abs=3)
+    go(page, hash_of("mechanics", task__slope_deg=8.0, task__direction=direction))
+    com = page.locator("#handle-com")
+    before = com.bounding_box()
+    com.press("Shift+ArrowRight")  # ten pixels
+    page.wait_for_function("location.hash.includes('object.com_m')")
+    after = com.bounding_box()
+    assert after["x"] - before["x"] == pytest.approx(10, abs=2)
+    assert after["y"] - before["y"] == pytest.approx(0, abs=2)

@@ -35,7 +35,7 @@ WATCH_COUNTS = """() => {
 
 def interval_words(dropped: int, carries: int) -> str:
     ends = wilson(dropped, carries)
-    return " to ".join(f"{100 * end:.{2 if end < 0.1 else 1}f} %" for end in ends)
+    return " to ".join(f"{1000 * end:.{1 if end < 0.01 else 0}f}" for end in ends) + " of 1000"
 
 
 def test_compare_counts_what_the_command_counts(

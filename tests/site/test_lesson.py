@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lesson as its sheet says: every answer is what the page shows."""
+"""The lesson as its sheet says: every answer of the teacher's file is what the page shows."""
 
 from playwright.sync_api import Page, expect
 
-from site_pages import Open
+from site_pages import SITE, Open
 
 
 def to_end(page: Page) -> None:
@@ -15,8 +15,17 @@ def story(page: Page, number: int) -> None:
     page.locator(".chapters button").nth(number - 1).click()
 
 
-def test_every_answer_of_the_sheet(open_page: Open) -> None:
-    sheet = open_page("lesson.html", script=False)
+def lose(page: Page, what: str, times: int) -> None:
+    """Choose the message that M reaches first, second, ..., and lose it."""
+    page.locator("#sequence-chart").focus()
+    for _ in range(times):
+        page.keyboard.press("m")
+    expect(page.locator(".card")).to_contain_text(what)
+    page.get_by_role("button", name="lose it").click()
+
+
+def test_every_answer_of_the_teacher(open_page: Open) -> None:
+    sheet = open_page("lesson-answers.html", script=False)
     answers = {
         item.get_attribute("data-answer"): " ".join(item.inner_text().split())
         for item in sheet.locator("[data-answer]").all()
@@ -28,6 +37,7 @@ def test_every_answer_of_the_sheet(open_page: Open) -> None:
             expect(page.locator(place)).to_contain_text(answers.pop(name))
 
     story(page, 3)
+    page.get_by_text("The box falls.").click()
     to_end(page)
     shows(".ending", "tilt-none")
     page.get_by_role("button", name="distributed").click()
@@ -42,14 +52,19 @@ def test_every_answer_of_the_sheet(open_page: Open) -> None:
 
     page.get_by_role("link", name="Carry", exact=True).click()
     page.get_by_role("button", name="reset").click()
-    page.locator("#sequence-chart").focus()
-    page.keyboard.press("m")
-    expect(page.locator(".card")).to_contain_text("TiltUp from the right robot")
-    page.get_by_role("button", name="lose it").click()
+    lose(page, "Ack from the left robot", 2)
+    to_end(page)
+    shows(".status", "lost-ack")
+    page.get_by_role("button", name="reset").click()
+    lose(page, "TiltUp from the right robot", 1)
     to_end(page)
     shows(".warnings", "lost-left", "lost-right")
     shows(".status", "lost-outcome", "lost-contact")
+    page.get_by_role("button", name="reset").click()
     page.locator("#controller").select_option("resilient")
+    page.locator("#scrub").fill("0.7")
+    lose(page, "TiltUp from the right robot", 1)
+    shows("#effect", "resilient-effect")
     to_end(page)
     shows(".status", "resilient-outcome")
     expect(page.locator(".warnings")).to_have_count(0)
@@ -68,15 +83,21 @@ def test_every_answer_of_the_sheet(open_page: Open) -> None:
 
     for number, button, name in ((6, "8°", "slope"), (7, "160 mm", "com")):
         story(page, number)
+        page.get_by_text("The box falls.").click()
         to_end(page)
         expect(page.locator(".ending")).to_contain_text("delivered")
         page.get_by_role("button", name=button).click()
+        page.get_by_text("The box arrives.").click()
         to_end(page)
         shows(".ending", name)
     assert answers == {}
 
 
-def test_the_sheet_has_tasks_on_one_page_and_answers_on_another(open_page: Open) -> None:
-    sheet = open_page("lesson.html", script=False)
-    assert b"/Count 2\n" in sheet.pdf(prefer_css_page_size=True)
-    expect(sheet.locator(".answers")).to_have_css("break-before", "page")
+def test_the_sheet_and_the_answers_are_a_page_each(open_page: Open) -> None:
+    """The learners' file contains no answer and no link to them."""
+    for name in ("lesson.html", "lesson-answers.html"):
+        sheet = open_page(name, script=False)
+        assert b"/Count 1\n" in sheet.pdf(prefer_css_page_size=True)
+    text = (SITE / "lesson.html").read_text("utf-8")
+    assert "data-answer" not in text
+    assert 'href="lesson-answers' not in text

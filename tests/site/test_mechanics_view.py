@@ -45,8 +45,8 @@ def test_mechanics_names_the_modes(
         p_left_m=state[2] / 1000, p_right_m=state[3] / 1000, theta_left_deg=state[0],
         theta_right_deg=state[1],
     )  # fmt: skip
-    for what, mode in (("together", found.closing), ("apart", found.opening)):
-        heading = page.get_by_role("heading", name=f"Driven {what}")
+    for what, mode in (("Closing", found.closing), ("Opening", found.opening)):
+        heading = page.get_by_role("heading", name=f"{what}:")
         if mode is not None:
             expect(heading).to_contain_text("-".join(mode))
         else:
@@ -54,9 +54,9 @@ def test_mechanics_names_the_modes(
         if mode is None or found.squeeze is None:
             continue
         # The binding inequality: which end of whose interval the squeeze reaches first.
-        ends = {side: found.squeeze[side][what == "together"] for side in ("left", "right")}
-        first, second = sorted(ends, key=lambda side: ends[side], reverse=what == "apart")
-        said = page.locator("#closing-words" if what == "together" else "#opening-words")
+        ends = {side: found.squeeze[side][what == "Closing"] for side in ("left", "right")}
+        first, second = sorted(ends, key=lambda side: ends[side], reverse=what == "Opening")
+        said = page.locator("#closing-words" if what == "Closing" else "#opening-words")
         if ends[first] == pytest.approx(ends[second], abs=1e-9):
             wanted = [f"edges of both cones at once: H = {ends[first]:.3f}."]
         else:
@@ -219,7 +219,7 @@ def test_mechanics_map_shows_the_state_under_the_pointer_and_sets_the_contacts(
         theta_right=math.radians(15), p_left=np.array([left]), p_right=np.array([right]),
         friction_left=0.3, friction_right=0.3,
     ).closing[0]  # fmt: skip
-    heading = page.get_by_role("heading", name="Driven together")
+    heading = page.get_by_role("heading", name="Closing:")
     expect(heading).to_contain_text(mode_name(mode))
     assert canvas.bounding_box() == box  # the map stays under the pointer
     assert command_of(page) == first

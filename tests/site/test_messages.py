@@ -127,3 +127,42 @@ def test_a_message_is_chosen_by_a_click(open_page: Open) -> None:
     x = 46 + (box["width"] - 56) * middle / carried.time_s
     page.locator("#sequence-chart").click(position={"x": x, "y": 65})
     expect(page.locator(".card")).to_contain_text("TiltUp from the right robot")
+
+
+@pytest.mark.parametrize("height", [630, 768])
+def test_a_lost_message_fits_on_one_screen(open_page: Open, height: int) -> None:
+    """What the lesson's task speaks of: stage, warnings, player, chart and the chosen message."""
+    page = open_page("#carry?t=0", motion="reduce", width=1366, height=height)
+    page.locator("#sequence-chart").focus()
+    page.keyboard.press("m")
+    page.locator("[data-effect=lost]").click()
+    page.locator("#scrub").fill("1000")
+    expect(page.locator(".warnings li")).to_have_count(2)
+    page.evaluate("scrollTo(0, 0)")
+    for place in ("#controller", "#stage", ".warnings", "#play", "#sequence-chart", ".card"):
+        expect(page.locator(place)).to_be_in_viewport(ratio=1)
+
+
+@pytest.mark.parametrize("controller", ["distributed", "resilient"])
+def test_the_page_says_from_when_on_a_loss_matters(open_page: Open, controller: str) -> None:
+    """The loss of some beacons changes nothing, that of others the carry from their arrival on."""
+    page = open_page(hash_of("carry", {"controller": controller, "t": 0.7}))
+    page.locator("#sequence-chart").focus()
+    words = page.locator("#effect")
+    said = []
+    for _ in range(3):
+        page.keyboard.press("m")
+        said.append(words.inner_text())
+        message = page.locator(".card p").first.inner_text()
+        received = float(re.findall(r"received at ([\d.]+) s", message)[0])
+        trace = page.locator("#hash").inner_text()
+        page.locator("[data-effect=lost]").click()
+        if page.locator("#hash").inner_text() == trace:
+            assert said[-1] == "If it is lost, nothing changes."
+        else:
+            (since,) = re.findall("the carry is another one from ([0-9.]+) s on", said[-1])
+            assert received - 1e-9 <= float(since) <= received + 0.021
+        expect(words).to_have_text(said[-1].replace("If it is", "Because it is"))
+        page.locator("[data-effect=lost]").click()
+        page.locator("#sequence-chart").focus()
+    assert any("nothing" in text for text in said) == (controller == "resilient")

@@ -1,67 +1,105 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The view Stories: one thing to do in each."""
+"""The view Stories: each part asks, plays and explains."""
 
 import re
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 
 import palmbots as pb
 from commands import runner
 from site_pages import Open, command_of, hash_of, run_json, seconds
 
-# How each story ends before and after the one thing to do.
-STORY_ENDS = {
-    1: ("delivered", "delivered"),
-    2: ("for an Ack that does not arrive (a message was lost)", "delivered"),
-    3: ("dropped", "delivered"),
-    4: ("210 corrections, no messages", "140 corrections, no messages"),
-    5: ("the last correction has not ended", "delivered"),
-    6: ("delivered", "dropped"),
-    7: ("delivered", "dropped"),
-}
+# How each part of each story ends, and the answer that is right, if it asks.
+PARTS: list[list[tuple[str, str | None]]] = [
+    [("", "The partner's, the left one."), ("delivered", None)],
+    [("for an Ack that does not arrive (a message was lost)", "It waits for the Ack, to the end."),
+     ("delivered", None)],
+    [("dropped", "The box falls."), ("delivered", None)],
+    [("210 corrections, no messages", "The box arrives."), ("140 corrections, no messages", None)],
+    [("the last correction has not ended", "It goes on with its correction, to the end."),
+     ("delivered", None)],
+    [("delivered", "The box arrives."), ("dropped", "The box falls.")],
+    [("delivered", "The box arrives."), ("dropped", "The box falls.")],
+    [("1 correction, no messages", "The left robot tilts its own palm up and drives closer.")],
+]  # fmt: skip
+# What a part says or draws only once it has been watched.
+OUTCOME = ".after, .ending strong, .right-answer, .next"
 
 
-@pytest.mark.parametrize("number", range(1, 9))
-def test_every_story_has_one_thing_to_do(
+def watch(page: Page) -> None:
+    """Answer the question, and go to the end."""
+    page.locator(".task input").first.check()
+    page.locator("#scrub").fill("1000")
+
+
+@pytest.mark.parametrize("number", range(1, len(PARTS) + 1))
+def test_each_part_asks_then_plays_then_explains(
     open_page: Open, capsys: pytest.CaptureFixture[str], number: int
 ) -> None:
-    page = open_page(hash_of("stories", {"v.story": number}))
+    page = open_page(hash_of("stories", {"v.story": number}), motion="reduce")
     title = page.locator(".chapters button").nth(number - 1).inner_text()
     expect(page.locator("h1")).to_have_text(title)
-    if number == 8:
-        page.get_by_text("tilts its own palm up and drives closer").click()
-        expect(page.locator(".after")).to_contain_text("Yes.")
-        carried = pb.carry("paper", overrides={
-            "robot.noise_m_s": 0.0, "task.distance_m": 0.3,
-            "bumps.script": [{"robot": "left", "at_s": 0.5, "shift_m": -0.03}],
-        })  # fmt: skip
-        assert [(c.robot, c.case) for c in carried.corrections] == [("left", "d")]
-        return
-    page.locator("#scrub").fill("1000")
-    expect(page.locator(".ending")).to_contain_text(STORY_ENDS[number][0])
-    before = page.locator("#hash").inner_text()
-    furthest = page.locator("#tally").inner_text()
-    page.locator(".act").click()
-    expect(page.locator(".after")).to_be_visible()
-    if number == 1:
-        assert seconds(page) == 0.7
-    found = run_json(runner(capsys), command_of(page))
-    expect(page.locator("#hash")).to_have_text(found["trace_hash"])
+    seen = []
+    for k, (end, right) in enumerate(PARTS[number - 1]):
+        if k > 0:
+            page.locator(".act").click()
+        expect(page.locator(OUTCOME)).to_have_count(0)
+        expect(page.locator(".future")).to_have_count(1)
+        if right is not None:
+            page.locator(".task input").first.check()
+            expect(page.locator(OUTCOME)).to_have_count(0)
+        found = run_json(runner(capsys), command_of(page))
+        expect(page.locator("#hash")).to_have_text(found["trace_hash"])
+        page.locator("#scrub").fill("1000")
+        expect(page.locator(".ending")).to_contain_text(end)
+        expect(page.locator(".after")).not_to_be_empty()
+        expect(page.locator(".future")).to_have_count(0)
+        if right is not None:
+            expect(page.locator(".right-answer")).to_contain_text(right)
+        if number in (2, 5) and k == 1:  # now nothing is wrong
+            expect(page.locator(".ending")).not_to_contain_text(re.compile("waited|not ended"))
+            expect(page.locator(".ending .good")).to_be_visible()
+        seen.append((page.locator("#hash").inner_text(), page.locator("#tally").inner_text()))
     if number > 1:
-        assert page.locator("#hash").inner_text() != before
-    page.locator("#scrub").fill("1000")
-    expect(page.locator(".ending")).to_contain_text(STORY_ENDS[number][1])
-    if number in (2, 5):  # now nothing is wrong
-        expect(page.locator(".ending")).not_to_contain_text(re.compile("waited|not ended"))
-        expect(page.locator(".ending .good")).to_be_visible()
+        assert len({trace for trace, _ in seen}) == len(seen)
     if number == 4:  # the numbers are those of the carry, and the contacts move further
-        for noise, shown in ((0.01, furthest), (0.02, page.locator("#tally").inner_text())):
+        for noise, (_, shown) in zip((0.01, 0.02), seen, strict=True):
             carried = pb.carry("paper", "silent", seed=3, overrides={"robot.noise_m_s": noise})
             assert shown.endswith(
                 f"{carried.correction_count} corrections, no messages, contacts up to "
                 f"{1000 * max(carried.contact_peak_m.values()):.0f} mm from p = 0"
             )
+
+
+def test_a_story_waits_for_the_answer_and_plays_then(open_page: Open) -> None:
+    """Also the picture shows no correction before. The first story stops where it explains."""
+    page = open_page(hash_of("stories", {"v.story": 1}))
+    play = page.locator("#play")
+    expect(play).to_have_attribute("aria-label", "play")
+    assert seconds(page) == 0.4
+    page.locator(".task input").last.check()
+    expect(page.locator(".after")).to_contain_text("TiltUp and Ack")
+    assert seconds(page) == 0.7
+    expect(play).to_have_attribute("aria-label", "play")
+    page.locator(".act").click()
+    expect(play).to_have_attribute("aria-label", "pause")
+
+
+def test_each_story_has_its_own_speed(open_page: Open) -> None:
+    page = open_page(hash_of("stories", {"v.story": 4}), motion="reduce")
+    for number, speed in ((4, "5"), (8, "1"), (3, "2")):
+        page.locator(".chapters button").nth(number - 1).click()
+        expect(page.locator("#speed")).to_have_value(speed)
+        page.locator("#speed").select_option("50")
+
+
+def test_the_story_to_predict_is_as_it_says() -> None:
+    carried = pb.carry("paper", overrides={
+        "robot.noise_m_s": 0.0, "task.distance_m": 0.3,
+        "bumps.script": [{"robot": "left", "at_s": 0.5, "shift_m": -0.03}],
+    })  # fmt: skip
+    assert [(c.robot, c.case) for c in carried.corrections] == [("left", "d")]
 
 
 def test_a_reboot_is_as_the_story_says() -> None:
@@ -101,7 +139,9 @@ def test_the_texts_of_the_stories_are_true() -> None:
 def test_story_3_shows_the_squeezes_that_decide(open_page: Open) -> None:
     """The numbers are those of the package, for the palms and contacts that the story names."""
     page = open_page(hash_of("stories", {"v.story": 3}), motion="reduce")
+    watch(page)
     page.locator(".act").click()
+    page.locator("#scrub").fill("1000")
     both_steep, left_shallow = page.locator("#squeezes li").all()
     expect(both_steep).to_contain_text("both cones at once: H = 0.309")
     expect(left_shallow).to_contain_text("of the left cone first: H = 0.200 there ≤ 0.307")
@@ -117,23 +157,32 @@ def test_story_3_shows_the_squeezes_that_decide(open_page: Open) -> None:
 
 def test_space_pauses_after_a_click_on_a_button(open_page: Open) -> None:
     page = open_page(hash_of("stories", {"v.story": 4}))
+    play = page.locator("#play")
+    page.locator(".task input").first.click()
+    expect(play).to_have_attribute("aria-label", "pause")
+    page.keyboard.press("Space")
+    expect(play).to_have_attribute("aria-label", "play")
+    page.locator("#scrub").fill("1000")
     page.locator(".act").click()
-    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
-    page.keyboard.press("Space")
-    expect(page.locator("#play")).to_have_attribute("aria-label", "play")
-    page.keyboard.press("Space")
-    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
-    page.keyboard.press("Space")
-    page.locator(".act").press("Space")  # who chose a button with the keyboard presses it
-    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
+    for label in ("pause", "play", "pause"):
+        expect(play).to_have_attribute("aria-label", label)
+        page.keyboard.press("Space")
+    page.locator(".chapters button").nth(3).press("Space")  # with the keyboard: it is pressed
+    expect(page.locator(".task input").first).not_to_be_checked()
 
 
-@pytest.mark.parametrize("number", range(1, 9))
-def test_a_story_fits_on_one_screen(open_page: Open, number: int) -> None:
-    """Stage, player, what the action shows and the chart of messages, at 1366 × 768."""
+@pytest.mark.parametrize("height", [630, 768])
+@pytest.mark.parametrize("number", range(1, len(PARTS) + 1))
+def test_a_story_fits_on_one_screen(open_page: Open, number: int, height: int) -> None:
+    """Task, stage, player, explanation and the chart of messages, at 1366 pixels of width."""
     page = open_page(
-        hash_of("stories", {"v.story": number}), motion="reduce", width=1366, height=768
+        hash_of("stories", {"v.story": number}), motion="reduce", width=1366, height=height
     )
-    page.locator(".task button, .task input").first.click()
-    for place in ("#stage", "#play", ".after", "#sequence-chart"):
-        expect(page.locator(place)).to_be_in_viewport(ratio=1)
+    for k in range(len(PARTS[number - 1])):
+        if k > 0:
+            page.locator(".act").click()
+        if page.locator(".task input").count() > 0:
+            page.locator(".task input").first.check()
+        page.locator("#scrub").fill("1000")
+        for place in (".task", "#stage", "#play", ".after", "#sequence-chart"):
+            expect(page.locator(place)).to_be_in_viewport(ratio=1)

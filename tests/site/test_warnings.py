@@ -6,6 +6,7 @@ from playwright.sync_api import expect
 
 import palmbots as pb
 from palmbots.control.dead_band import warnings_before
+from palmbots.stability import self_check
 from site_pages import Open, go, hash_of
 
 
@@ -65,6 +66,27 @@ def test_page_and_command_warn_alike(open_page: Open) -> None:
         "the palms overlap",
     ):
         assert any(part in line for line in found)
+
+
+@pytest.mark.parametrize(
+    ("keys", "controller"),
+    [
+        ({}, "distributed"),
+        ({"object__com_m": [0.16, 0.04]}, "distributed"),
+        ({"object__com_m": [0.16, 0.04]}, "none"),
+        ({"palm__left__friction": 0.15, "palm__right__length_m": 0.2}, "silent"),
+    ],
+)
+def test_the_page_warns_of_properties_that_fail(
+    open_page: Open, keys: dict[str, object], controller: str
+) -> None:
+    scene = {name.replace("__", "."): value for name, value in keys.items()}
+    page = open_page(hash_of("carry", {"controller": controller, "t": 1}, **keys))
+    warned = self_check("paper", overrides=scene) if controller != "none" else ()
+    assert len(warned) == int(bool(keys) and controller != "none")
+    expect(page.locator("#failing")).to_have_count(len(warned))
+    for text in warned:
+        expect(page.locator("#failing")).to_contain_text(f"warning: {text.split(';')[0]};")
 
 
 @pytest.mark.parametrize("side", ["left", "right"])

@@ -76,7 +76,7 @@ def test_slope_out_of_range_is_reported() -> None:
     # Where the properties fail on a level floor too, the slope is not the reason.
     com = {"object.com_m": [0.05, 0.04]}
     (warning,) = self_check("paper", overrides=com | {"task.slope_deg": 6.0})
-    assert warning.startswith("property 1 and property 2 fail for contacts anywhere on the palms")
+    assert warning.startswith("property 1 and property 2 fail for contacts somewhere on the palms")
 
 
 @pytest.mark.parametrize(

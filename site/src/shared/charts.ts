@@ -104,14 +104,15 @@ export interface Band {
   to: number;
 }
 
-// Contacts in mm: both palms, the zero zone, the ends of the palms.
+// Contacts in mm: both palms, the zero zone, the ends of the palms. `isWhole`: the axis is as long as
+// the palms, so that it does not show how far the contacts will come.
 export function drawContacts(
   surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, ghost: Recorded | null, zero: Band,
-  half: number,
+  half: number, isWhole: boolean,
 ): void {
   const c = surface.context;
   const largest = Math.max(0.02, 1.15 * Math.max(...run.peak, ...(ghost?.peak ?? [0])));
-  const reach = Math.min(largest, 1.12 * half);
+  const reach = isWhole ? 1.12 * half : Math.min(largest, 1.12 * half);
   const y = (value: number) => surface.height / 2 - (value / reach) * (surface.height / 2 - 6);
   c.fillStyle = p.zeroPale;
   c.fillRect(LEFT_MARGIN, y(zero.to), surface.width - LEFT_MARGIN - RIGHT_MARGIN, y(zero.from) - y(zero.to));
@@ -173,13 +174,13 @@ export interface Lanes {
   hasStation: boolean;
 }
 
-export function lanesOf(hasStation: boolean): Lanes {
-  const bottom = hasStation ? 166 : 104;
+export function lanesOf(hasStation: boolean, isLow: boolean): Lanes {
+  const bottom = (hasStation ? 166 : 104) - (isLow ? 14 : 0);
   return { robots: [26, bottom], station: (26 + bottom) / 2, hasStation };
 }
 
 export function sequenceHeight(lanes: Lanes): number {
-  return lanes.robots[1] + 46;
+  return lanes.robots[1] + 34;
 }
 
 function drawCorrection(
@@ -224,7 +225,8 @@ export function arrowsOf(
 ): Arrow[] {
   const found: Arrow[] = [];
   messages.forEach((message, index) => {
-    if (message.sent > axis.to || !(message.isNews || index === chosen)) return;
+    const isStations = message.sender === 2 || message.receiver === 2;
+    if (message.sent > axis.to || (isStations && !message.isNews && index !== chosen)) return;
     const lost = Number.isNaN(message.received);
     const share = lost ? 0.5 : 1;
     const arrival = lost ? message.sent + latency * share : message.received;
@@ -247,7 +249,7 @@ export function arrowsOf(
 // Where the words of an arrow stand: near the line of the sender.
 function wordsY(message: Message, lanes: Lanes): number {
   if (message.sender === 2) return lanes.station + (message.receiver === 0 ? -16 : 16);
-  return lanes.robots[message.sender]! + (message.sender === 0 ? 28 : -26);
+  return lanes.robots[message.sender]! + (message.sender === 0 ? 21 : -19);
 }
 
 export interface MessageLabel {
@@ -261,13 +263,13 @@ const LETTER_WIDTH = 6.2; // at most, of the labels' letters, on average
 
 // The names beside the arrows, where there is room for them.
 export function labelsOf(
-  arrows: Arrow[], chosen: number | null, isPeriodic: boolean, lanes: Lanes,
+  arrows: Arrow[], chosen: number | null, lanes: Lanes,
 ): MessageLabel[] {
   const found: MessageLabel[] = [];
   const busyUntil = new Map<number, number>();
   for (const { index, message, x0, x1 } of arrows) {
     const [x, y] = [Math.max(x0, x1) + 6, wordsY(message, lanes)];
-    if (index !== chosen && (isPeriodic || x <= (busyUntil.get(y) ?? -1e9) + 14)) continue;
+    if (index !== chosen && (!message.isNews || x <= (busyUntil.get(y) ?? -1e9) + 14)) continue;
     const name = message.short || message.kind;
     const width = LETTER_WIDTH * name.length;
     found.push({ index, name, x, y, width });
@@ -316,7 +318,7 @@ function drawArrows(
     const isChosen = arrow.index === chosen;
     c.strokeStyle = lost ? p.drop : isChosen ? p.ink : p.quiet;
     c.fillStyle = c.strokeStyle;
-    c.lineWidth = isChosen ? 2.6 : isPeriodic ? 0.7 : 1.3;
+    c.lineWidth = isChosen ? 2.6 : isPeriodic && !arrow.message.isNews ? 0.7 : 1.3;
     line(c, arrow.x0, arrow.y0, arrow.x1, arrow.y1);
     const turn = Math.atan2(arrow.y1 - arrow.y0, arrow.x1 - arrow.x0);
     c.beginPath();
@@ -332,7 +334,7 @@ function drawArrows(
       c.stroke();
     }
   }
-  for (const { index, name, x, y } of labelsOf(arrows, chosen, isPeriodic, lanes)) {
+  for (const { index, name, x, y } of labelsOf(arrows, chosen, lanes)) {
     const lost = Number.isNaN(run.messages[index]!.received);
     halo(c, p, name, x, y);
     write(c, name, x, y, lost ? p.drop : p.ink,

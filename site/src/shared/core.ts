@@ -78,7 +78,7 @@ export interface Message {
   number: number; // among all that the sender transmits to this receiver, from 1
   says: string; // in words, of a report or a command
   short: string; // the same, as short as a chart needs it
-  isNews: boolean; // a report or a command that differs from the one before on its link
+  isNews: boolean; // differs from the one before on its link, or is sent only once
 }
 
 export interface Correction {
@@ -282,7 +282,7 @@ export class Core {
       hash: word(m[14]!) + word(m[15]!),
       rows,
       count: rows.length / ROW.width,
-      messages: this.messages(),
+      messages: this.messages(tables.controllers[controller]?.isPeriodic ?? false),
       corrections: pairs(this.take(this.wasm.corrections()), 5, (r) => ({
         robot: r[0]!, name: String.fromCharCode(r[1]!), assistant: r[2]!, start: r[3]!, end: r[4]!,
       })),
@@ -296,13 +296,14 @@ export class Core {
     return k === -1 ? "Hello" : STATION_MESSAGES[-2 - k]!;
   }
 
-  private messages(): Message[] {
-    const before = new Map<number, number>(); // what was last said, by link
+  private messages(isPeriodic: boolean): Message[] {
+    const before = new Map<number, string>(); // what was last said, by link
     return pairs(this.take(this.wasm.messages()), 7, (r) => {
       const [code, content] = [r[4]!, r[6]!];
       const link = 3 * r[2]! + r[3]!;
-      const isNews = code >= -1 || before.get(link) !== content;
-      before.set(link, content);
+      const said = `${code} ${content}`;
+      const isNews = (code >= -1 && !isPeriodic) || before.get(link) !== said;
+      before.set(link, said);
       return {
         sent: r[0]!, received: r[1]!, sender: r[2]!, receiver: r[3]!, kind: this.kind(code),
         number: r[5]!, ...words(code, content), isNews,
@@ -364,6 +365,7 @@ export class Core {
     return this.take(this.wasm.com_map(x[0], x[1], y[0], y[1], nx, ny, ...left, ...right));
   }
 
+  // What limits the properties over contacts within ± half [m]; 0: anywhere on the palms.
   limits(half: number): Limit[] {
     const a = this.take(this.wasm.limits(half));
     return [0, 1, 2, 3].map((k) => ({

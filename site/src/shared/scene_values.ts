@@ -31,6 +31,12 @@ export function ofSide(scene: Scene, section: string, side: string, name: string
   return (get(scene, `${section}.${side}.${name}`) ?? get(scene, `${section}.${name}`)) as number;
 }
 
+// The tilt of the floor: > 0 rises to the right, towards +x [rad]. The scene counts uphill in travel.
+export function tiltOf(scene: Scene): number {
+  const uphill = (Number(get(scene, "task.slope_deg")) * Math.PI) / 180;
+  return get(scene, "task.direction") === "backward" ? -uphill : uphill;
+}
+
 // The values of a scene for the core, by key: a line for each value, and two numbers, its place and
 // the value (site/core/page_scene.hpp reads them).
 export function entriesOf(scene: Scene): { lines: string[]; numbers: number[] } {

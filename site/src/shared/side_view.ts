@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws the pair from the side: robots, palms, object, contacts, friction cones, a message in flight.
 //
-// World coordinates are in metres, x forward and y up; the core places every point.
+// The core places every point; pair_view.ts maps them to the screen.
 import { PLACES } from "./core";
+import { type View, onFloor } from "./pair_view";
 import { write } from "./strokes";
 import { type Palette, sideColour } from "./theme";
 import { tables } from "./tables";
 import type { Surface } from "./canvas";
 
-const { pivot_height, body_size, body_gap, ground_clearance, wheel_radius, shoulder_inset } =
+const { body_size, body_gap, ground_clearance, wheel_radius, shoulder_inset } =
   tables.robot as Record<string, number>;
-
-export interface View {
-  scale: number; // pixels per metre
-  x: (worldX: number) => number;
-  y: (worldY: number) => number;
-  worldX: (pixel: number) => number;
-}
 
 export interface Flight {
   from: number; // side
@@ -39,35 +33,6 @@ export interface SidePicture {
   dropped?: boolean;
 }
 
-export function lowestPoint(places: Float64Array): number {
-  let low = -pivot_height!;
-  for (let i = PLACES.outline + 1; i < places.length; i += 2) low = Math.min(low, places[i]! - 0.05);
-  return low;
-}
-
-// A view that shows the whole pair, centred on it.
-export function viewOf(surface: Surface, places: Float64Array, robots = true): View {
-  const middle = (places[PLACES.pivot]! + places[PLACES.pivot + 2]!) / 2;
-  let half = 0;
-  let top = 0;
-  for (let i = 0; i < places.length; i += 2) {
-    half = Math.max(half, Math.abs(places[i]! - middle));
-    top = Math.max(top, places[i + 1]!);
-  }
-  const margin = robots ? body_gap! + body_size! + 0.1 : 0.06;
-  const bottom = robots ? lowestPoint(places) : -0.1;
-  const wide = 2 * (half + (robots ? Math.max(0, margin - 0.075) : margin));
-  const tall = top - bottom + (robots ? 0.1 : 0.12);
-  const scale = Math.min(surface.width / wide, surface.height / tall);
-  const base = surface.height - (robots ? 26 : 20);
-  return {
-    scale,
-    x: (worldX) => surface.width / 2 + (worldX - middle) * scale,
-    y: (worldY) => base - (worldY - bottom) * scale,
-    worldX: (pixel) => middle + (pixel - surface.width / 2) / scale,
-  };
-}
-
 function path(c: CanvasRenderingContext2D, points: [number, number][], close = true): void {
   c.beginPath();
   points.forEach(([x, y], i) => (i === 0 ? c.moveTo(x, y) : c.lineTo(x, y)));
@@ -78,14 +43,15 @@ function drawFloor(surface: Surface, view: View, p: Palette, level: number): voi
   const c = surface.context;
   const y = view.y(level);
   c.fillStyle = p.ground;
-  c.fillRect(0, y, surface.width, surface.height - y);
+  const [from, to] = view.tilt ? [-surface.width, 2 * surface.width] : [0, surface.width];
+  c.fillRect(from, y, to - from, view.tilt ? 2 * surface.width : surface.height - y);
   c.strokeStyle = p.rule;
   c.lineWidth = 1;
-  path(c, [[0, y + 0.5], [surface.width, y + 0.5]], false);
+  path(c, [[from, y + 0.5], [to, y + 0.5]], false);
   c.stroke();
   const step = 0.1;
-  const first = Math.ceil(view.worldX(0) / step);
-  for (let k = first; k * step < view.worldX(surface.width); ++k) {
+  const first = Math.ceil(view.worldX(from) / step);
+  for (let k = first; k * step < view.worldX(to); ++k) {
     const x = view.x(k * step);
     const whole = k % 5 === 0;
     path(c, [[x, y], [x, y + (whole ? 8 : 4)]], false);
@@ -93,6 +59,27 @@ function drawFloor(surface: Surface, view: View, p: Palette, level: number): voi
     c.stroke();
     if (whole) write(c, `${(k * step).toFixed(1)} m`.replace("-", "−"), x, y + 16, p.quiet, { size: 11 });
   }
+}
+
+// The angle between the floor and a level line, in the corner above the lower end of the floor.
+function drawSlope(surface: Surface, view: View, p: Palette): void {
+  const c = surface.context;
+  const uphill = Math.sign(view.tilt);
+  const reach = 72;
+  const x = surface.width / 2 - uphill * (surface.width / 2 - 16);
+  const y = 24 + reach * Math.abs(Math.sin(view.tilt));
+  c.strokeStyle = p.ink;
+  c.lineWidth = 1.4;
+  path(c, [
+    [x + uphill * reach, y], [x, y],
+    [x + uphill * reach * Math.cos(view.tilt), y - reach * Math.abs(Math.sin(view.tilt))],
+  ], false);
+  c.stroke();
+  c.beginPath();
+  c.arc(x, y, reach - 16, uphill > 0 ? -view.tilt : Math.PI, uphill > 0 ? 0 : Math.PI - view.tilt);
+  c.stroke();
+  const degrees = Number(((Math.abs(view.tilt) * 180) / Math.PI).toFixed(1));
+  write(c, `slope ${degrees}°`, x, y + 11, p.ink, { align: uphill > 0 ? "left" : "right", weight: 650 });
 }
 
 function drawRobot(
@@ -158,7 +145,7 @@ function drawRobot(
   }
   c.globalAlpha = 1;
   if (picture.labels) {
-    write(c, side === 0 ? "left robot" : "right robot", bodyX, view.y(top) - 11, p.quiet);
+    write(c, side === 0 ? "left robot" : "right robot", bodyX + 14 * out, view.y(top) - 11, p.quiet);
   }
 }
 
@@ -313,7 +300,7 @@ function drawCones(surface: Surface, view: View, p: Palette, picture: SidePictur
 
 function drawGravity(surface: Surface, view: View, p: Palette, places: Float64Array): void {
   const c = surface.context;
-  const x = view.x(places[PLACES.com]!);
+  const [x] = view.turned(view.x(places[PLACES.com]!), view.y(places[PLACES.com + 1]!));
   c.strokeStyle = p.ink;
   c.lineWidth = 1.2;
   c.setLineDash([2, 4]);
@@ -353,13 +340,18 @@ function drawFlights(
 export function drawSide(
   surface: Surface, view: View, p: Palette, picture: SidePicture, level: number, robots = true,
 ): void {
-  if (robots) drawFloor(surface, view, p, level);
-  if (robots) for (const side of [0, 1]) drawRobot(surface, view, p, picture, side, level);
-  drawObject(surface, view, p, picture);
-  drawCones(surface, view, p, picture);
+  onFloor(surface, view, () => {
+    if (robots) drawFloor(surface, view, p, level);
+    if (robots) for (const side of [0, 1]) drawRobot(surface, view, p, picture, side, level);
+    drawObject(surface, view, p, picture);
+    drawCones(surface, view, p, picture);
+  });
   if (picture.gravity) drawGravity(surface, view, p, picture.places);
-  for (const side of [0, 1]) drawPalm(surface, view, p, picture, side);
-  drawContacts(surface, view, p, picture);
-  drawCom(surface, view, p, picture.places);
-  if (robots) drawFlights(surface, view, p, picture, level);
+  onFloor(surface, view, () => {
+    for (const side of [0, 1]) drawPalm(surface, view, p, picture, side);
+    drawContacts(surface, view, p, picture);
+    drawCom(surface, view, p, picture.places);
+    if (robots) drawFlights(surface, view, p, picture, level);
+  });
+  if (view.tilt) drawSlope(surface, view, p);
 }

@@ -99,6 +99,15 @@ export const recorded = computed<Recorded | null>(() => {
   return machine.run(controllerNumber(controller.value), seed.value, forks.value);
 });
 
+// The same carry with other values of the scene.
+export function runWith(changes: Overrides): Recorded | null {
+  const machine = core.peek();
+  if (!machine || refusal.peek()) return null;
+  machine.setScene(sceneOf(base.value, { ...overrides.value, ...changes }));
+  machine.setPolicy(policy.value);
+  return machine.run(controllerNumber(controller.value), seed.value, forks.value);
+}
+
 // The same without the last fork: what would have happened.
 export const before = computed<Recorded | null>(() => {
   const machine = core.value;

@@ -41,6 +41,12 @@ root.dataset.theme = systemTheme();
 export const palette = signal<Palette>(read());
 export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 
+// A wide window without much height, such as a browser with all its bars on 1366 × 768: drawings are
+// lower, so that what belongs together is on one screen (style.css has the same query).
+const low = matchMedia("(min-width: 70rem) and (max-height: 46rem)");
+export const isLow = signal(low.matches);
+low.addEventListener("change", () => (isLow.value = low.matches));
+
 export type Theme = "dark" | "light";
 
 export function systemTheme(): Theme {

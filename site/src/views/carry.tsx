@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carry: one carry to watch, to scrub through, to fork and to disturb.
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import {
   AtHome, ControllerChoice, Disturbances, Field, ResetButton, SceneChoice, caseMeaning, presentRun, setController,
 } from "./parts";
@@ -12,10 +12,10 @@ import { ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
 import { get } from "../shared/scene_values";
 import {
-  address, append, controller, forks, go, overrides, player, recorded, refusal, scene, seed, setExtra,
+  address, append, controller, core, forks, go, overrides, player, recorded, refusal, scene, seed, setExtra,
   setExtraFlag, setKey,
 } from "../shared/state";
-import { type Json, SIDES, controllerInfo, tables } from "../shared/tables";
+import { type Json, SIDES, controllerInfo, filledIn, tables } from "../shared/tables";
 
 const NUDGE_M = 0.012;
 const UNTIL_SWITCHED_ON_S = 1000; // longer than any carry
@@ -67,6 +67,29 @@ function Status() {
         </ul>
       )}
     </>
+  );
+}
+
+// Which of the properties that controllers rely on fail somewhere on the palms, as the command warns.
+const failing = computed(() => {
+  const machine = core.value;
+  if (!machine || refusal.value || controllerInfo(controller.value)?.team === "none") return "";
+  machine.setScene(scene.value);
+  const found = machine.limits(0).filter((limit) => !limit.holds).map((limit) => limit.property);
+  const numbers = [...new Set(found)];
+  if (numbers.length === 0) return "";
+  return filledIn(tables.failing, {
+    names: numbers.map((n) => `property ${n}`).join(" and "), fails: numbers.length > 1 ? "fail" : "fails",
+  });
+});
+
+function Failing() {
+  if (!failing.value) return null;
+  return (
+    <p class="failing" id="failing">
+      warning: {failing.value};{" "}
+      <a href={address({ view: "design", time: false })}>Design</a> shows what happens there.
+    </p>
   );
 }
 
@@ -212,6 +235,7 @@ export function CarryView() {
         <div class="scene">
           <Stage run={run} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
           <Status />
+          <Failing />
           <PlayerBar />
           <Hands />
         </div>

@@ -72,6 +72,8 @@ function useCounts(): void {
 }
 
 const percent = (share: number) => `${(100 * share).toFixed(share < 0.1 ? 2 : 1)} %`;
+// The same as a count: of how many in a thousand carries.
+const perThousand = (share: number) => (1000 * share).toFixed(share < 0.01 ? 1 : 0);
 
 function Count(props: { place: 0 | 1 }) {
   const report = reports.value[props.place];
@@ -87,7 +89,7 @@ function Count(props: { place: 0 | 1 }) {
       <td>{percent(tally.dropped / tally.carries)}</td>
       <td>
         <Interval low={interval[0]} high={interval[1]} rate={tally.dropped / tally.carries} />
-        <span class="ends">{percent(interval[0])} to {percent(interval[1])}</span>
+        <span class="ends">{perThousand(interval[0])} to {perThousand(interval[1])} of 1000</span>
       </td>
       <td>{tally.stalled}</td>
       <td>{(1000 * Math.sqrt(tally.meanSquare)).toFixed(1)} mm</td>
@@ -199,7 +201,7 @@ export function CompareView() {
         {([0, 1] as const).map((place) => (
           <ControllerChoice
             id={`controller-${place}`}
-            label={place === 0 ? "above" : "below"}
+            label={place === 0 ? "first pair" : "second pair"}
             value={names.value[place]}
             onChange={(name) => setExtra(place === 0 ? "a" : "b", name, USUAL[place])}
           />
@@ -244,6 +246,12 @@ export function CompareView() {
             </tbody>
           </table>
         </div>
+        <p class="note" id="counted-and-proved">
+          These drops are counted, each carry with its own noise. Of 100 such intervals, 95 contain what
+          very many carries would show, so 0 of 1000 does not mean never. The view Design looks at all
+          positions of the contacts instead, also at those that no carry here reaches: it may say
+          “fails” where 0 of 1000 drop.
+        </p>
       </section>
       {names.value.includes(OWN_ROWS) && <Rows />}
       <AtHome lines={[command]} runs={carries} note="The first command prints the numbers of drops that the table shows." />

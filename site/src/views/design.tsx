@@ -176,7 +176,7 @@ function Limits() {
         <tbody>
           {limits.value.map((limit) => (
             <tr>
-              <th scope="row">{limit.property === 1 ? "1, driven together" : "2, driven apart"}</th>
+              <th scope="row">{limit.property === 1 ? "1, closing" : "2, opening"}</th>
               <td>{SIDES[limit.shallow]}</td>
               <td class={limit.holds ? "good" : "bad"}>
                 {limit.low <= limit.high
@@ -219,13 +219,13 @@ function PairRegion() {
         return (
           <figure class="map">
             <figcaption>
-              driven {k === 0 ? "together" : "apart"}: property {k + 1} requires {tables.requiredModes[k + 1]} in
-              the frame
+              {k === 0 ? "closing" : "opening"}: property {k + 1} requires {tables.requiredModes[k + 1]} in the
+              frame
             </figcaption>
             <Canvas
               id={`region-${k}`}
               height={(width) => Math.min(width, 300)}
-              label={`contact modes with the left palm shallow and the right one steep, ${k === 0 ? "driven together" : "driven apart"}; the frame is where the property is needed`}
+              label={`contact modes with the left palm shallow and the right one steep, on ${k === 0 ? "closing" : "opening"}; the frame is where the property is needed`}
               draw={(s) => values && drawModeMap(s, palette.value, values, size, [palms, needed[k]!], null)}
             />
             <ul class="key">
@@ -273,7 +273,8 @@ export function DesignView() {
         <p>
           The colour of a pair of angles shows how large the error of one quantity may be while the
           contacts still slide as the algorithms require. At grey pairs, a palm touches the outline of
-          the object. At empty pairs, the algorithms fail. Click a pair to choose it.
+          the object. At empty pairs, a property on which the algorithms rely fails. Click a pair to
+          choose it.
         </p>
       </header>
       <div class="choices">
@@ -303,7 +304,7 @@ export function DesignView() {
           <p id="tolerance">
             {tolerance >= 0
               ? `Tolerates an error of ${shown(tolerance)} (${tables.quantities[quantity.value]!.name}).`
-              : "A property fails even without an error."}{" "}
+              : "A property fails even without an error: with the contacts somewhere in the region, the wrong one slides."}{" "}
             {tolerance >= 0 && (clearance >= 0
               ? `The outline clears the palms by ${(clearance / DEGREE).toFixed(2)}°.`
               : "However, the outline touches a palm.")}
@@ -312,10 +313,16 @@ export function DesignView() {
             {CIVIDIS.map((colour) => <i style={{ background: colour }} />)}
             <span>little</span><span>much</span>
           </div>
+          <p class="note" id="proved-and-counted">
+            This view looks at all positions of the contacts within ±{region_mm.toFixed(0)} mm, and
+            knows no noise. Where a property fails, a carry may still arrive, because its contacts may
+            never come to such a position: Compare counts how many of 1000 drop the box. Where
+            both properties hold, much noise can still push a contact off its palm.
+          </p>
           <p class="note">
             The angles with the largest tolerance are not always the best ones, because steep palms
-            take longer to turn. The second command below measures σ*, the speed noise at which 1 % of
-            the carries drop the object.
+            take longer to turn. The second command below measures σ*, the speed noise at which 10 of
+            1000 carries drop the object.
           </p>
         </section>
       </div>

@@ -11,8 +11,9 @@ import { MAP, MAP_LEFT, MAP_TOP, REACH, drawModeMap, mapSize, modeColour } from 
 import { decision, marginWords, modeName, modeWords } from "../shared/mode_words";
 import { type Xy, objectTransform } from "../shared/object_transform";
 import { drawCells } from "../shared/raster";
-import { type Overrides, get, ofSide } from "../shared/scene_values";
-import { type View, drawSide, viewOf } from "../shared/side_view";
+import { type Overrides, get, ofSide, tiltOf } from "../shared/scene_values";
+import { type View, onFloor, viewOf } from "../shared/pair_view";
+import { drawSide } from "../shared/side_view";
 import { base, core, extraNumber, extras, overrides, scene, setExtra, setForAll, valuesOf } from "../shared/state";
 import { SIDES, tables } from "../shared/tables";
 import { type Palette, palette } from "../shared/theme";
@@ -107,28 +108,29 @@ function mechanicsHeight(width: number): number {
 function draw(surface: Surface): void {
   const f = found.value;
   if (!f || !f.reaches) return;
-  const at = viewOf(surface, f.places, false);
+  const at = viewOf(surface, f.places, tiltOf(scene.value), false);
   // The handles lie over the drawing: they are moved only when the view changes.
   const last = view.peek();
-  const same = last && last.scale === at.scale && last.x(0) === at.x(0) && last.y(0) === at.y(0);
+  const same = last && last.tilt === at.tilt && last.scale === at.scale && last.x(0) === at.x(0) && last.y(0) === at.y(0);
   if (!same) view.value = at;
   drawSide(
     surface, at, palette.value,
     { places: f.places, zones: zeroZone(scene.value), cones: f.cones, gravity: true },
     0, false,
   );
-  drawCrossings(surface, at, palette.value, f);
+  onFloor(surface, at, () => drawCrossings(surface, at, palette.value, f));
 }
 
 // Where the line of gravity meets the edges of the cones: L and R of Figure 4, where they are shown.
 function drawCrossings(surface: Surface, at: View, p: Palette, f: Statics): void {
   const c = surface.context;
-  const x = at.x(f.places[PLACES.com]!);
+  const [comX, comY] = [f.places[PLACES.com]!, f.places[PLACES.com + 1]!];
   const names = [["L₁", "L₂"], ["R₂", "R₁"]];
   const spots: number[] = [];
   f.cones.forEach((edges, side) =>
     edges.forEach((edge, k) => {
       const y = at.y(edge.height);
+      const x = at.x(comX + Math.tan(at.tilt) * (edge.height - comY));
       const below = edge.height < f.places[PLACES.contact + 2 * side + 1]!;
       if (below || y < 6 || y > surface.height - 6 || !Number.isFinite(y)) return;
       c.beginPath();
@@ -202,7 +204,10 @@ function handles(): Handle[] {
     });
   }
   for (const side of [0, 1] as const) list.push(coneHandle(side, f, at, world));
-  return list;
+  return list.map((handle) => {
+    const [x, y] = at.turned(handle.x, handle.y);
+    return { ...handle, x, y, move: (px, py) => handle.move(...at.level(px, py)) };
+  });
 }
 
 // At an edge of a friction cone, along it as the room above allows. Both cones follow.
@@ -359,14 +364,14 @@ function ModeMap(props: { closing: boolean }) {
     setContact(0, at[0]);
     setContact(1, at[1]);
   };
-  const name = props.closing ? "driven together" : "driven apart";
+  const name = props.closing ? "closing" : "opening";
   return (
     <figure class="map">
       <figcaption>{name}</figcaption>
       <Canvas
         id={props.closing ? "map-closing" : "map-opening"}
         height={(width) => Math.min(width, 300)}
-        label={`map of the contact mode when ${name}, over both contact positions`}
+        label={`map of the contact mode on ${name}, over both contact positions`}
         onPointerDown={pick}
         onPointerMove={pick}
         onPointerLeave={() => (hovered.value = null)}
@@ -481,7 +486,9 @@ export function MechanicsView() {
         <h1>Which contact slides?</h1>
         <p>
           Drag the centre of mass, a corner, a palm, a contact or an edge of the cones. The squeeze H is
-          the force with which the palms press the object inward. It decides which contact slides.
+          the force with which the palms press the object inward. It decides which contact slides on
+          closing, when the robots drive the contact points towards each other, and on opening, when
+          they drive them apart.
         </p>
       </header>
       <div class="choices">
@@ -512,9 +519,9 @@ export function MechanicsView() {
             State {shown.value.isUnderPointer ? "under the pointer" : "at the dot of the maps below"}:{" "}
             p<sub>L</sub> = {inMm(shown.value.contacts[0])}, p<sub>R</sub> = {inMm(shown.value.contacts[1])}
           </p>
-          <h2>Driven together: {modeName(f.closing)}</h2>
+          <h2>Closing: {modeName(f.closing)}</h2>
           <p id="closing-words">{modeWords(f.closing)} {decision(f, true)}</p>
-          <h2>Driven apart: {modeName(f.opening)}</h2>
+          <h2>Opening: {modeName(f.opening)}</h2>
           <p id="opening-words">{modeWords(f.opening)} {decision(f, false)}</p>
           <p class="note" id="margin-words">{marginWords(f.margin)}</p>
           <Squeezes f={f} />

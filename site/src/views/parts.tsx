@@ -7,7 +7,7 @@ import { POLICY_FILE, SCENE_FILE, carryCommand, needsFile, policyFile } from "..
 import { fromPaper, overridesOf } from "../shared/scene";
 import {
   OWN_ROWS, base, checkCanBeCarried, controller, core, forks, overrides, player, policy, recorded, seed,
-  setForAll, valuesOf,
+  setExtra, setForAll, valuesOf,
 } from "../shared/state";
 import { type Json, controllerInfo, tables } from "../shared/tables";
 import { sceneFile } from "../shared/toml";
@@ -106,6 +106,8 @@ export function ResetButton() {
         seed.value = 0;
         overrides.value = {};
         forks.value = [];
+        setExtra("m", "", "");
+        player.speed.value = 1;
         player.seek(0);
       }}
     >

@@ -62,8 +62,11 @@ function Pause() {
 function playerKeys(event: KeyboardEvent): void {
   const target = event.target as HTMLElement;
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  const isSlider = target instanceof HTMLInputElement && target.type === "range";
-  if (/^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && !isSlider) return;
+  // A slider needs no space bar, and a chosen answer has had it.
+  const isFree =
+    target instanceof HTMLInputElement &&
+    (target.type === "range" || (target.type === "radio" && target.checked));
+  if (/^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && !isFree) return;
   if (event.key === " " && target.tagName !== "BUTTON") {
     event.preventDefault();
     player.toggle();

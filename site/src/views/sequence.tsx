@@ -7,14 +7,14 @@ import {
   LEFT_MARGIN, type Lanes, RIGHT_MARGIN, type TimeAxis, arrowsOf, drawContacts, drawPalms,
   drawSequence, labelsOf, lanesOf, sequenceHeight, timeAt,
 } from "../shared/charts";
-import type { Message, Recorded } from "../shared/core";
+import { type Message, ROW, type Recorded } from "../shared/core";
 import { get, ofSide } from "../shared/scene_values";
 import {
-  OWN_ROWS, append, before, controller, extraFlag, extras, player, recorded, scene, setExtra, setExtraFlag,
-  setKey,
+  OWN_ROWS, append, before, controller, extraFlag, extras, player, recorded, runWith, scene, setExtra,
+  setExtraFlag, setKey,
 } from "../shared/state";
 import { type Json, SENDERS, SIDES, controllerInfo } from "../shared/tables";
-import { palette } from "../shared/theme";
+import { isLow, palette } from "../shared/theme";
 import { zeroZone } from "./stage";
 
 // The chosen message by its place among those of the carry.
@@ -75,7 +75,8 @@ function stationed(name: string): boolean {
   return name === OWN_ROWS || controllerInfo(name)?.team === "station";
 }
 
-export function Charts() {
+// `hidesFuture`: shows no more than what has happened by the time of the player.
+export function Charts(props: { hidesFuture?: boolean }) {
   const run = recorded.value;
   const frame = useRef<HTMLDivElement>(null);
   if (!run) return null;
@@ -88,7 +89,7 @@ export function Charts() {
   ]);
   const band = { from: Math.min(...angles), to: Math.max(...angles) };
   const hasStation = stationed(controller.value);
-  const lanes = lanesOf(hasStation);
+  const lanes = lanesOf(hasStation, isLow.value);
   const talks = hasStation || (info !== undefined && info.usesRadio);
 
   const scrub = (event: PointerEvent) => {
@@ -110,7 +111,7 @@ export function Charts() {
     const [x, y] = [event.clientX - rect.left, event.clientY - rect.top];
     const shown = axis(run, rect.width);
     const arrows = arrowsOf(shown, run.messages, latency, lanes, chosen.peek());
-    const labels = labelsOf(arrows, chosen.peek(), info?.isPeriodic ?? false, lanes);
+    const labels = labelsOf(arrows, chosen.peek(), lanes);
     let best = labels.find((one) => x >= one.x && x <= one.x + one.width && Math.abs(y - one.y) < 8)?.index ?? -1;
     let nearest = 14;
     for (const a of best < 0 ? arrows : []) {
@@ -164,14 +165,17 @@ export function Charts() {
           <figcaption>contacts p [mm], outward is up</figcaption>
           <Canvas
             id="contacts-chart"
-            height={132}
+            height={isLow.value ? 96 : 132}
             label="contact coordinates over time; the arrow keys move the cursor"
             onPointerDown={scrub}
             onPointerMove={scrub}
             onPointerUp={release}
             onKeyDown={keys}
             draw={(s) =>
-              drawContacts(s, palette.value, axis(run, s.width), run, before.value, zeroZone(of), half)
+              drawContacts(
+                s, palette.value, axis(run, s.width), run, before.value, zeroZone(of), half,
+                props.hidesFuture ?? false,
+              )
             }
           />
         </figure>
@@ -179,7 +183,7 @@ export function Charts() {
           <figcaption>palm angles</figcaption>
           <Canvas
             id="palms-chart"
-            height={66}
+            height={isLow.value ? 48 : 66}
             label="palm angles over time"
             onPointerDown={scrub}
             onPointerMove={scrub}
@@ -207,7 +211,7 @@ export function Charts() {
             }
           />
         </figure>
-        <Cursor run={run} frame={frame} />
+        <Cursor run={run} frame={frame} hidesFuture={props.hidesFuture ?? false} />
       </div>
       <MessageCard run={run} />
       {hasStation && (
@@ -250,7 +254,9 @@ function packetAt(messages: Message[], time: number, y: number, lanes: Lanes): n
 }
 
 // One line over all charts at the time of the player.
-function Cursor(props: { run: Recorded; frame: { current: HTMLDivElement | null } }) {
+function Cursor(props: {
+  run: Recorded; frame: { current: HTMLDivElement | null }; hidesFuture: boolean;
+}) {
   const [width, setWidth] = useState(800);
   useEffect(() => {
     const observer = new ResizeObserver(([entry]) => setWidth(entry!.contentRect.width));
@@ -260,7 +266,24 @@ function Cursor(props: { run: Recorded; frame: { current: HTMLDivElement | null 
   const shown = axis(props.run, width);
   const share = Math.min(1, Math.max(0, (player.time.value - shown.from) / (shown.to - shown.from)));
   const inner = `(100% - ${LEFT_MARGIN + RIGHT_MARGIN}px)`;
-  return <div class="cursor" style={{ left: `calc(${LEFT_MARGIN}px + ${share} * ${inner})` }} />;
+  const left = `calc(${LEFT_MARGIN}px + ${share} * ${inner})`;
+  return (
+    <>
+      {props.hidesFuture && <div class="future" style={{ left }} />}
+      <div class="cursor" style={{ left }} />
+    </>
+  );
+}
+
+// From when on the carry differs from the one in which this message has no fault, or, if it has none,
+// from the one in which it is lost; null: nowhere.
+function changedFrom(run: Recorded, message: Message, hasFault: boolean): number | null {
+  const rest = faultScript().filter((f) => !isFaultOf(message)(f));
+  const script = hasFault ? rest : [...rest, { ...nameOf(message), effect: "lost" }];
+  const other = runWith({ "radio.script": script });
+  if (!other || other.hash === run.hash) return null;
+  const at = run.rows.findIndex((value, k) => value !== other.rows[k]);
+  return at < 0 ? Math.min(run.time, other.time) : run.rows[at - (at % ROW.width)]!;
 }
 
 function MessageCard(props: { run: Recorded }) {
@@ -272,6 +295,8 @@ function MessageCard(props: { run: Recorded }) {
   const sender = message.sender === 2 ? "the station" : `the ${SENDERS[message.sender]} robot`;
   const receiver = message.sender === 2 ? ` to the ${SENDERS[message.receiver]} robot` : "";
   const lost = Number.isNaN(message.received);
+  const from = changedFrom(props.run, message, fault !== undefined);
+  const what = fault === undefined ? "If it is lost" : `Because it is ${fault.effect}`;
   const effects = ["lost", "delayed", "duplicated"] as const;
   const words = { lost: "lose it", delayed: `delay it by ${DELAY_S} s`, duplicated: "deliver it twice" };
   return (
@@ -280,6 +305,11 @@ function MessageCard(props: { run: Recorded }) {
         <strong>{message.kind}</strong> from {sender}{receiver} at {message.sent.toFixed(2)} s{lost ? ", lost" : `, received at ${message.received.toFixed(2)} s`}
         {message.says && `: ${message.says}`}
       </p>
+      {(fault !== undefined || !(lost || isFull)) && (
+        <p class="note" id="effect">
+          {from === null ? `${what}, nothing changes.` : `${what}, the carry is another one from ${from.toFixed(2)} s on.`}
+        </p>
+      )}
       <p class="row">
         {effects.map((effect) => (
           <button

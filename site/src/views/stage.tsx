@@ -5,10 +5,11 @@ import { useEffect, useRef } from "preact/hooks";
 import { Canvas, type Surface } from "../shared/canvas";
 import { PLACES, ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
-import { get } from "../shared/scene_values";
-import { type Flight, type View, drawSide, lowestPoint, viewOf } from "../shared/side_view";
+import { get, tiltOf } from "../shared/scene_values";
+import { type View, lowestPoint, viewOf } from "../shared/pair_view";
+import { type Flight, drawSide } from "../shared/side_view";
 import { append, core, extraFlag, player, scene } from "../shared/state";
-import { palette } from "../shared/theme";
+import { isLow, palette } from "../shared/theme";
 import { tables, type Scene } from "../shared/tables";
 
 export const PUSH_S = 0.3; // how long a push lasts
@@ -54,16 +55,17 @@ export function offAt(of: Scene, time: number): [boolean, boolean] {
 }
 
 export function stageHeight(width: number): number {
-  return Math.round(Math.min(400, Math.max(200, width * 0.42)));
+  return Math.round(Math.min(isLow.value ? 218 : 400, Math.max(200, width * 0.42)));
 }
 
 function lowHeight(width: number): number {
-  return Math.round(Math.min(250, Math.max(170, width * 0.36)));
+  return Math.round(Math.min(isLow.value ? 190 : 250, Math.max(170, width * 0.36)));
 }
 
 export function Stage(props: {
   run: Recorded | null; of?: Scene; name: string; id?: string; draggable?: boolean; label?: string;
   periodic?: boolean; low?: boolean;
+  hidesCases?: boolean; // which corrections the robots make
   time?: ReadonlySignal<number>; // of the carry, if it is not the player's
 }) {
   const view = useRef<View | null>(null);
@@ -83,7 +85,7 @@ export function Stage(props: {
     const row = rowAt(run, time, period);
     const at = machine.places(of, run, row);
     const p = palette.value;
-    view.current = viewOf(surface, at);
+    view.current = viewOf(surface, at, tiltOf(of));
     places.current = at;
     const held = drag.value;
     const shown = held ? moved(at, held) : at;
@@ -94,7 +96,8 @@ export function Stage(props: {
       {
         places: shown,
         motion: ended ? [0, 0] : pair(run, row, ROW.motion),
-        tags: [0, 1].map((side) => caseAt(run, row, side)).map((c) => (c ? `(${c})` : "")) as [string, string],
+        tags: [0, 1].map((side) => (props.hidesCases ? "" : caseAt(run, row, side)))
+          .map((c) => (c ? `(${c})` : "")) as [string, string],
         off: offAt(of, time),
         zones: zeroZone(of),
         flights: flightsAt(run, time, Number(get(of, "radio.latency_s")), props.periodic ?? false),
@@ -112,8 +115,7 @@ export function Stage(props: {
     const at = places.current;
     if (!v || !at) return null;
     const rect = (event.currentTarget as HTMLElement).getBoundingClientRect();
-    const x = event.clientX - rect.left;
-    const y = event.clientY - rect.top;
+    const [x, y] = v.level(event.clientX - rect.left, event.clientY - rect.top);
     const { body_gap, body_size } = tables.robot as { body_gap: number; body_size: number };
     for (const side of [0, 1] as const) {
       const out = side === 0 ? -1 : 1;
@@ -152,7 +154,8 @@ export function Stage(props: {
         }
         onPointerMove={(event) => {
           if (!drag.value || !view.current) return;
-          const by = (event.clientX - drag.value.from) / view.current.scale;
+          const along = (event.clientX - drag.value.from) / Math.cos(view.current.tilt);
+          const by = along / view.current.scale;
           drag.value = { ...drag.value, by: Math.min(0.06, Math.max(-0.06, by)) };
         }}
         onPointerUp={() => {

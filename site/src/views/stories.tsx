@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stories: eight short scenes with one thing to do in each.
+// Stories: eight short scenes. Each part of one asks what will happen, then plays, then explains.
+import { batch, effect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { AtHome, presentRun } from "./parts";
@@ -7,8 +8,8 @@ import { PlayerBar, usePlayerKeys } from "./player_bar";
 import { Charts } from "./sequence";
 import { Stage } from "./stage";
 import { outcomeText } from "./carry";
+import { STORIES, type Part, type Story } from "./story_texts";
 import type { Recorded } from "../shared/core";
-import type { Overrides } from "../shared/scene_values";
 import {
   base, controller, core, extraFlag, extraNumber, forks, overrides, player, recorded, scene, seed, setExtra,
   setExtraFlag,
@@ -18,191 +19,94 @@ import { get } from "../shared/scene_values";
 import { controllerInfo } from "../shared/tables";
 import { reducedMotion } from "../shared/theme";
 
-interface Start {
-  scene?: string;
-  controller?: string;
-  seed?: number;
-  set?: Overrides;
-  cones?: boolean;
-  at?: number;
-}
+const storyNumber = () => Math.min(STORIES.length, Math.max(1, Math.floor(extraNumber("story", 1))));
+const storyNow = () => STORIES[storyNumber() - 1]!;
+const partNumber = () =>
+  Math.min(storyNow().parts.length, Math.max(1, Math.floor(extraNumber("part", 1))));
+const partNow = () => storyNow().parts[partNumber() - 1]!;
 
-interface Story {
-  title: string;
-  start: Start;
-  text: string;
-  task: string; // the one thing to do
-  actions: { label: string; act: Start }[];
-  after: string; // what the action shows
-  hasSqueezes?: boolean; // `after` is about the squeezes that decide which contact slides
-  question?: { ask: string; answers: string[]; right: number };
-}
-
-const QUIET = { "robot.noise_m_s": 0 };
-// The left robot is silent while it should answer.
-const SILENT_LEFT = {
-  ...QUIET, "bumps.script": [{ robot: "right", at_s: 0.4, shift_m: 0.011 }], "task.distance_m": 0.9,
-  "radio.outages": [{ sender: "left", start_s: 0.5, end_s: 1 }],
-};
-const REBOOT = {
-  ...QUIET, "task.distance_m": 0.5,
-  "bumps.script": [
-    { robot: "left", at_s: 0.4, shift_m: 0.04 }, { robot: "right", at_s: 0.6, shift_m: -0.02 },
-  ],
-  "faults.script": [{ kind: "reboot", robot: "right", at_s: 0.8, duration_s: 0.02 }],
-};
-const FAST_RIGHT = { ...QUIET, "robot.right.bias_m_s": 0.008 };
-
-export const STORIES: Story[] = [
-  {
-    title: "The paper's Figure 8",
-    start: { scene: "figure8" },
-    text:
-      "The carry has seven bumps in six and a half seconds, as in the paper. If its contact has p < 0, a robot corrects it alone: case (d). If p > 0, the robot asks its partner to tilt up, case (a), and the partner assists, case (c).",
-    task: "Stop at 0.7 s and look at the arrows: TiltUp, Ack, TiltDown.",
-    actions: [{ label: "go to 0.7 s", act: { scene: "figure8", at: 0.7 } }],
-    after: "The left palm is shallow, so opening slides only the right contact. The right robot drives away until its contact is back near the pivot.",
-  },
-  {
-    title: "A lost Ack, and leases",
-    start: { set: SILENT_LEFT },
-    text:
-      "The radio of the left robot fails for half a second, and the Ack is lost. The paper's algorithm hangs: the right robot waits for the Ack and the left one for TiltDown, both forever. The box arrives only because nothing else disturbs it.",
-    task: "Give the pair a controller with leases, on the same radio.",
-    actions: [{ label: "resilient", act: { controller: "resilient", set: SILENT_LEFT } }],
-    after: "With the controller resilient, a robot repeats its message in periodic packets, called beacons. A beacon is valid for a limited time, its lease. The receiver acts on a beacon only until its lease ends. The right robot stops while it hears nothing. It continues when it hears its partner, so no robot waits forever.",
-  },
-  {
-    title: "Why the palms tilt",
-    start: { cones: true, controller: "none", set: FAST_RIGHT, at: 0.01 },
-    text:
-      "The right robot drives 8 mm/s too fast. With both palms steep, the object decides which contact slides, and no robot corrects it. Watch it slide off.",
-    task: "Give the pair a controller.",
-    actions: [
-      { label: "distributed", act: { cones: true, controller: "distributed", set: FAST_RIGHT } },
-    ],
-    after: "The squeeze H is the force with which the palms press the object inward, in weights of the object. Driving together raises H until the first of the two friction cones ends. That contact slides, and the cone of a shallow palm ends first:",
-    hasSqueezes: true,
-  },
-  {
-    title: "Two robots without a radio",
-    start: { controller: "silent", seed: 3 },
-    text:
-      "With the controller silent, the robots send nothing. Each robot makes corrections according to the sign of its own contact. The angles of the two palms decide which contact slides.",
-    task: "Double the noise.",
-    actions: [{ label: "noise 20 mm/s", act: { controller: "silent", seed: 3, set: { "robot.noise_m_s": 0.02 } } }],
-    after: "The contacts move further from p = 0, but the robots still correct them without any message. The view Compare counts how often they drop the box.",
-  },
-  {
-    title: "A reboot",
-    start: { set: REBOOT },
-    text:
-      "The right robot reboots for 20 ms while it assists, and forgets that it was assisting. Now one robot drives away and the other closer, forever, and the contacts no longer move.",
-    task: "Run the same reboot with the controller resilient.",
-    actions: [{ label: "resilient", act: { controller: "resilient", set: REBOOT } }],
-    after: "The beacons of a robot show that it has rebooted. Its partner gives up the old correction, and both robots start again.",
-  },
-  {
-    title: "A slope",
-    start: { set: { "task.slope_deg": 4 } },
-    text:
-      "On a slope, gravity pulls the box towards one robot. The robots rely on two properties: closing slides only the shallow contact, and opening slides only the steep one. At the paper's angles, both properties hold up to 4.5°.",
-    task: "Make it 8°.",
-    actions: [{ label: "8°", act: { set: { "task.slope_deg": 8 } } }],
-    after: "Beyond this limit, the wrong contact may slide, and corrections move a contact in the wrong direction. The view Design shows which angles tolerate a steeper floor.",
-  },
-  {
-    title: "The edge of the feasible region",
-    start: { cones: true, set: { "object.com_m": [0.141, 0.04] } },
-    text:
-      "The box is 250 mm wide. At the paper's angles, closing slides only the shallow contact, and opening only the steep one, if the centre of mass lies between 108.5 and 141.5 mm. This is true for any position of the contacts on the palms. Here, the centre of mass lies at 141 mm.",
-    task: "Move the centre of mass to 160 mm.",
-    actions: [
-      { label: "160 mm", act: { cones: true, set: { "object.com_m": [0.16, 0.04] } } },
-    ],
-    after: "More of the weight now presses on the right palm. When the right robot tilts this palm and drives closer, the left contact may slide instead, although the left palm is steep. The view Mechanics draws the permitted region on the box.",
-  },
-  {
-    title: "Predict first, then watch",
-    start: {
-      set: { ...QUIET, "bumps.script": [{ robot: "left", at_s: 0.5, shift_m: -0.03 }], "task.distance_m": 0.3 },
-      at: 0.6,
-    },
-    text: "A bump has moved the left contact 30 mm inward, so p_L < 0. The right contact is at p_R = 0.",
-    task: "What will the robots do?",
-    actions: [],
-    after: "",
-    question: {
-      ask: "What will the robots do?",
-      answers: [
-        "The left robot tilts its own palm up and drives closer.",
-        "The left robot asks the right one to tilt up, then drives away.",
-        "The right robot tilts up and drives closer.",
-      ],
-      right: 0,
-    },
-  },
-];
-
-const isDone = () => extraFlag("done");
-
-function setDone(done: boolean): void {
-  setExtraFlag("done", done);
-}
-
-// The answer that the visitor has chosen, from 1.
+// The answer that the visitor has chosen, from 1; 0: none.
 const answered = () => extraNumber("answer", 0);
 
-function begin(start: Start): void {
-  base.value = start.scene ?? "paper";
-  controller.value = start.controller ?? "distributed";
-  seed.value = start.seed ?? 0;
-  overrides.value = start.set ?? {};
-  forks.value = [];
-  setExtraFlag("cones", start.cones ?? false);
-  player.seek(start.at ?? 0);
+// Whether the part has been watched to its end: only then the page shows what happens.
+const isSeen = () => extraFlag("seen");
+
+// A prediction is asked for, and neither given nor too late.
+const isAsking = () => partNow().question !== undefined && answered() === 0 && !isSeen();
+
+function begin(story: number, number: number): void {
+  const part = STORIES[story - 1]!.parts[number - 1]!;
+  batch(() => {
+    setExtra("story", String(story), "1");
+    setExtra("part", String(number), "1");
+    for (const name of ["answer", "seen", "m"]) setExtra(name, "", "");
+    base.value = part.scene ?? "paper";
+    controller.value = part.controller ?? "distributed";
+    seed.value = part.seed ?? 0;
+    overrides.value = part.set ?? {};
+    forks.value = [];
+    setExtraFlag("cones", part.cones ?? false);
+    player.speed.value = part.speed ?? 1;
+    player.seek(part.at ?? 0);
+  });
+  if (part.question) player.pause();
+  else run();
 }
 
-function run(start: Start): void {
-  const still = start.at !== undefined && start.at > 0.05;
-  if (still || reducedMotion.matches) player.pause();
-  else player.play();
+function run(): void {
+  if (!reducedMotion.matches) player.play();
 }
 
-// Whether the state is one that the present story has made: then it stays after a reload.
-function isOfStory(story: Story): boolean {
-  const same = (start: Start) =>
-    base.value === (start.scene ?? "paper") &&
-    controller.value === (start.controller ?? "distributed") &&
-    JSON.stringify(overrides.value) === JSON.stringify(start.set ?? {});
-  return same(story.start) || story.actions.some(({ act }) => same(act));
+// Whether the state is one that the present part has made: then it stays after a reload.
+function isOfPart(part: Part): boolean {
+  return (
+    base.value === (part.scene ?? "paper") &&
+    controller.value === (part.controller ?? "distributed") &&
+    JSON.stringify(overrides.value) === JSON.stringify(part.set ?? {})
+  );
+}
+
+// Notes when a part has been watched, and stops one that explains a moment at this moment.
+function useEnd(): void {
+  useEffect(
+    () =>
+      effect(() => {
+        const carried = recorded.value;
+        const time = player.time.value;
+        if (!carried || isSeen()) return;
+        const { until } = partNow();
+        if (time < Math.min(until ?? Infinity, carried.time)) return;
+        if (until !== undefined && player.playing.peek()) {
+          player.pause();
+          player.seek(until);
+        }
+        setExtraFlag("seen", true);
+      }),
+    [],
+  );
 }
 
 export function StoriesView() {
-  const place = Math.min(STORIES.length, Math.max(1, Math.floor(extraNumber("story", 1))));
-  const story = STORIES[place - 1]!;
+  const place = storyNumber();
+  const story = storyNow();
+  const part = partNow();
   useEffect(() => {
-    if (!isOfStory(story) || (player.time.peek() === 0 && !isDone())) {
-      setDone(false);
-      begin(story.start);
-      run(story.start);
-    }
+    if (!isOfPart(part)) begin(place, 1);
+    else if (player.time.peek() === 0 && !part.question) run();
   }, [place]);
   usePlayerKeys();
+  useEnd();
   const carried = recorded.value;
   const info = controllerInfo(controller.value);
+  const number = partNumber();
+  const next = story.parts[number];
   return (
-    <>
+    <div class="stories">
       <ol class="chapters" aria-label="stories">
         {STORIES.map((item, k) => (
           <li>
             <button type="button" aria-current={k + 1 === place ? "step" : undefined}
-              onClick={() => {
-                for (const name of ["done", "answer", "m"]) setExtra(name, "", "");
-                begin(item.start);
-                setExtra("story", String(k + 1), "1");
-                run(item.start);
-              }}>
+              onClick={() => begin(k + 1, 1)}>
               {item.title}
             </button>
           </li>
@@ -213,53 +117,70 @@ export function StoriesView() {
         <p>{story.text}</p>
       </header>
       <div class="task">
-        {story.question ? <Question story={story} /> : (
-          <>
-            <strong>{story.task}</strong>
-            {story.actions.map(({ label, act }) => (
-              <button type="button" class="act" onClick={() => {
-                begin(act);
-                setDone(true);
-                run(act);
-              }}>
-                {label}
-              </button>
-            ))}
-            {isDone() && (
-              <button type="button" class="plain" onClick={() => {
-                begin(story.start);
-                setDone(false);
-                run(story.start);
-              }}>
-                back to the beginning
-              </button>
-            )}
-          </>
+        {part.question && <Question story={story} part={part} />}
+        {!part.question && <strong>{part.task}</strong>}
+        {!isSeen() && !isAsking() && !player.playing.value && (
+          <span class="note">Press play, or the space bar, to see what happens.</span>
+        )}
+        {isSeen() && next && (
+          <span class="row next">
+            <strong>{next.task}</strong>
+            <button type="button" class="act" onClick={() => begin(place, number + 1)}>
+              {next.label}
+            </button>
+          </span>
+        )}
+        {number > 1 && (
+          <button type="button" class="plain" onClick={() => begin(place, 1)}>
+            back to the beginning
+          </button>
         )}
       </div>
       <section class="panel beside" aria-label="the carry">
         <div class="scene">
-          <Stage run={carried} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
+          <Stage run={carried} name={controller.value} id="stage" draggable periodic={info?.isPeriodic}
+            hidesCases={isAsking() && player.time.value <= (part.at ?? 0)} />
           <Ending />
           <PlayerBar />
-          {isDone() && story.after && (
+          {isSeen() && (
             <div class="after" role="status">
-              <p>{story.after}</p>
-              {story.hasSqueezes && <Squeezes />}
+              <p>{part.after}</p>
+              {part.hasSqueezes && <Squeezes />}
             </div>
           )}
         </div>
-        <Charts />
+        <Charts hidesFuture={!isSeen()} />
       </section>
       <AtHome runs={presentRun()} />
       {import.meta.env.MODE !== "file" && (
         <p class="note">For a class: <a href="./lesson.html">a sheet with tasks for 45 minutes</a>, to print.</p>
       )}
-    </>
+    </div>
   );
 }
 
-// What decides which contact slides when the robots drive together.
+// The question of a part, its answers, and, once the part has been watched, which one was right.
+function Question(props: { story: Story; part: Part }) {
+  const { ask, answers, right } = props.part.question!;
+  return (
+    <fieldset>
+      <legend>{ask}</legend>
+      {answers.map((words, k) => (
+        <label class={`check ${isSeen() && k === right ? "right-answer" : ""}`}>
+          <input type="radio" name="prediction" checked={answered() === k + 1} disabled={isSeen()}
+            onChange={() => {
+              setExtra("answer", String(k + 1), "");
+              run();
+            }} />
+          {words}
+          {isSeen() && k === right && <strong class="good">✓ this happens</strong>}
+        </label>
+      ))}
+    </fieldset>
+  );
+}
+
+// What decides which contact slides on closing.
 function Squeezes() {
   const machine = core.value;
   if (!machine) return null;
@@ -280,6 +201,7 @@ const ENDLESS_S = 2; // a correction that lasts that long, and to the end of the
 
 // Which robots still make a correction that began long ago.
 function endless(carried: Recorded): string[] {
+  if (carried.outcome === 2) return [];
   const still = carried.corrections.filter(
     (c) => c.end >= carried.time && c.end - c.start > ENDLESS_S,
   );
@@ -305,31 +227,3 @@ function Ending(): ComponentChildren {
     </p>
   );
 }
-
-function Question(props: { story: Story }) {
-  const { ask, answers, right } = props.story.question!;
-  return (
-    <fieldset>
-      <legend>{ask}</legend>
-      {answers.map((words, k) => (
-        <label class="check">
-          <input type="radio" name="prediction" checked={answered() === k + 1}
-            onChange={() => {
-              setExtra("answer", String(k + 1), "");
-              player.seek(0.6);
-              if (!reducedMotion.matches) player.play();
-            }} />
-          {words}
-        </label>
-      ))}
-      {answered() > 0 && (
-        <p class="after" role="status">
-          {answered() === right + 1 ? "Yes. " : "Look again. "}
-          A robot corrects a contact with p &lt; 0 alone. With its own palm shallow and its partner's palm
-          steep, closing makes only its own contact slide, and it slides up.
-        </p>
-      )}
-    </fieldset>
-  );
-}
-

@@ -20,6 +20,11 @@ from palmbots.stability.margins import angle_error, slope_range
 from palmbots.stability.problem import Region, StabilityProblem, permitted, stability_problem
 from palmbots.stability.tightest_margins import angle_step_deg, fastest_acceleration
 
+FAILING = "{names} {fails} {where}"
+"""That properties fail. The page (scripts/site_tables.py) says so in the same words."""
+SOMEWHERE = "for contacts somewhere on the palms"
+_ANYWHERE = "for contacts anywhere on the palms"
+
 
 def self_check(
     scene: SceneLike = "paper", *, region_m: Region = "palm", overrides: Overrides = None
@@ -97,7 +102,9 @@ def _warnings(
     if failing:
         names = " and ".join(f"property {n}" for n in failing)
         fails = "fails" if len(failing) == 1 else "fail"
-        yield f"{names} {fails} {where}; palmbots analyze reports what happens there"
+        place = SOMEWHERE if where == _ANYWHERE else where
+        text = FAILING.format(names=names, fails=fails, where=place)
+        yield f"{text}; palmbots analyze reports what happens there"
     step_deg = angle_step_deg(scene)
     if angle is not None and step_deg > math.degrees(angle):
         yield (
@@ -116,6 +123,6 @@ def _holds(problem: StabilityProblem, number: int) -> bool:
 def _region_text(problem: StabilityProblem) -> str:
     whole = tuple((-half, half) for half in problem.reach)
     if problem.contacts == whole:
-        return "for contacts anywhere on the palms"
+        return _ANYWHERE
     low, high = problem.contacts[0]
     return f"for contacts from {1e3 * low:.1f} to {1e3 * high:.1f} mm"

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// The eight stories: what each shows, asks and explains. tests/site/test_stories.py pins how each part ends.
+import type { Overrides } from "../shared/scene_values";
+
+export interface Part {
+  scene?: string;
+  controller?: string;
+  seed?: number;
+  set?: Overrides;
+  cones?: boolean;
+  at?: number; // where it begins [s]
+  until?: number; // where it ends, if that is not the end of the carry [s]
+  speed?: number; // of the player
+  task?: string; // the one thing to do that begins it, and the button for it
+  label?: string;
+  question?: { ask: string; answers: string[]; right: number };
+  after: string; // the explanation, once it has been watched
+  hasSqueezes?: boolean; // `after` is about the squeezes that decide which contact slides
+}
+
+export interface Story {
+  title: string;
+  text: string; // tells nothing that a part asks
+  parts: Part[];
+}
+
+const QUIET = { "robot.noise_m_s": 0 };
+// The left robot is silent while it should answer.
+const SILENT_LEFT = {
+  ...QUIET, "bumps.script": [{ robot: "right", at_s: 0.4, shift_m: 0.011 }], "task.distance_m": 0.9,
+  "radio.outages": [{ sender: "left", start_s: 0.5, end_s: 1 }],
+};
+const REBOOT = {
+  ...QUIET, "task.distance_m": 0.5,
+  "bumps.script": [
+    { robot: "left", at_s: 0.4, shift_m: 0.04 }, { robot: "right", at_s: 0.6, shift_m: -0.02 },
+  ],
+  "faults.script": [{ kind: "reboot", robot: "right", at_s: 0.8, duration_s: 0.02 }],
+};
+const FAST_RIGHT = { ...QUIET, "robot.right.bias_m_s": 0.008 };
+const ARRIVES = ["The box arrives.", "The box falls."];
+
+export const STORIES: Story[] = [
+  {
+    title: "The paper's Figure 8",
+    text:
+      "Seven bumps shift the contacts, as in the paper. A robot feels only whether its own contact is outward on its palm (p > 0), in the middle (p = 0), or inward (p < 0).",
+    parts: [
+      {
+        scene: "figure8", at: 0.4, until: 0.7,
+        question: {
+          ask: "The right contact is outward. Which palm must become flatter?",
+          answers: ["Its own, the right one.", "The partner's, the left one."],
+          right: 1,
+        },
+        after: "The right robot asks its partner to tilt its palm up, case (a), and the partner assists, case (c): see TiltUp and Ack. With the left palm shallow, opening slides only the right contact: the right robot drives away until it is back near the middle.",
+      },
+      {
+        scene: "figure8", at: 0.7, task: "See the other six bumps.", label: "go on",
+        after: "If its contact has p < 0, a robot corrects it alone: case (d). If p > 0, it asks its partner, case (a). If both have p > 0, both ask: case (b).",
+      },
+    ],
+  },
+  {
+    title: "A lost Ack, and leases",
+    text:
+      "The right robot has asked for help with TiltUp. The radio of the left robot fails for half a second, and its answer, the Ack, is lost.",
+    parts: [
+      {
+        set: SILENT_LEFT, speed: 2,
+        question: {
+          ask: "What will the right robot do?",
+          answers: ["It asks again.", "It corrects without help.", "It waits for the Ack, to the end."],
+          right: 2,
+        },
+        after: "The paper's algorithm hangs: the right robot waits for the Ack and the left one for TiltDown, both forever. The box arrives only because nothing else disturbs it.",
+      },
+      {
+        controller: "resilient", set: SILENT_LEFT, speed: 2,
+        task: "Give the pair a controller with leases, on the same radio.", label: "resilient",
+        after: "With the controller resilient, a robot repeats its message in periodic packets, called beacons. A beacon is valid for a limited time, its lease. The receiver acts on a beacon only until its lease ends. The right robot stops while it hears nothing. It continues when it hears its partner, so no robot waits forever.",
+      },
+    ],
+  },
+  {
+    title: "Why the palms tilt",
+    text:
+      "The right robot drives 8 mm/s too fast. Both palms stay steep, and no robot corrects anything.",
+    parts: [
+      {
+        cones: true, controller: "none", set: FAST_RIGHT, speed: 2,
+        question: { ask: "What will happen to the box?", answers: ARRIVES, right: 1 },
+        after: "With both palms steep, the object decides which contact slides, and no robot corrects it.",
+      },
+      {
+        cones: true, controller: "distributed", set: FAST_RIGHT, speed: 2,
+        task: "Give the pair a controller.", label: "distributed",
+        after: "The squeeze H is the force with which the palms press the object inward, in weights of the object. Closing raises H until the first of the two friction cones ends. That contact slides, and the cone of a shallow palm ends first:",
+        hasSqueezes: true,
+      },
+    ],
+  },
+  {
+    title: "Two robots without a radio",
+    text:
+      "With the controller silent, the robots send nothing. Each robot makes corrections according to the sign of its own contact alone.",
+    parts: [
+      {
+        controller: "silent", seed: 3, speed: 5,
+        question: { ask: "Will the box arrive?", answers: ARRIVES, right: 0 },
+        after: "The angles of the two palms decide which contact slides, and each robot turns only its own palm.",
+      },
+      {
+        controller: "silent", seed: 3, set: { "robot.noise_m_s": 0.02 }, speed: 5,
+        task: "Double the noise.", label: "noise 20 mm/s",
+        after: "The contacts move further from p = 0, but the robots still correct them without any message. One carry says little: the view Compare counts how many of 1000 they drop.",
+      },
+    ],
+  },
+  {
+    title: "A reboot",
+    text:
+      "The right robot assists its partner with a correction. Then it reboots within 20 ms, and forgets that it was assisting.",
+    parts: [
+      {
+        set: REBOOT, speed: 2,
+        question: {
+          ask: "What will the left robot do?",
+          answers: ["It notices, and starts again.", "It goes on with its correction, to the end."],
+          right: 1,
+        },
+        after: "One robot drives away and the other closer, forever, and the contacts no longer move.",
+      },
+      {
+        controller: "resilient", set: REBOOT, speed: 2,
+        task: "Run the same reboot with the controller resilient.", label: "resilient",
+        after: "The beacons of a robot show that it has rebooted. Its partner gives up the old correction, and both robots start again.",
+      },
+    ],
+  },
+  {
+    title: "A slope",
+    text:
+      "The floor rises in the direction of travel, and gravity pulls the box towards the left robot. The robots rely on two properties: closing slides only the shallow contact, and opening slides only the steep one.",
+    parts: [
+      {
+        set: { "task.slope_deg": 4 }, speed: 5,
+        question: { ask: "A slope of 4°. What will happen to the box?", answers: ARRIVES, right: 0 },
+        after: "At the paper's angles, both properties hold up to 4.5°, wherever the contacts are on the palms.",
+      },
+      {
+        set: { "task.slope_deg": 8 }, task: "Make it steeper.", label: "8°",
+        question: { ask: "A slope of 8°. What will happen to the box?", answers: ARRIVES, right: 1 },
+        after: "Beyond the limit of 4.5°, the wrong contact may slide, and corrections move a contact in the wrong direction. The view Design shows which angles tolerate a steeper floor.",
+      },
+    ],
+  },
+  {
+    title: "An uneven load",
+    text:
+      "The box is 250 mm wide. Its centre of mass need not be in the middle.",
+    parts: [
+      {
+        cones: true, set: { "object.com_m": [0.141, 0.04] }, speed: 5,
+        question: {
+          ask: "The centre of mass is 141 mm from the left edge. What will happen to the box?",
+          answers: ARRIVES, right: 0,
+        },
+        after: "At the paper's angles, closing slides only the shallow contact, and opening only the steep one, if the centre of mass lies between 108.5 and 141.5 mm. This is true for any position of the contacts on the palms.",
+      },
+      {
+        cones: true, set: { "object.com_m": [0.16, 0.04] }, speed: 2,
+        task: "Move the centre of mass.", label: "160 mm",
+        question: { ask: "160 mm from the left edge. What will happen to the box?", answers: ARRIVES, right: 1 },
+        after: "More of the weight now presses on the right palm. When the right robot tilts this palm and drives closer, the left contact may slide instead, although the left palm is steep. The view Mechanics draws the permitted region on the box.",
+      },
+    ],
+  },
+  {
+    title: "Predict a correction",
+    text: "A bump has moved the left contact 30 mm inward, so p_L < 0. The right contact is at p_R = 0.",
+    parts: [
+      {
+        set: { ...QUIET, "bumps.script": [{ robot: "left", at_s: 0.5, shift_m: -0.03 }], "task.distance_m": 0.3 },
+        at: 0.5,
+        question: {
+          ask: "What will the robots do?",
+          answers: [
+            "The left robot tilts its own palm up and drives closer.",
+            "The left robot asks the right one to tilt up, then drives away.",
+            "The right robot tilts up and drives closer.",
+          ],
+          right: 0,
+        },
+        after: "A robot corrects a contact with p < 0 alone. With its own palm shallow and its partner's palm steep, closing makes only its own contact slide, and it slides up.",
+      },
+    ],
+  },
+];
