@@ -11,6 +11,7 @@ from typing import Any
 
 import palmbots as pb
 from palmbots.errors import PalmbotsError
+from palmbots.mechanics.load_limits import mass_text
 from palmbots.mujoco.carry_runner import run
 from palmbots.simulation.prepare import prepare
 
@@ -47,8 +48,8 @@ def main() -> None:
         for _ in range(STEPS):
             middle = math.sqrt(low * high)
             low, high = (middle, high) if delivers(keys, middle) else (low, middle)
-        limit = pb.load_limits("paper", overrides=keys).at_start_kg
-        print(f"| {name} | {limit:.3g} kg | {low:.3g} kg | {high:.3g} kg |", flush=True)
+        limit = pb.load_limits("paper", overrides=keys).at_start_kg or math.inf
+        print(f"| {name} | {mass_text(limit)} kg | {low:.3g} kg | {high:.3g} kg |", flush=True)
 
 
 if __name__ == "__main__":

@@ -39,6 +39,7 @@ Array = NDArray[np.float64]
 _Force: TypeAlias = tuple[Array, Array]  # of the object on a palm: down, outward
 
 _CONTACTS = 9  # places on each palm
+_HALVINGS = 20
 _G = _core.standard_gravity
 MEANINGS = {
     "tipping": ("a robot tips over", "mujoco.body_kg"),
@@ -100,6 +101,25 @@ class LoadLimits(Result):
         """Whether the robots hold the scene's object in the whole region."""
         return self.heaviest_kg is None or self.mass_kg <= self.heaviest_kg
 
+    @derived
+    def held_within_m(self) -> float:
+        """With contacts up to this distance from the pivots, the scene's object tips no robot and
+        makes no palm sag, whatever the squeeze; at most half of the usable palm, 0: nowhere."""
+        low, high = 0.0, _reach_m(self.scene)
+        if self.mass_kg <= self.heaviest_within(high):
+            return high
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            is_held = self.mass_kg <= self.heaviest_within(middle)
+            low, high = (middle, high) if is_held else (low, middle)
+        return low
+
+    def heaviest_within(self, reach_m: float) -> float:
+        """The heaviest object that tips no robot and makes no palm sag with contacts up to this
+        distance from the pivots, whatever the squeeze [kg]; infinite: any."""
+        states = _everywhere(self.scene, reach_m)
+        return min(states.heaviest(kind)[0] for kind in _DECISIVE)
+
     def refusal(self) -> str | None:
         """Why no carry of the object can begin; None: it can."""
         return _refusal(self.mass_kg, self._at_start())
@@ -120,16 +140,10 @@ class LoadLimits(Result):
         if not self.limits:
             return "heaviest object: no limit"
         first = self.limits[0]
-        text = (
-            f"heaviest object {mass_text(first.heaviest_kg)} kg: beyond it {first.meaning} "
-            f"{_place(first)} ({first.key})"
+        return (
+            f"heaviest object {mass_text(first.heaviest_kg)} kg with contacts anywhere on the "
+            f"palms: beyond it {first.meaning} {_place(first)} ({first.key})"
         )
-        known = [one for one in self.limits if one.at_start_kg is not None]
-        start = min(known, key=lambda one: one.at_start_kg or 0.0, default=None)
-        if start is None or start.at_start_kg is None:
-            return text
-        mass = mass_text(start.at_start_kg)
-        return f"{text}; where the carry starts {mass} kg: beyond it {start.meaning}"
 
     def lines(self) -> Iterator[Item]:
         """The verdict, and every limit."""
@@ -138,18 +152,34 @@ class LoadLimits(Result):
             verdict(self.holds, "HOLDS", "MAY FAIL" if can else "FAILS"),
             bold(f"  an object of {self.mass_kg:g} kg"),
         )
+        if not can:
+            yield str(self.refusal())
+        elif not self.holds:
+            yield self.zone_sentence()
         yield self.sentence()
+        half = _everywhere(self.scene, 0.5 * _reach_m(self.scene))
         rows = [
             (
                 f"  {limit.meaning}",
-                f"{mass_text(limit.heaviest_kg)}",
-                "any" if limit.at_start_kg is None else f"{mass_text(limit.at_start_kg)}",
+                *map(_mass, (limit.heaviest_kg, half.heaviest(limit.kind)[0], limit.at_start_kg)),
                 limit.key,
             )
             for limit in self.limits
         ]
-        numbers = ("kg anywhere", "kg at start")
+        numbers = ("anywhere\n[kg]", "inner half\n[kg]", "at start\n[kg]")
         yield Table(rows, ("", *numbers, "key"), right=numbers)
+
+    def zone_sentence(self) -> str:
+        """How far from the pivots the contacts may be, and whether wheels may slip."""
+        reach, within = _reach_m(self.scene), self.held_within_m
+        where = f"up to {millimetres(within)} from the pivots"
+        if within == reach:
+            where = "anywhere on the palms"
+        text = f"with contacts {where} no robot tips and no palm sags"
+        slips = [one for one in self.limits if one.kind not in _DECISIVE]
+        if any(self.mass_kg > one.heaviest_kg for one in slips):
+            text += "; the wheels may slip where friction squeezes hardest"
+        return text
 
     def _at_start(self) -> dict[str, float]:
         return {
@@ -172,11 +202,8 @@ def load_limits(scene: SceneLike = "paper", *, overrides: Overrides = None) -> L
         SceneError: the scene cannot be read or is not valid.
     """
     chosen = load_scene(scene, overrides)
-    spec = to_spec(chosen, unrolled=True)
-    reach = [0.5 * palm.usable for palm in spec.palms]
-    grid = [np.linspace(-r, r, _CONTACTS) for r in reach]
-    fastest = max(robot.acceleration for robot in spec.robots) if spec.inertia else 0.0
-    everywhere, start = _States(chosen, spec, grid, fastest), _start(chosen, spec)
+    everywhere = _everywhere(chosen, _reach_m(chosen))
+    start = _start(chosen, to_spec(chosen, unrolled=True))
     found: list[LoadLimit] = []
     for kind, (_, key) in MEANINGS.items():
         mass, side, k = everywhere.heaviest(kind)
@@ -198,6 +225,20 @@ def check_load(scene: Scene) -> None:
     refusal = _refusal(scene.object.mass_kg, {k: start.heaviest(k)[0] for k in _DECISIVE})
     if refusal is not None:
         raise SceneError(refusal)
+
+
+def _reach_m(scene: Scene) -> float:
+    """How far a contact may be from its pivot, on the longer palm [m]."""
+    return max(scene.palm_of(side).reach_m for side in SIDES)
+
+
+def _everywhere(scene: Scene, reach_m: float) -> _States:
+    """All states of a carry with contacts up to this distance from the pivots."""
+    spec = to_spec(scene, unrolled=True)
+    ends = [min(reach_m, scene.palm_of(side).reach_m) for side in SIDES]
+    grid = [np.linspace(-end, end, _CONTACTS) for end in ends]
+    fastest = max(robot.acceleration for robot in spec.robots) if spec.inertia else 0.0
+    return _States(scene, spec, grid, fastest)
 
 
 def _start(scene: Scene, spec: Any) -> _States:
@@ -353,6 +394,10 @@ def mass_text(mass: float) -> str:
     """A mass with three digits, rounded down, so that it is allowed itself."""
     unit = 10.0 ** (math.floor(math.log10(mass)) - 2) if mass > 0 else 1.0
     return f"{math.floor(mass / unit * (1 + 1e-12)) * unit:.3g}"
+
+
+def _mass(mass: float | None) -> str:
+    return "any" if mass is None or math.isinf(mass) else mass_text(mass)
 
 
 def _place(limit: LoadLimit) -> str:

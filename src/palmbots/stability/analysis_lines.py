@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from palmbots._types import Interval
 from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, verdict, warning
 from palmbots._util.text import millimetres
+from palmbots.scene.object_frame import object_frame
 from palmbots.scene.palm_section import friction_limit
 
 if TYPE_CHECKING:
@@ -95,13 +96,26 @@ def _ranges(analysis: "Analysis") -> Table:
     slope = analysis.slope_deg
     return Table([
         ("  COM along the object", _interval(analysis.com_x_m, 1e3, "mm")),
-        ("  COM height", _union(analysis.com_y_m, 1e3, "mm")),
+        ("  COM height", _com_height(analysis)),
         ("  friction, both palms", friction),
         ("  palm half-length", "none" if half is None else f"up to {millimetres(half[1])}"),
         ("  angle error", _angle_error(analysis)),
         ("  slope, uphill > 0", "none" if slope is None else f"{slope[0]:.2f} to {slope[1]:.2f}°"),
         ("  acceleration", "none" if limit is None else f"up to {limit:.2f} m/s²"),
     ])  # fmt: skip
+
+
+def _com_height(analysis: "Analysis") -> str:
+    """The admissible heights of the COM above the line of contacts, of those inside the outline."""
+    body = analysis.scene.object
+    frame = object_frame(body.vertices_m, body.contacts, body.com_m)
+    heights = [corner.height for corner in frame.outline]
+    lowest, highest = min(heights), max(heights)
+    inside = [(max(low, lowest), min(high, highest)) for low, high in analysis.com_y_m]
+    pieces = [(low, high) for low, high in inside if low < high]
+    if pieces == [(lowest, highest)]:
+        return f"any inside the outline, {_interval(pieces[0], 1e3, 'mm')}"
+    return _union(pieces, 1e3, "mm") + " inside the outline" * bool(pieces)
 
 
 def _angle_error(analysis: "Analysis") -> str:
