@@ -10,8 +10,10 @@ from typing import Any
 import pytest
 
 import palmbots as pb
+from palmbots._util.confidence_intervals import rate_interval
 from palmbots.assessment.angles import try_angles
 from palmbots.assessment.assess import QUESTIONS
+from palmbots.assessment.changes import try_changes
 from palmbots.cli.main import run
 from palmbots.simulation import count_outcomes
 
@@ -25,6 +27,14 @@ CRATE: dict[str, Any] = {
     "radio": {"loss": 0.05},
 }  # fmt: skip
 """A carry with seed 0 and `distributed` delivers it, and most of the others drop it."""
+
+
+@pytest.fixture(autouse=True)
+def few_carries(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tests that do not look at the load, or at changes, do not try them."""
+    for name in ("load", "changes"):
+        if name not in request.node.name:
+            monkeypatch.setattr(f"palmbots.assessment.assess.try_{name}", lambda *given: None)
 
 
 def test_one_lucky_seed_is_not_the_answer() -> None:
@@ -101,8 +111,59 @@ def test_command_names_commands_that_run(
     if as_json:
         table = json.loads(shown)
         commands = [one["command"] for one in table["answers"].values()]
-        assert len(commands) == len(set(commands)) == 7
+        assert len(commands) == len(set(commands)) == len(QUESTIONS)
         for one in commands[:1]:
             assert run(shlex.split(one)[1:]) == 0
     else:
         assert shown.startswith("YES")
+
+
+def test_load_is_judged_where_the_contacts_get() -> None:
+    heavy = {"object.mass_kg": 2, "task.distance_m": 0.3}
+    found = pb.assess(turn_radius_m=0.0, overrides=heavy)
+    assert not pb.load_limits(found.scene).holds
+    best = next(one for one in found.counts if one.controller == found.controller)
+    assert best.farthest_m is not None and found.load is not None
+    assert best.farthest_m < pb.load_limits(found.scene).held_within_m
+    assert found.answers.load.verdict == "likely" and found.load.counts.dropped == 0
+
+
+def test_rough_friction_is_proved_and_carried_at_both_ends() -> None:
+    near = {"task.distance_m": 0.3}
+    found = pb.assess(friction=(0.2, 0.5), turn_radius_m=0.0, overrides=near)
+    assert found.friction is not None and found.friction.alike == "holds"
+    for one, end in zip(found.friction.counts, (0.2, 0.5), strict=True):
+        assert one == count_outcomes(
+            "paper", one.controller, seeds=one.carries, overrides=near | {"palm.friction": end}
+        )
+    certificate = pb.certify("paper", friction=(0.2, 0.5), overrides=near)
+    assert certificate.verdict == found.friction.unlike
+    assert pb.assess(friction=(0.02, 0.5), turn_radius_m=0.0, overrides=near).verdict == "no"
+
+
+CHANGES = [
+    ({"robot.noise_m_s": 0.08}, 1.0, "robot.correction_m_s"),
+    ({"robot.noise_m_s": 0.02, "radio.loss": 0.9}, None, None),
+    ({"object.mass_kg": 8}, 1.0, "mujoco.body_kg"),
+    ({"object.com_m": [0.05, 0.04]}, None, "object.com_m"),
+]
+
+
+@pytest.mark.parametrize(("keys", "noise", "key"), CHANGES)
+def test_changes_help_on_seeds_that_did_not_choose_them(
+    keys: dict[str, Any], noise: float | None, key: str | None
+) -> None:
+    scene = pb.load_scene("paper", keys)
+    trial = try_changes(scene, "shared-sign", {}, None)
+    assert trial is not None and trial.is_better
+    assert key is None or list(trial.changes) == [key]
+    assert noise is None or trial.noise_factor == noise
+    factor = trial.noise_factor * scene.robot.noise_m_s
+    changed = pb.load_scene(scene, dict(trial.changes) | {"robot.noise_m_s": factor})
+    after = count_outcomes(changed, "shared-sign", seeds=1000)
+    low, high = rate_interval(trial.failures, trial.carries)
+    assert after.failure_interval[0] <= high and low <= after.failure_interval[1]
+
+
+def test_changes_are_none_without_noise() -> None:
+    assert try_changes(pb.load_scene("paper", {"robot.noise_m_s": 0}), "silent", {}, None) is None

@@ -23,3 +23,24 @@ def test_robots_tip_beyond_the_static_limit_and_not_below_it(key: str | None) ->
             if world.end:
                 break
         assert world.end == ends
+
+
+def test_wheels_that_slip_and_robots_that_run_away_are_reported() -> None:
+    near = {"task.distance_m": 0.3}
+    calm = pb.carry(world="mujoco", overrides=near, record=False)
+    assert calm.wheel_slip_m is not None
+    assert max(map(abs, calm.wheel_slip_m.values())) < 0.01 * calm.distance_m
+    assert "wheel" not in " ".join(calm.warnings)
+    heavy = near | {"object.mass_kg": 3.0, "task.slope_deg": -6.0}
+    for direction, first in (("forward", "left"), ("backward", "right")):
+        steep = heavy | {"task.direction": direction}
+        done = pb.carry(controller="shared-sign", world="mujoco", overrides=steep, record=True)
+        assert done.outcome == "delivered" and done.wheel_slip_m is not None
+        # The speed of a robot is that of its rims and the slip.
+        assert done.trace is not None
+        slip = done.trace["wheel_slip"].sel(side=first).values[:-1].sum() * 0.01
+        sense = 1 if direction == "forward" else -1
+        assert done.wheel_slip_m[first] == pytest.approx(sense * slip, abs=1e-3)
+        assert done.wheel_slip_m[first] < -0.1
+        told = " ".join(done.warnings)
+        assert f"the {first} robot moved" in told and "robot.speed_m_s is 6 cm/s" in told

@@ -11,6 +11,7 @@ import numpy as np
 from palmbots._types import Interval
 from palmbots._util.confidence_intervals import rate_interval
 from palmbots.errors import PalmbotsError
+from palmbots.mujoco.curve_trial import Keys
 from palmbots.scene.scene import Scene
 from palmbots.simulation.batch import DELIVERED
 from palmbots.simulation.outcome_counts import carry_seeds, default_carries
@@ -45,6 +46,12 @@ class AngleTrial:
     own_clearance_deg: float
     best_clearance_deg: float
     """How far a palm may turn until the outline touches it."""
+
+    @property
+    def keys(self) -> Keys:
+        """The scene keys of the best pair, if it is better; empty: it is not."""
+        names = ("palm.shallow_deg", "palm.steep_deg")
+        return dict(zip(names, self.best_deg, strict=True)) if self.is_better else {}
 
     @property
     def is_better(self) -> bool:
@@ -83,7 +90,7 @@ def try_angles(
         return None
     failures = {}
     for k, (pair, prepared) in enumerate(found.items()):
-        failures[pair] = _failures(prepared, 0, count)
+        failures[pair] = count_failures(prepared, 0, count)
         report(0.3 + 0.6 * (k + 1) / len(found))
     best = min(failures, key=lambda pair: (failures[pair], -clearances[pair]))
     return AngleTrial(
@@ -92,13 +99,14 @@ def try_angles(
         least_failure_rate=min(failures.values()) / count,
         most_failure_rate=max(failures.values()) / count,
         carries=count,
-        own_failures=_failures(own, FRESH, count),
+        own_failures=count_failures(own, FRESH, count),
         best_deg=best,
-        best_failures=_failures(found[best], FRESH, count),
+        best_failures=count_failures(found[best], FRESH, count),
         own_clearance_deg=analyze(scene).clearance_deg,
         best_clearance_deg=clearances[best],
     )
 
 
-def _failures(prepared: Prepared, first: int, count: int) -> int:
+def count_failures(prepared: Prepared, first: int, count: int) -> int:
+    """How many of the carries with seeds first … first + count − 1 do not deliver."""
     return int(np.count_nonzero(carry_seeds(prepared, first, count)["outcome"] != DELIVERED))

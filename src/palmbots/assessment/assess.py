@@ -10,12 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from palmbots._types import Overrides
+from palmbots._types import Interval, Overrides
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots.assessment.angles import AngleTrial, try_angles
+from palmbots.assessment.changes import ChangeTrial, try_changes
+from palmbots.assessment.friction import FrictionTrial, try_friction
+from palmbots.assessment.load import LoadTrial, try_load
 from palmbots.assessment.verdicts import (
     WORDS,
     Answer,
@@ -26,9 +29,11 @@ from palmbots.assessment.verdicts import (
     failures,
     needs_table,
     on_angles,
+    on_change,
     on_controllers,
     on_curve,
     on_drops,
+    on_friction,
     on_load,
     on_mechanics,
     on_radio,
@@ -36,9 +41,10 @@ from palmbots.assessment.verdicts import (
     suffices,
 )
 from palmbots.control.registry import describe, shipped_names
+from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.errors import SceneError
 from palmbots.mechanics.load_limits import load_limits
-from palmbots.mujoco.curve_trial import CurveTrial, try_curve, turn_keys
+from palmbots.mujoco.curve_trial import CurveTrial, Keys, try_curve, turn_keys
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes, default_carries
@@ -49,9 +55,11 @@ LOSSES = (0.0, 0.05, 0.2, 0.5)
 """Shares of lost messages that are tried."""
 FEWEST = 400
 """Carries of each controller, at least: with 300, none failing is less than 1 % with 95 %."""
-CURVE_CARRIES = 10
+CURVE_CARRIES, LOAD_CARRIES = 10, 4
 """In the MuJoCo world."""
-QUESTIONS = ("carried", "load", "drops", "controllers", "angles", "radio", "curve")
+QUESTIONS = (
+    "carried", "load", "drops", "controllers", "angles", "friction", "radio", "curve", "change",
+)  # fmt: skip
 """Fields of `Answers`, in the order of the page."""
 
 
@@ -64,8 +72,10 @@ class Answers:
     drops: Answer
     controllers: Answer
     angles: Answer
+    friction: Answer
     radio: Answer
     curve: Answer
+    change: Answer
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,19 +87,27 @@ class Assessment(Result):
     """Of all shipped controllers that accept the scene, on the same seeds; on a straight path."""
     angles: AngleTrial | None
     """None: no carry is delivered, or no other pair of angles qualifies."""
+    load: LoadTrial | None
+    """None: no carry can begin, or the MuJoCo world refuses the scene."""
+    friction: FrictionTrial | None
+    """None: no interval was given."""
     radio: tuple[RadioTrial, ...]
     """By the share of lost messages, of the controllers that use a radio and suffice. If none
     suffices, of the best one."""
     curve: CurveTrial | None
     """None: not tried."""
+    change: ChangeTrial | None
+    """Of one thing, the best that was tried; None: none could be."""
     scene: Scene
     analysis: Analysis = field(metadata=NOT_IN_JSON)
 
     @derived
     def verdict(self) -> Verdict:
-        """Whether the object will be carried: the worst of the first three answers."""
+        """Whether the object will be carried: the worst of the first three answers, and that of an
+        interval of friction."""
         order: tuple[Verdict, ...] = ("no", "partly", "open", "likely", "yes")
-        first = (self.answers.carried, self.answers.load, self.answers.drops)
+        first = [self.answers.carried, self.answers.load, self.answers.drops]
+        first += [self.answers.friction] * (self.friction is not None)
         return min([answer.verdict for answer in first], key=order.index)
 
     @derived
@@ -104,6 +122,8 @@ class Assessment(Result):
         """The verdict in one sentence: what speaks against the scene, and what to use."""
         best = best_of(self.counts)
         if best is None:
+            if self.answers.load.verdict == "no":
+                return "the object is too heavy for these robots"
             return "no shipped controller carries this object"
         use = f"use {best.controller}: it fails in {failures(best)} of carries"
         doubts = [
@@ -111,8 +131,9 @@ class Assessment(Result):
             for answer, words in (
                 (self.answers.carried, "the object is not held in every state that may occur"),
                 (self.answers.load, "the object may be too heavy for these robots"),
+                (self.answers.friction, "not with every friction of the interval"),
             )
-            if answer.verdict != "yes"
+            if answer.verdict in ("no", "partly")
         ]
         return "; ".join([*doubts, use])
 
@@ -137,24 +158,30 @@ class Assessment(Result):
     order=15,
     example="palmbots assess crate.toml --out crate.html",
     progress="assessing",
+    friction=Option(),
     turn_radius_m=Option(least=0.0, most=100.0),
+    turn_angle_deg=Option(least=1.0, most=360.0),
 )
 def assess(
     scene: SceneLike = "paper",
     *,
+    friction: Interval | None = None,
     turn_radius_m: float = 1.0,
+    turn_angle_deg: float = 90.0,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Assessment:
     """Answer on one page whether and how often a scene fails.
 
     Carries of this scene are counted with every shipped controller, with other palm angles, with
-    lost messages, and on a curve.
+    lost messages, on a curve, and with one change each.
 
     Args:
         scene: as in `palmbots.carry`.
-        turn_radius_m: radius of the 90° turn that is tried in the MuJoCo world if the path is
-            straight; 0: no curve is tried.
+        friction: between palms and object, where it is known only roughly; None: as in the scene.
+        turn_radius_m: radius of the turn that is tried in the MuJoCo world if the path is straight;
+            0: no curve is tried.
+        turn_angle_deg: its angle.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
 
@@ -171,28 +198,45 @@ def assess(
     counts = tuple(_counted(straight))
     report(0.1)
     best = best_of(counts)
-    angles = curve = None
+    limits = load_limits(straight)
+    angles = curve = load = change = None
     if best is not None:
-        angles = try_angles(straight, best.controller, lambda done: report(0.1 + 0.2 * done))
+        angles = try_angles(straight, best.controller, lambda done: report(0.1 + 0.1 * done))
+        load = try_load(straight, best.controller, LOAD_CARRIES, lambda n: report(0.2 + 0.2 * n))
+    rough = None
+    if friction is not None:
+        rough = try_friction(straight, friction, best and best.controller, counts[0].carries)
     radio = tuple(_with_losses(straight, counts))
-    report(0.4)
+    report(0.45)
+    if best is not None or limits.refusal():
+        change = try_changes(
+            straight,
+            best.controller if best else RECOMMENDED,
+            {} if angles is None else angles.keys,
+            best.farthest_m if best else None,
+            lambda done: report(0.45 + 0.1 * done),
+        )
     if best is not None and turn_radius_m > 0:
-        path = turn_keys(chosen, turn_radius_m) if chosen.task.path.kind == "straight" else {}
+        path: Keys = {}
+        if chosen.task.path.kind == "straight":
+            path = turn_keys(chosen, turn_radius_m, turn_angle_deg)
         curve = try_curve(
-            chosen, best.controller, path, lambda done: report(0.4 + 0.6 * done),
+            chosen, best.controller, path, lambda done: report(0.55 + 0.45 * done),
             carries=CURVE_CARRIES,
         )  # fmt: skip
     report(1.0)
     answers = Answers(
         carried=on_mechanics(analysis, planar),
-        load=on_load(load_limits(chosen), name),
+        load=on_load(load_limits(chosen), best, load, name),
         drops=on_drops(counts, planar),
         controllers=on_controllers(counts, planar),
         angles=on_angles(angles, planar),
+        friction=on_friction(rough, analysis, planar),
         radio=on_radio(radio, planar),
         curve=on_curve(curve, chosen),
+        change=on_change(change, planar),
     )
-    return Assessment(answers, counts, angles, radio, curve, chosen, analysis)
+    return Assessment(answers, counts, angles, load, rough, radio, curve, change, chosen, analysis)
 
 
 def _counted(scene: Scene) -> Iterator[OutcomeCounts]:

@@ -9,17 +9,22 @@ from typing import Literal
 
 from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, quiet, warn_word
-from palmbots._util.text import millimetres
+from palmbots._util.text import format_number, millimetres
 from palmbots.assessment.angles import AngleTrial
+from palmbots.assessment.changes import ChangeTrial
+from palmbots.assessment.friction import FrictionTrial
+from palmbots.assessment.load import LoadTrial
 from palmbots.control.dead_band import overrun_m, zero_zone_m
 from palmbots.control.registry import WIDE_ZONE, describe
 from palmbots.control.tolerated_noise import RECOMMENDED
-from palmbots.mechanics.load_limits import LoadLimits
+from palmbots.mechanics.load_limits import LoadLimits, mass_text
 from palmbots.mujoco.curve_trial import CurveTrial
 from palmbots.scene.scene import Scene
+from palmbots.simulation.carry_lines import reason_text
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.stability.analysis import Analysis
 
+_SAME = 0.05  # of a time or a number of messages: a difference that is not worth a word
 Verdict = Literal["yes", "likely", "partly", "no", "open"]
 WORDS: dict[Verdict, Marked] = {
     "yes": good("YES"),
@@ -98,12 +103,32 @@ def on_mechanics(analysis: Analysis, name: str) -> Answer:
     )
 
 
-def on_load(limits: LoadLimits, name: str) -> Answer:
-    """Whether the robots hold the weight."""
+def on_load(
+    limits: LoadLimits, best: OutcomeCounts | None, trial: LoadTrial | None, name: str
+) -> Answer:
+    """Whether the robots hold the weight: by statics, and in carries of the MuJoCo world."""
     question, command = "Can these robots hold it?", f"palmbots load {name}"
-    refusal, warning = limits.refusal(), limits.warning()
-    verdict: Verdict = "no" if refusal else "partly" if warning else "yes"
-    return Answer(question, verdict, refusal or warning or limits.sentence(), command)
+    if refusal := limits.refusal():
+        return Answer(question, "no", refusal, command)
+    verdict: Verdict = "yes"
+    texts = [limits.sentence()]
+    if not limits.holds:
+        reach = None if best is None else best.farthest_m
+        verdict, texts = "partly", [limits.zone_sentence()]
+        if best is not None and reach is not None:
+            texts.append(
+                f"{best.controller} keeps them within {millimetres(reach)}, where the robots hold "
+                f"{mass_text(limits.heaviest_within(reach))} kg"
+            )
+            verdict = "likely" if reach <= limits.held_within_m else "partly"
+    if trial is not None:
+        counts = trial.counts
+        failed = counts.dropped + counts.stalled
+        texts.append(f"MuJoCo delivers {counts.carries - failed} of {counts.carries} carries")
+        if failed or trial.remarks:
+            verdict = "no" if failed == counts.carries else "partly"
+            texts += [*_reason(counts), *trial.remarks[:1]]
+    return Answer(question, verdict, "; ".join(texts), command)
 
 
 def on_drops(counts: Sequence[OutcomeCounts], name: str) -> Answer:
@@ -169,6 +194,86 @@ def on_angles(trial: AngleTrial | None, name: str) -> Answer:
     return Answer(question, "partly", text, command)
 
 
+def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> Answer:
+    """What holds for a friction that is known only roughly."""
+    question = "Is the friction right?"
+    if trial is None:
+        ranges = ", or ".join(f"{low:.3f} to {high:.3f}" for low, high in analysis.friction)
+        text = f"properties 1 and 2 hold with {ranges or 'no friction'}; no interval was given"
+        low, high = (factor * min(analysis.problem.friction) for factor in (0.9, 1.1))
+        command = f"palmbots assess {name} --friction {low:.3g} {high:.3g}"
+        return Answer(question, "open", text, command)
+    low, high = trial.friction
+    where = f"--friction {low:g} {high:g}"
+    command = f"palmbots certify {name} {where}"
+    proofs = [f"with any friction from {low:g} to {high:g} all properties hold (proved)"]
+    verdict: Verdict = "yes"
+    if trial.unlike != "holds" and trial.alike == "holds":
+        proofs[0] += " if it is the same on both palms"
+        proofs.append(f"with {low:g} on one palm and {high:g} on the other one a property fails")
+        verdict = "likely"
+    elif trial.unlike != "holds":
+        verdict = "no" if trial.alike == "fails" else "partly"
+        word = "fails" if trial.alike == "fails" else "may fail"
+        proofs = [f"a property {word} with some friction from {low:g} to {high:g}"]
+    if trial.counts:
+        rates = [f"{failures(one)} at {end:g}" for one, end in zip(trial.counts, trial.friction,
+                                                                  strict=True)]  # fmt: skip
+        proofs.append(f"{trial.counts[0].controller} fails in {' and in '.join(rates)}")
+        if not all(map(suffices, trial.counts)):
+            verdict = "no" if verdict == "no" else "partly"
+    return Answer(question, verdict, "; ".join(proofs), command)
+
+
+def on_change(trial: ChangeTrial | None, name: str) -> Answer:
+    """Which one change helps most, and what it costs."""
+    question = "Does one change help?"
+    if trial is None:
+        text = "no change could be tried in which this scene would fail less"
+        return Answer(question, "open", text, f"palmbots noise-limit {name} -c {RECOMMENDED}")
+    controller, own = trial.controller, "refused"
+    if trial.own_failures is not None:
+        own = rate_text(trial.own_failures, trial.carries)
+    setting = f"palmbots assess {name}{trial.settings}"
+    noise = f"at {trial.noise_factor:g} times the noise of the wheels, "
+    if trial.noise_factor == 1:
+        noise = ""
+    if not trial.is_better:
+        text = f"{noise}{controller} fails in {own} of carries; none of {trial.tried} changes helps"
+        return Answer(question, "no", text, f"palmbots noise-limit {name} -c {controller}")
+    changed = ", ".join(
+        f"{key} from {format_number(trial.before[key])} to {format_number(value)}"
+        for key, value in trial.changes.items()
+    )
+    after = rate_text(trial.failures, trial.carries)
+    text = f"{changed}: {noise}{controller} fails in {after} of carries, before in {own}"
+    if trial.holds and not trial.own_holds:
+        text = f"{text}; all properties hold then"
+    elif noise:
+        text = f"not needed here; for more reserve {text}"
+    if trial.is_for_load:
+        place = "where the contacts get" if trial.own_failures is not None else "at the start"
+        masses = " instead of ".join(
+            f"{mass_text(mass)} kg" for mass in (trial.heaviest_kg, trial.own_heaviest_kg)
+        )
+        text = (
+            f"{changed}: the robots hold {masses} {place}; {controller} then fails in {after} of "
+            "carries"
+        )
+    return Answer(question, "yes", "; ".join([text, *_costs(trial)]), setting)
+
+
+def _costs(trial: ChangeTrial) -> Iterator[str]:
+    """Time and messages, where the change moves them."""
+    pairs = (
+        ("a carry takes", trial.own_time_s, trial.time_s, "s"),
+        ("it sends", trial.own_messages, trial.messages, "messages"),
+    )
+    for words, before, after, unit in pairs:
+        if before and after and abs(after / before - 1) > _SAME:
+            yield f"{words} {after:.0f} {unit} (now {before:.0f})"
+
+
 def on_radio(trials: Sequence[RadioTrial], name: str) -> Answer:
     """What lost messages do."""
     question = "Does it survive lost messages?"
@@ -191,12 +296,13 @@ def on_curve(trial: CurveTrial | None, scene: Scene) -> Answer:
     if trial is None:
         return Answer(question, "open", "", f"palmbots curve {name}")
     command = f"palmbots curve {name} -c {trial.controller}"
-    if scene.task.slope_deg:
-        command += " --set task.slope_deg=0"  # curves are simulated on level floors only
     where, radius = f"on its path ({scene.task.path.kind})", trial.changes.get("task.path.radius_m")
     if isinstance(radius, float):
-        where = f"90° with radius {radius:g} m"
-        command += f" --turn-radius-m {radius:g}"
+        angle = trial.changes["task.path.angle_deg"]
+        where = f"{format_number(angle)}° with radius {radius:g} m"
+        if "task.slope_deg" in trial.changes:
+            where += ", on a level floor"
+        command += f" --turn-radius-m {radius:g} --turn-angle-deg {format_number(angle)}"
     forecast, counts = trial.forecast, trial.counts
     if forecast is None:
         return Answer(question, "open", f"{where}: {trial.refusal}", command)
@@ -208,8 +314,14 @@ def on_curve(trial: CurveTrial | None, scene: Scene) -> Answer:
     if counts.failure_rate > 0.5:
         verdict = "no"
     fails = f"{counts.controller} fails in {failures(counts)} of carries in MuJoCo"
-    text = f"{where}: {fails}; {drift} {room}"
+    text = "; ".join([f"{where}: {fails}", *_reason(counts), f"{drift} {room}"])
     return Answer(question, verdict, text, command)
+
+
+def _reason(counts: OutcomeCounts) -> Iterator[str]:
+    """Why carries in MuJoCo most often dropped the object."""
+    for reason in list(counts.reasons)[:1]:
+        yield reason_text(reason, "mujoco")
 
 
 def counts_table(counts: Sequence[OutcomeCounts]) -> Table:

@@ -101,11 +101,16 @@ class LoadLimits(Result):
         """Whether the robots hold the scene's object in the whole region."""
         return self.heaviest_kg is None or self.mass_kg <= self.heaviest_kg
 
+    @property
+    def reach_m(self) -> float:
+        """How far a contact may be from its pivot: half of the usable length of the longer palm."""
+        return max(self.scene.palm_of(side).reach_m for side in SIDES)
+
     @derived
     def held_within_m(self) -> float:
         """With contacts up to this distance from the pivots, the scene's object tips no robot and
         makes no palm sag, whatever the squeeze; at most half of the usable palm, 0: nowhere."""
-        low, high = 0.0, _reach_m(self.scene)
+        low, high = 0.0, self.reach_m
         if self.mass_kg <= self.heaviest_within(high):
             return high
         for _ in range(_HALVINGS):
@@ -157,7 +162,7 @@ class LoadLimits(Result):
         elif not self.holds:
             yield self.zone_sentence()
         yield self.sentence()
-        half = _everywhere(self.scene, 0.5 * _reach_m(self.scene))
+        half = _everywhere(self.scene, 0.5 * self.reach_m)
         rows = [
             (
                 f"  {limit.meaning}",
@@ -171,9 +176,9 @@ class LoadLimits(Result):
 
     def zone_sentence(self) -> str:
         """How far from the pivots the contacts may be, and whether wheels may slip."""
-        reach, within = _reach_m(self.scene), self.held_within_m
+        within = self.held_within_m
         where = f"up to {millimetres(within)} from the pivots"
-        if within == reach:
+        if within == self.reach_m:
             where = "anywhere on the palms"
         text = f"with contacts {where} no robot tips and no palm sags"
         slips = [one for one in self.limits if one.kind not in _DECISIVE]
@@ -202,7 +207,7 @@ def load_limits(scene: SceneLike = "paper", *, overrides: Overrides = None) -> L
         SceneError: the scene cannot be read or is not valid.
     """
     chosen = load_scene(scene, overrides)
-    everywhere = _everywhere(chosen, _reach_m(chosen))
+    everywhere = _everywhere(chosen)
     start = _start(chosen, to_spec(chosen, unrolled=True))
     found: list[LoadLimit] = []
     for kind, (_, key) in MEANINGS.items():
@@ -227,12 +232,7 @@ def check_load(scene: Scene) -> None:
         raise SceneError(refusal)
 
 
-def _reach_m(scene: Scene) -> float:
-    """How far a contact may be from its pivot, on the longer palm [m]."""
-    return max(scene.palm_of(side).reach_m for side in SIDES)
-
-
-def _everywhere(scene: Scene, reach_m: float) -> _States:
+def _everywhere(scene: Scene, reach_m: float = math.inf) -> _States:
     """All states of a carry with contacts up to this distance from the pivots."""
     spec = to_spec(scene, unrolled=True)
     ends = [min(reach_m, scene.palm_of(side).reach_m) for side in SIDES]

@@ -4,13 +4,14 @@
 `WORLD` is the entry of this world in the registry (`palmbots.simulation.worlds`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 import palmbots._core as _core
+from palmbots._types import SIDES
 from palmbots.errors import SceneError
 from palmbots.mujoco.curved_world import world_of
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
@@ -23,6 +24,8 @@ from palmbots.simulation.prepare import Prepared
 from palmbots.simulation.worlds import WorldEntry, WorldRun
 
 _PROGRESS_TICKS = 20  # between two calls of `on_progress`
+_SLIPS = 0.05  # of the distance; 0.002 if nothing pulls at the robots
+_TOO_FAST = 1.1  # times the nominal speed, as a mean of the carry
 
 
 @dataclass(frozen=True)
@@ -102,8 +105,9 @@ class CarriedWorld:
         return WorldRun(
             measured,
             contact_events=world.contact_events(measured.time_s),
-            warnings=tuple(world.warnings),
+            warnings=(*world.warnings, *traction_warnings(world.scene, measured, world.wheel_slip)),
             lateral_peak_m=world.lateral_peak,
+            wheel_slip_m=world.wheel_slip,
             trace=self._columns() if self._record else {},
             recording=MujocoRecord(np.array(self._states), self._engine) if self._record else None,
         )
@@ -115,6 +119,23 @@ class CarriedWorld:
             name: (np.array([getattr(row, name) for row in rows]), attrs)
             for name, attrs in COLUMNS.items()
         }
+
+
+def traction_warnings(scene: Scene, measured: Any, slip_m: tuple[float, float]) -> Iterator[str]:
+    """Sentences on wheels that slipped or robots that were too fast during a carry."""
+    for side, slip in zip(SIDES, slip_m, strict=True):
+        extent = "less" if slip > 0 else "farther"
+        if abs(slip) > _SLIPS * measured.distance_m:
+            yield (
+                f"the {side} robot moved {abs(slip):.2f} m {extent} than its wheels "
+                f"turned, on {measured.distance_m:.2f} m: they slip"
+            )
+    nominal = max(scene.robot_of(side).speed_m_s for side in SIDES)
+    if measured.time_s > 0 and measured.distance_m > _TOO_FAST * nominal * measured.time_s:
+        yield (
+            f"the robots drove {100 * measured.distance_m / measured.time_s:.1f} cm/s, but "
+            f"robot.speed_m_s is {100 * nominal:g} cm/s: wheels and motors did not hold them back"
+        )
 
 
 def episode(scene: Scene, seed: int, record: bool) -> Episode:

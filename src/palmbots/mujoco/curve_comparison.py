@@ -113,6 +113,7 @@ def _row(one: CurveTrial, name: str) -> tuple[str, ...]:
     example="palmbots curve crate.toml -c shared-sign --turn-radius-m 0.6",
     progress="carrying along the curve",
     turn_radius_m=Option(least=0.01, most=100.0),
+    turn_angle_deg=Option(least=1.0, most=360.0),
     carries=Option("--carries -n", least=1, most=10_000),
 )
 def compare_on_curve(
@@ -120,6 +121,7 @@ def compare_on_curve(
     controller: ControllerLike = "distributed",
     *,
     turn_radius_m: float = 1.0,
+    turn_angle_deg: float = 90.0,
     carries: int = 20,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
@@ -130,9 +132,10 @@ def compare_on_curve(
     recommended controller. Where the forecast drift exceeds the budget, nothing is carried.
 
     Args:
-        scene: as in `palmbots.carry`. If its path is straight, it turns by 90° instead.
+        scene: as in `palmbots.carry`. A straight path becomes a turn on a level floor.
         controller: as in `palmbots.carry`.
         turn_radius_m: radius of the turn that replaces a straight path.
+        turn_angle_deg: its angle.
         carries: carries with each change, all with the seeds 0, 1, …
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
@@ -144,7 +147,9 @@ def compare_on_curve(
     entry = resolve(controller)
     refuse_reference(entry, "carries in MuJoCo")
     chosen, report = load_scene(scene, overrides), on_progress or (lambda fraction: None)
-    path = turn_keys(chosen, turn_radius_m) if chosen.task.path.kind == "straight" else {}
+    path: Keys = {}
+    if chosen.task.path.kind == "straight":
+        path = turn_keys(chosen, turn_radius_m, turn_angle_deg)
     curved = load_scene(chosen, dict(path)) if path else chosen
     own = try_curve(chosen, entry, path, lambda done: report(_OWN * done), carries=carries)
     plans = [*_plans(curved, own)]

@@ -4,9 +4,12 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
+from palmbots._util.text import format_number
 from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curved_world import line_of
@@ -35,16 +38,23 @@ class CurveTrial:
     @property
     def settings(self) -> str:
         """The changes as options of a command, each with a blank in front."""
-        return "".join(
-            f" --set {key}={value:g}" if isinstance(value, float) else f" --set {key}={value}"
-            for key, value in self.changes.items()
-        )
+        return settings_of(self.changes)
+
+
+def settings_of(changes: Mapping[str, Any]) -> str:
+    """Changed keys as options of a command, each with a blank in front."""
+    return "".join(
+        f" --set {shlex.quote(f'{key}={format_number(value)}')}" for key, value in changes.items()
+    )
 
 
 def turn_keys(scene: Scene, radius_m: float, angle_deg: float = 90.0) -> Keys:
-    """The keys that put a scene on a turn of this radius, to its end."""
+    """The keys that put a scene on a turn of this radius, to its end; on a level floor, because the
+    world has no curves on slopes."""
     found: dict[str, float | str] = {"task.path.kind": "arc"}
-    found |= {"task.path.radius_m": float(radius_m), "task.path.angle_deg": angle_deg}
+    found |= {"task.path.radius_m": float(radius_m), "task.path.angle_deg": float(angle_deg)}
+    if scene.task.slope_deg:
+        found["task.slope_deg"] = 0.0
     try:
         return found | dict(whole_turn_keys(load_scene(scene, found)))
     except PalmbotsError:  # the trial says why

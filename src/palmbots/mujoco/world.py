@@ -74,6 +74,7 @@ class MujocoWorld:
         self._p = self._contacts()
         self._x = self._distances()
         self.lateral_peak = self.lateral
+        self.wheel_slip = (0.0, 0.0)  # m, rims minus robots, in the direction of travel
 
     # --- moving ---------------------------------------------------------------------------------
 
@@ -136,11 +137,16 @@ class MujocoWorld:
             0 if abs(now - then) < threshold else (1 if now > then else -1)
             for now, then in zip(p, before, strict=True)
         )
+        speed = ((x[0] - last[0]) / self._period, (x[1] - last[1]) / self._period)
+        slips = self._wheel_slips(speed)
+        if not first:
+            step = self.layout.spec.direction * self._period
+            (left_m, right_m), (left_v, right_v) = self.wheel_slip, slips
+            self.wheel_slip = (left_m + step * left_v, right_m + step * right_v)
         if self._measures:
-            speed = ((x[0] - last[0]) / self._period, (x[1] - last[1]) / self._period)
             yaw = (self._yaw(0), self._yaw(1))
             self.measured = Measured(
-                force, loads.friction, speed, self._wheel_slips(speed), self._pitches(), yaw,
+                force, loads.friction, speed, slips, self._pitches(), yaw,
                 self.lateral, *self._places(),
             )  # fmt: skip
         self.motion = (left, right)

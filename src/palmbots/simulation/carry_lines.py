@@ -28,6 +28,13 @@ REASONS = {
 }
 
 
+def reason_text(reason: str, world: str) -> str:
+    """The reason of a drop and what it means."""
+    is_turned = reason == "tipping" and world == "mujoco"
+    meaning = TURNED if is_turned else REASONS.get(reason, "")
+    return f"{reason}: {meaning}".rstrip(": ")
+
+
 def carry_lines(
     carry: "Carry", warnings: Sequence[str] | None = None, hint: str | None = None
 ) -> Iterator[Item]:
@@ -40,9 +47,7 @@ def carry_lines(
     """
     yield _head(carry)
     if carry.reason is not None:
-        is_turned = carry.reason == "tipping" and carry.world == "mujoco"
-        meaning = TURNED if is_turned else REASONS.get(carry.reason, "")
-        yield Line(f"{carry.reason}: {meaning}".rstrip(": "), indent=2)
+        yield Line(reason_text(carry.reason, carry.world), indent=2)
     elif carry.outcome == "stalled":
         is_default = carry.scene.task.timeout_s is None
         usual = ", the default: twice the time at nominal speed" if is_default else ""
@@ -84,6 +89,8 @@ def _contacts(carry: "Carry") -> Table:
     ]
     if carry.lateral_peak_m is not None and carry.scene.task.path.is_curved:
         rows.append(("lateral peak", *map(millimetres, carry.lateral_peak_m.values())))
+    if carry.wheel_slip_m is not None:
+        rows.append(("wheel slip", *map(millimetres, carry.wheel_slip_m.values())))
     if carry.messages and describe(carry.controller).team == "robots":
         rows.append(("waiting time", *(f"{waited:.1f} s" for waited in carry.waiting_s.values())))
     return Table(rows)

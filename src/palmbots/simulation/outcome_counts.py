@@ -10,8 +10,9 @@ steps, take longer; for them the number must be given.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,9 @@ from palmbots.control.registry import ControllerLike, resolve, shipped_names
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.batch import (
+    DELIVERED,
     DROPPED,
+    REASONS,
     STALLED,
     Columns,
     available_cores,
@@ -42,6 +45,7 @@ IN_LANES, SINGLY, FEWEST = 1000, 200, 20
 """Carries that are counted by default: side by side, one after the other, and at least."""
 SMALL = 0.01
 """Below this share of failures no other controller is tried: it is that at which σ* is defined."""
+_SECONDS = 5  # more, and no carries are counted unless their number is given
 MOST = 10**8
 
 
@@ -54,6 +58,10 @@ class OutcomeCounts(Result):
     dropped: int
     stalled: int
     """Neither delivered nor dropped within ``task.timeout_s``."""
+    farthest_m: float | None = None
+    """How far a contact came from its pivot in the carries that delivered; None: none did."""
+    reasons: dict[str, int] = field(default_factory=dict)
+    """How many carries dropped the object for which reason, the most frequent first."""
 
     @derived
     def drop_rate(self) -> float:
@@ -127,17 +135,21 @@ def default_carries(prepared: Prepared) -> int | None:
     if takes_long(prepared):
         return None
     most = IN_LANES if _in_lanes(prepared) else SINGLY
-    usual = Scene()
-    share = (usual.timeout_s / usual.control.period_s) / (
-        prepared.scene.timeout_s / prepared.scene.control.period_s
-    )
-    return max(FEWEST, min(most, int(most * share)))
+    return max(FEWEST, min(most, int(_carries_of_a_second(prepared))))
 
 
 def takes_long(prepared: Prepared) -> bool:
-    """Whether a hundred carries take longer than a second or two."""
+    """Whether a hundred carries of a usual length take longer than a second or two."""
     entry = prepared.controller
     return entry.is_python or entry.is_reference or prepared.world.is_stepped
+
+
+def _carries_of_a_second(prepared: Prepared) -> float:
+    """How many carries take about a second with all controllers together, if each lasts until it
+    times out."""
+    usual, scene = Scene(), prepared.scene
+    share = (usual.timeout_s / usual.control.period_s) / (scene.timeout_s / scene.control.period_s)
+    return share * (IN_LANES if _in_lanes(prepared) else SINGLY)
 
 
 def _in_lanes(prepared: Prepared) -> bool:
@@ -228,11 +240,13 @@ def scene_statistics(
 ) -> SceneStatistics | None:
     """Counts, and the better controllers unless `prepared` rarely fails.
 
-    Where carries take long, others are not tried: `better` is None. None: there is no default
-    number of seeds (`default_carries`).
+    Where carries take long, others are not tried: `better` is None. None: `seeds` is not given, and
+    even a few carries may take several seconds.
     """
     count = default_carries(prepared) if seeds is None else seeds
     if count is None:
+        return None
+    if seeds is None and _SECONDS * _carries_of_a_second(prepared) < FEWEST:
         return None
     tries_others = not takes_long(prepared)
     own_part = _part(on_progress, 0, 6) if on_progress and tries_others else on_progress
@@ -252,12 +266,20 @@ def _counted(
     prepared: Prepared, count: int, precision: str, report: Callable[[float], None] | None
 ) -> OutcomeCounts:
     columns = carry_seeds(prepared, 0, count, precision, report)
+    peaks = columns["contact_peak_m"][columns["outcome"] == DELIVERED]
     return OutcomeCounts(
         prepared.controller.name,
         count,
         int(np.count_nonzero(columns["outcome"] == DROPPED)),
         int(np.count_nonzero(columns["outcome"] == STALLED)),
+        float(peaks.max()) if peaks.size else None,
+        reason_counts(REASONS[k] for k in columns["reason"].tolist()),
     )
+
+
+def reason_counts(reasons: Iterable[str | None]) -> dict[str, int]:
+    """How often each reason of a drop occurs; None is no drop."""
+    return dict(Counter(reason for reason in reasons if reason is not None).most_common())
 
 
 def carry_seeds(

@@ -132,6 +132,9 @@ class Carry(Result):
     lateral_peak_m: BySide[float] | None = None
     """The largest lateral contact coordinate: how far the middle of each contact edge moved across
     its palm, to the left seen from the left robot to the right one (None in a planar world)."""
+    wheel_slip_m: BySide[float] | None = None
+    """How much farther the wheels of each robot turned than the robot moved; < 0: the robot slid
+    forward (None in a world without wheels, and for a carry that was read from a log)."""
     forks: tuple[tuple[float, int], ...] = ()
     """Pairs (time [s], seed): from each time on, the random numbers are those of that seed."""
     controller_source: ControllerSource | None = None
@@ -219,6 +222,7 @@ def make_carry(
         ),
         mujoco_record=run.recording,
         lateral_peak_m=None if run.lateral_peak_m is None else BySide.of(run.lateral_peak_m),
+        wheel_slip_m=None if run.wheel_slip_m is None else BySide.of(run.wheel_slip_m),
         controller_source=entry.source,
         controller_entry=entry,
     )

@@ -30,6 +30,8 @@ class WorldRun:
     warnings: tuple[str, ...] = ()
     lateral_peak_m: tuple[float, float] | None = None
     """The largest lateral contact coordinate; None: the world is planar."""
+    wheel_slip_m: tuple[float, float] | None = None
+    """How much farther the wheels of each robot turned than it moved; None: there are none."""
     trace: Mapping[str, tuple[Any, Mapping[str, str]]] = field(default_factory=dict)
     """Further variables of the trace (values, attributes), see `simulation.trace`."""
     recording: Any = None

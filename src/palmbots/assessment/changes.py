@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Changes of one thing in a scene, tried by carries of this scene: which one helps most?
+
+Where the scene fails, a change is judged by how often it fails at the scene's own noise. Where the
+scene rarely fails, the noise of the wheels is raised until it does: a change that then fails less
+leaves more in reserve. Where the object is too heavy, a change has to make the robots hold it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from palmbots._types import SIDES
+from palmbots._util.confidence_intervals import rate_interval
+from palmbots.assessment.angles import FRESH, count_failures
+from palmbots.errors import PalmbotsError
+from palmbots.mechanics.load_limits import LoadLimits, load_limits
+from palmbots.mujoco.curve_trial import settings_of
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.batch import DELIVERED, Columns
+from palmbots.simulation.noise_limit import NOISE_KEY
+from palmbots.simulation.outcome_counts import SMALL, carry_seeds, default_carries
+from palmbots.simulation.prepare import Prepared, prepare
+from palmbots.stability.analysis import analyze
+
+FACTORS: Mapping[str, tuple[float, ...]] = {
+    "robot.correction_m_s": (0.5, 2.0),
+    "robot.speed_m_s": (0.7, 1.4),
+    "palm.rate_deg_s": (2.0,),
+    "radio.latency_s": (0.5,),
+    "tactile.zero_half_width_m": (0.5, 2.0),
+    "palm.length_m": (0.7, 1.5),
+    "palm.usable_m": (0.7, 1.5),
+    "palm.friction": (0.7, 1.4),
+}
+"""By which a key is multiplied; what costs least comes first. Less noise always helps, so it is not
+among them."""
+NOISE_FACTORS = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 12.0)
+"""By which the noise is raised where the scene rarely fails."""
+STRONGER = (1.25, 1.5, 2.0, 3.0, 5.0, 10.0)
+"""By which a robot's strength is multiplied where it cannot hold the object."""
+Keys = Mapping[str, float | str | list[float]]
+_ENOUGH = 0.05  # failures with more noise, so that changes differ
+
+
+@dataclass(frozen=True)
+class ChangeTrial:
+    """The change after which a scene fails least often, on seeds that did not choose it."""
+
+    controller: str
+    tried: int
+    changes: Keys
+    """The keys and their new values; more than one only where they belong together."""
+    before: Keys
+    """The values of the same keys in the scene."""
+    noise_factor: float
+    """By which the noise of the wheels was raised in both scenes; 1: as in the scene."""
+    carries: int
+    own_failures: int | None
+    """Without the change; None: a carry cannot begin, because the object is too heavy."""
+    failures: int
+    own_holds: bool
+    """Whether all properties hold without the change."""
+    holds: bool
+    """Whether they hold with it."""
+    own_heaviest_kg: float
+    heaviest_kg: float
+    """Before and after: that the robots hold at the start and where the contacts get."""
+    own_time_s: float | None
+    time_s: float | None
+    """Mean of the carries that deliver, at the scene's own noise, before and after."""
+    own_messages: float | None
+    messages: float | None
+
+    @property
+    def settings(self) -> str:
+        """The change as options of a command, each with a blank in front."""
+        return settings_of(self.changes)
+
+    @property
+    def is_for_load(self) -> bool:
+        """Whether the change makes the robots hold the object."""
+        return all(key.startswith("mujoco.") for key in self.changes)
+
+    @property
+    def is_better(self) -> bool:
+        """Whether the interval of its failures lies below that without the change, or the robots
+        hold the object only with it."""
+        if self.is_for_load or self.own_failures is None or self.holds > self.own_holds:
+            return True
+        own, changed = (rate_interval(n, self.carries) for n in (self.own_failures, self.failures))
+        return changed[1] < own[0]
+
+
+def try_changes(
+    scene: Scene,
+    controller: str,
+    angles: Keys,
+    reach_m: float | None,
+    report: Callable[[float], None] = lambda fraction: None,
+) -> ChangeTrial | None:
+    """Carry with one change each.
+
+    Args:
+        scene: with a straight path.
+        controller: of all carries.
+        angles: a pair of palm angles that is better than the scene's own; empty: there is none.
+        reach_m: how far the contacts get from the pivots; None: unknown, as no carry delivers.
+        report: called with the completed fraction.
+
+    Returns:
+        The best change; None: none could be tried.
+    """
+    load = load_limits(scene)
+    is_heavy = not _is_held(load, reach_m)
+    plans = [*(_stronger(scene, load, reach_m) if is_heavy else _plans(scene, angles))]
+    own = None if load.refusal() else prepare(scene, controller)
+    noise, count = 1.0, None if own is None else default_carries(own)
+    if own is not None and count is not None and not is_heavy:
+        found = _telling_noise(scene, controller, count)
+        if found is None:
+            return None
+        noise = found
+    own_holds = analyze(scene).holds
+    judged: dict[int, tuple[bool, int]] = {}
+    for k, keys in enumerate(plans):
+        report(0.9 * k / len(plans))
+        try:
+            changed = load_scene(scene, dict(keys))
+            count = default_carries(prepare(changed, controller)) if count is None else count
+            if count is None:
+                return None
+            holds = analyze(changed).holds
+            if holds or not own_holds:
+                judged[k] = not holds, count_failures(_noisy(changed, controller, noise), 0, count)
+        except PalmbotsError:  # the palms collide, or a value is beyond its limits
+            continue
+    if not judged or count is None:
+        return None
+    chosen = min(judged, key=lambda k: judged[k])
+    best, holds = plans[chosen], not judged[chosen][0]
+    changed = load_scene(scene, dict(best))
+    after = _usual(prepare(changed, controller), count)
+    usual = None if own is None else _usual(own, count)
+    own_failures = None
+    if own is not None:
+        own_failures = count_failures(_noisy(scene, controller, noise), FRESH, count)
+    report(1.0)
+    return ChangeTrial(
+        controller=controller,
+        tried=len(judged),
+        changes=best,
+        before={key: _value(scene, key) for key in best},
+        noise_factor=noise,
+        carries=count,
+        own_failures=own_failures,
+        failures=count_failures(_noisy(changed, controller, noise), FRESH, count),
+        own_holds=own_holds,
+        holds=holds,
+        own_heaviest_kg=_heaviest(load, reach_m),
+        heaviest_kg=_heaviest(load_limits(changed), reach_m),
+        own_time_s=None if usual is None else _mean(usual, "time_s"),
+        time_s=_mean(after, "time_s"),
+        own_messages=None if usual is None else _mean(usual, "messages"),
+        messages=_mean(after, "messages"),
+    )
+
+
+def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:
+    """Changes of one thing each, what costs least first."""
+    if angles:
+        yield angles
+    starts = {f"start.{side}_m": _value(scene, f"start.{side}_m") for side in SIDES}
+    if any(starts.values()):
+        yield dict.fromkeys(starts, 0.0)
+    for key, factors in FACTORS.items():
+        value = _value(scene, key)
+        is_shadowed = key == "palm.length_m" and scene.palm.usable_m is not None
+        if isinstance(value, int | float) and value > 0 and not is_shadowed:
+            yield from ({key: float(f"{factor * value:.3g}")} for factor in factors)
+    left, right = (scene.object.vertices_m[at][0] for at in scene.object.contacts)
+    x, y = scene.object.com_m
+    if abs(x - 0.5 * (left + right)) > 0.01 * abs(right - left):
+        yield {"object.com_m": [round(0.5 * (left + right), 4), y]}
+
+
+def _stronger(scene: Scene, load: LoadLimits, reach_m: float | None) -> Iterator[Keys]:
+    """The least strength of each kind with which the robots hold the object."""
+    for key in dict.fromkeys(limit.key for limit in load.limits):
+        value = _value(scene, key)
+        for factor in STRONGER if isinstance(value, int | float) else ():
+            keys: Keys = {key: float(f"{factor * float(value):.3g}")}
+            try:
+                if _is_held(load_limits(scene, overrides=dict(keys)), reach_m):
+                    yield keys
+                    break
+            except PalmbotsError:
+                continue
+
+
+def _heaviest(load: LoadLimits, reach_m: float | None) -> float:
+    """The heaviest object that the robots hold at the start and where the contacts get."""
+    start = math.inf if load.at_start_kg is None else load.at_start_kg
+    return start if reach_m is None else min(start, load.heaviest_within(reach_m))
+
+
+def _is_held(load: LoadLimits, reach_m: float | None) -> bool:
+    return load.mass_kg <= _heaviest(load, reach_m)
+
+
+def _telling_noise(scene: Scene, controller: str, count: int) -> float | None:
+    """The factor of the noise at which changes differ: 1 where the scene fails already, else the
+    least one that makes it fail; None: none does."""
+    own = count_failures(prepare(scene, controller), 0, count)
+    makes_noise = any(scene.robot_of(side).noise_m_s > 0 for side in SIDES)
+    if rate_interval(own, count)[1] > SMALL:
+        return 1.0
+    for factor in NOISE_FACTORS if makes_noise else ():
+        try:
+            if count_failures(_noisy(scene, controller, factor), 0, count) > _ENOUGH * count:
+                return factor
+        except PalmbotsError:
+            break
+    return None
+
+
+def _noisy(scene: Scene, controller: str, factor: float) -> Prepared:
+    """The scene with the noise of both robots multiplied."""
+    keys = {NOISE_KEY: factor * scene.robot.noise_m_s}
+    for side in SIDES:
+        noise = getattr(scene.robot, side).noise_m_s
+        if noise is not None:
+            keys[NOISE_KEY.replace(".", f".{side}.")] = factor * noise
+    return prepare(load_scene(scene, keys), controller)
+
+
+def _usual(prepared: Prepared, count: int) -> Columns:
+    """Carries at the scene's own noise, for time and messages."""
+    return carry_seeds(prepared, FRESH, count)
+
+
+def _mean(columns: Columns, name: str) -> float | None:
+    """Over the carries that deliver."""
+    values = columns[name][columns["outcome"] == DELIVERED]
+    return float(np.mean(values)) if values.size else None
+
+
+def _value(scene: Scene, key: str) -> Any:
+    """The value of a key."""
+    found: Any = scene
+    for name in key.split("."):
+        found = getattr(found, name)
+    return list(found) if isinstance(found, tuple) else found

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A friction that is known only roughly: a proof for the interval, and carries at its ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from palmbots._types import SIDES, Interval
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
+from palmbots.stability.certificates.prover import Verdict, certify
+
+
+@dataclass(frozen=True)
+class FrictionTrial:
+    """What holds if the friction is anywhere in an interval."""
+
+    friction: Interval
+    alike: Verdict
+    """Whether all properties hold if both palms have the same friction, as `certify` proves."""
+    unlike: Verdict
+    """Whether they hold if each palm has a friction of its own."""
+    counts: tuple[OutcomeCounts, ...]
+    """With the friction of both palms at the lower and at the upper end; empty: no controller
+    delivers the scene."""
+
+
+def try_friction(
+    scene: Scene, friction: Interval, controller: str | None, carries: int
+) -> FrictionTrial:
+    """Prove the properties for an interval of friction, and carry at its ends.
+
+    Raises:
+        PalmbotsError: the interval is not one of friction, or a scene refuses an end of it.
+    """
+    low, high = map(float, friction)
+    if not low < high:
+        raise PalmbotsError(
+            f"friction: value is {low:g} {high:g}; allowed: two numbers, the smaller one first"
+        )
+    palms = ("palm", *(f"palm.{side}" for side in SIDES))
+    ends = [load_scene(scene, {f"{palm}.friction": end for palm in palms}) for end in (low, high)]
+    alike, unlike = (
+        certify(scene, friction=(low, high), common_friction=is_common).verdict
+        for is_common in (True, False)
+    )
+    counts = tuple(
+        count_outcomes(end, controller, seeds=carries) for end in ends if controller is not None
+    )
+    return FrictionTrial((low, high), alike, unlike, counts)
