@@ -42,5 +42,5 @@ def test_wheels_that_slip_and_robots_that_run_away_are_reported() -> None:
         sense = 1 if direction == "forward" else -1
         assert done.wheel_slip_m[first] == pytest.approx(sense * slip, abs=1e-3)
         assert done.wheel_slip_m[first] < -0.1
-        told = " ".join(done.warnings)
-        assert f"the {first} robot moved" in told and "robot.speed_m_s is 6 cm/s" in told
+        printed = " ".join(done.warnings)
+        assert f"the {first} robot moved" in printed and "robot.speed_m_s is 6 cm/s" in printed

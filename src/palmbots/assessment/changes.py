@@ -122,7 +122,7 @@ def try_changes(
     own = None if load.refusal() else prepare(scene, controller)
     noise, count = 1.0, None if own is None else default_carries(own)
     if own is not None and count is not None and not is_heavy:
-        found = _telling_noise(scene, controller, count)
+        found = _revealing_noise(scene, controller, count)
         if found is None:
             return None
         noise = found
@@ -213,7 +213,7 @@ def _is_held(load: LoadLimits, reach_m: float | None) -> bool:
     return load.mass_kg <= _heaviest(load, reach_m)
 
 
-def _telling_noise(scene: Scene, controller: str, count: int) -> float | None:
+def _revealing_noise(scene: Scene, controller: str, count: int) -> float | None:
     """The factor of the noise at which changes differ: 1 where the scene fails already, else the
     least one that makes it fail; None: none does."""
     own = count_failures(prepare(scene, controller), 0, count)
