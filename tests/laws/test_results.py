@@ -45,6 +45,7 @@ from palmbots.simulation.outcome_counts import OutcomeCounts, SceneStatistics
 from palmbots.studies.cost_estimate import Cost
 from palmbots.studies.points import design_points
 from palmbots.views.log_alignment import ClockFit
+from palmbots.views.logged_carries import LoggedCarry
 from palmbots.views.run_replay import RunReplay, Verified
 from schema_refusals import assert_fits_exactly
 from shape_files import svg, written
@@ -218,6 +219,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
             Verified("station-000002.mcap", "station", 2, False, 500, 0, None),
         ),
         (ClockFit("station-000002.mcap", 0.25, 1.0, 0.004, 480),),
+        (LoggedCarry("left", "left-000003.mcap", 3.1, 20.4, 0.8, "stopped by hand"),),
     ),
     "SceneList": lambda folder: pb.scenes(),
     "SceneStatistics": lambda folder: SceneStatistics(

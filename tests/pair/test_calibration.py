@@ -53,7 +53,7 @@ def truths(table: dict[str, Any]) -> dict[str, float]:
         "servo_scale",
     )
     found = {key: table[key] for key in direct}
-    found["stopping_s"] = TASK.fastest_m_s / table["motor_acceleration_m_s2"]
+    found["stopping_s"] = TASK.speed_m_s / table["motor_acceleration_m_s2"]
     middle = table["switches"][1]
     found["switches[0].to_m"] = found["switches[1].from_m"] = middle["from_m"]
     found["switches[1].to_m"] = found["switches[2].from_m"] = middle["to_m"]

@@ -199,6 +199,12 @@ def test_a_driver_that_is_well() -> None:
     assert {drive.palm for drive in stub.written} == {0, 1}
 
 
+def test_a_servo_that_reports_no_angle_is_given_the_time_of_a_whole_turn() -> None:
+    stub = StubDriver()
+    stub.left = 360  # 180° at 50°/s
+    assert wrong(driver_checks(stub)) == []
+
+
 @pytest.mark.parametrize(
     ("stub", "hardware", "line"),
     [

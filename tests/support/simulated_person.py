@@ -15,7 +15,7 @@ from palmbots.pair.calibration_bench import Machine
 from palmbots.simulation.bench_stage import BenchStage, Pose
 from palmbots.simulation.imperfections import Imperfections
 
-TASK = Task(length_m=1.5, fastest_m_s=0.09, palm_deg=(5.0, 15.0), palm_half_m=0.075)
+TASK = Task(length_m=1.5, speed_m_s=0.06, palm_deg=(5.0, 15.0), palm_half_m=0.075)
 
 
 class Bench:
@@ -33,8 +33,9 @@ class Bench:
     def write_raw(self, command: RawCommand) -> None:
         self.command = command
 
-    def wait(self) -> None:
+    def wait(self) -> int:
         self.stage.move(self.side, self.command)
+        return 1
 
     def machine(self, hardware: HardwareParameters | None = None) -> Machine:
         return Machine(self, hardware or HardwareParameters(), self.wait, 0.01)

@@ -22,6 +22,7 @@ from palmbots.logs.run_log_writer import RunLogWriter
 from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.views.log_alignment import Traffic, align, fit
+from palmbots.views.logged_carries import logged_carries
 from palmbots.views.run_figures import carry_of
 from palmbots.views.run_replay import read_run, replay_run, verify
 from palmbots.wire import decode
@@ -77,6 +78,11 @@ def test_the_logs_of_a_carry_are_verified(controller: str, tmp_path: Path, clock
     if controller != "distributed":  # which a loss can hang
         assert carry.outcome == "delivered"
         assert carry.distance_m == pytest.approx(0.15, abs=0.02)
+        assert {(one.robot, one.end) for one in result.carries} == {
+            ("left", "done"),
+            ("right", "done"),
+        }
+        assert all(one.covered > 0.9 for one in result.carries)
     assert bool(carry.message_log) == (controller != "silent")
 
 
@@ -177,6 +183,9 @@ def test_a_log_without_an_end_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
         assert found.difference is None
         lengths.add(found.verified)
         assert found.verified <= count
+        if log.messages["ticks"][-1][1].wheels:
+            (carry,) = logged_carries([log], ())
+            assert carry.end == "its program was killed, or its disk was full"
     assert len(lengths) > 2
     file.write_bytes(whole[:100])
     with pytest.raises(pb.PalmbotsError, match="is no log of a robot or station"):

@@ -59,7 +59,12 @@ def plain_status(state: dict[str, Any]) -> list[str]:
     lines = [
         f"{state['time_s']:7.2f} s  {side:5}  {_line(state['robots'][side])}" for side in SIDES
     ]
-    return lines + [f"{state['time_s']:7.2f} s  warning: {text}" for text in state["warnings"]]
+    absent = {side for side in SIDES if not (state["robots"][side] or {}).get("is_heard")}
+    return lines + [
+        f"{state['time_s']:7.2f} s  warning: {text}"
+        for text in state["warnings"]
+        if text.partition(":")[0] not in absent  # its line says that it is not heard
+    ]
 
 
 def _line(robot: dict[str, Any] | None) -> str:

@@ -30,6 +30,7 @@ _SETTLE_S = 0.1  # at the start of a hold, until the wheels follow
 _FASTEST_M_S = 0.2
 _DRIVE_M_S = 0.08
 _STOPS = 5
+_MOST_STOPS = 10
 _STILL_S = 0.5
 _PALM_ANGLES = 7
 _PALM_MARGINS_DEG = (-10.0, 20.0)  # beyond the palm angles of the scene
@@ -44,8 +45,8 @@ class Task:
 
     length_m: float
     """Length of the drive along the tape."""
-    fastest_m_s: float
-    """Highest speed in a carry."""
+    speed_m_s: float
+    """Nominal speed, from which the robot has to stop."""
     palm_deg: tuple[float, float]
     """Shallow and steep angle of the palm."""
     palm_half_m: float
@@ -213,13 +214,21 @@ def wheels(machine: Machine, person: Person, task: Task) -> list[Finding]:
 
 def stopping(machine: Machine, person: Person, task: Task) -> list[Finding]:
     """The time in which the wheels come to rest, from the encoders."""
-    speed = task.fastest_m_s
+    speed = task.speed_m_s
     machine.counts(machine.read())
     person.ready(
-        f"Put the robot where it has {2 * _STOPS * speed:.1f} m of free floor before it. It stops "
-        f"{_STOPS} times."
+        f"Put the robot where it has {2 * _MOST_STOPS * speed:.1f} m of free floor before it. It "
+        f"stops {_STOPS} times, or up to {_MOST_STOPS} times on a busy computer."
     )
-    times = [_one_stop(machine, speed) for _ in range(_STOPS)]
+    times: list[Estimate] = []
+    for tries in range(_MOST_STOPS):
+        missed = machine.missed
+        one = _one_stop(machine, speed)
+        # A late tick of this program makes a stop look longer: such a stop counts only if most are.
+        if machine.missed == missed or _MOST_STOPS - tries <= _STOPS - len(times):
+            times.append(one)
+        if len(times) == _STOPS:
+            break
     low, high = min(one.low for one in times), max(one.high for one in times)
     middle = sum(one.value for one in times) / len(times)
     # A longer time is the safe one: the end of the interval is written.
@@ -245,7 +254,7 @@ def _one_stop(machine: Machine, speed_m_s: float) -> Estimate:
     # the whole time T, T − counted ≤ √(2 count T / speed).
     share = math.sqrt(2 * machine.count_rad * hardware.wheel_radius_m / speed_m_s)
     longest_s = ((share + math.sqrt(share**2 + 4 * counted_s)) / 2) ** 2
-    low, high = max(0.0, counted_s - 2 * period_s), longest_s + 2 * period_s
+    low, high = max(0.0, counted_s - 2 * period_s), longest_s + period_s
     return Estimate((low + high) / 2, low, high)
 
 

@@ -34,7 +34,7 @@ class Machine:
     Args:
         driver: of the robot.
         hardware: what is known of it so far.
-        wait: returns at the next control tick.
+        wait: returns at the next control tick the number of ticks since the last one.
         period_s: time between two ticks.
     """
 
@@ -42,13 +42,15 @@ class Machine:
         self,
         driver: RawAccess,
         hardware: HardwareParameters,
-        wait: Callable[[], object],
+        wait: Callable[[], int],
         period_s: float,
     ) -> None:
         self._driver, self._wait = driver, wait
         self.hardware = hardware
         self.period_s = period_s
         self._servo_rad: float | None = None
+        self.missed = 0
+        """Ticks that came too late for a command, so far."""
 
     def read(self) -> RawReading:
         """The newest reading.
@@ -64,7 +66,8 @@ class Machine:
     def step(self, left: float, right: float) -> RawReading:
         """Command the wheels [rad/s] for one tick; returns the reading after it."""
         self._driver.write_raw(RawCommand((left, right), self._servo_rad))
-        self._wait()
+        elapsed = self._wait()
+        self.missed += elapsed - 1
         return self.read()
 
     def stop(self) -> None:

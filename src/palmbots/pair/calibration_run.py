@@ -20,6 +20,7 @@ from palmbots.pair.calibration_bench import Machine, Person
 from palmbots.pair.pair_edit import write_hardware
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.robot_driver import opened_driver
+from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.scene.scene import Scene, load_scene
 
 
@@ -76,8 +77,7 @@ def steps_of(text: str) -> tuple[str, ...]:
 def task_of(scene: Scene, side: Side, length_m: float) -> Task:
     """What a robot of a scene is calibrated for."""
     robot, palm = scene.robot_of(side), scene.palm_of(side)
-    fastest = min(robot.speed_m_s + robot.correction_m_s, robot.max_speed_m_s)
-    return Task(length_m, fastest, (palm.shallow_deg, palm.steep_deg), palm.length_m / 2)
+    return Task(length_m, robot.speed_m_s, (palm.shallow_deg, palm.steep_deg), palm.length_m / 2)
 
 
 def run_calibration(
@@ -128,10 +128,13 @@ def warnings_of(findings: Sequence[Finding], scene: Scene) -> list[str]:
     """What the values mean for the scene."""
     found = {one.key: one for one in findings}
     warnings = [one.note for one in findings if one.note]
-    if "stopping_s" in found and found["stopping_s"].value > scene.control.watchdog_s:
+    limit_s = stopping_limit_s(scene)
+    if "stopping_s" in found and found["stopping_s"].value > limit_s + 1e-9:
+        slower = scene.robot.speed_m_s / found["stopping_s"].value
         warnings.append(
-            f"the wheels need {found['stopping_s'].value:.3f} s to stop, longer than "
-            f"control.watchdog_s = {scene.control.watchdog_s:g}: the robot cannot be armed"
+            f"the wheels need up to {found['stopping_s'].value:.3f} s to stop, longer than the "
+            f"{limit_s:g} s of the scene (robot.speed_m_s / robot.acceleration_m_s2): the robot "
+            f"cannot be armed; brake harder, or set robot.acceleration_m_s2 = {slower:.2g}"
         )
     if "switches" in found:
         middle = scene.tactile.zero_half_width_m
@@ -142,7 +145,8 @@ def warnings_of(findings: Sequence[Finding], scene: Scene) -> list[str]:
                 warnings.append(
                     f"the middle switch reaches from {1000 * zone.from_m:.1f} to "
                     f"{1000 * zone.to_m:.1f} mm, not ±{1000 * middle:g} mm as the scene assumes "
-                    "(tactile.zero_half_width_m): set tactile.zones to what was measured"
+                    "(tactile.zero_half_width_m): measure again with --only switches, or set "
+                    "tactile.zones to what was measured"
                 )
     return warnings
 

@@ -206,13 +206,15 @@ def check_driver(
         return [Check("driver", side, False, "has no hardware", "start its hardware")]
     palm = scene.palm_of(side)
     angles = [math.radians(angle) for angle in (palm.steep_deg, palm.shallow_deg)]
+    # A servo that does not report its angle may come from anywhere at first.
+    whole_turn_s = (hardware.servo_max_deg - hardware.servo_min_deg) / hardware.servo_rate_deg_s
     seen: Reading = first
     stuck = ""
     moved = False
     for which in (0, 1, 0):
         drive = Drive(which, 0, True, False, angles[which], 0.0)
         begin = clock()
-        give_up = begin + (angles[0] - angles[1]) / math.radians(palm.rate_deg_s) + _PALM_SLACK_S
+        give_up = begin + whole_turn_s + _PALM_SLACK_S
         while True:
             driver.write(drive)
             wait()

@@ -26,11 +26,15 @@ FAULT_WORDS: dict[FaultCode, FaultWords] = {
         "contact", "no contact is sensed", "put the object on the palm, or calibrate"
     ),
     "palm": FaultWords(
-        "palm", "the palm is not at its angle", "free the palm, or calibrate the servo"
+        "palm",
+        "the palm is not at its angle",
+        "wait while it turns; if it stays so, free the palm, or calibrate the servo",
     ),
     "battery": FaultWords("battery", "the battery is low", "charge it"),
     "partner_lost": FaultWords(
-        "link", "it has lost its partner", "check the radio (palmbots doctor), then arm again"
+        "link",
+        "it does not hear its partner",
+        "see whether the partner's program runs, check the radio (palmbots doctor), then arm again",
     ),
     "station_lost": FaultWords(
         "link", "it has lost the station", "check the radio (palmbots doctor), then arm again"
@@ -47,8 +51,8 @@ FAULT_WORDS: dict[FaultCode, FaultWords] = {
     ),
     "stopping": FaultWords(
         "stopping",
-        "its wheels stop too slowly (hardware.stopping_s)",
-        "calibrate it, or lower robot.acceleration_m_s2",
+        "hardware.stopping_s exceeds robot.speed_m_s / robot.acceleration_m_s2 of the scene",
+        "brake harder and calibrate again, or lower robot.acceleration_m_s2 in the scene",
     ),
     "partner": FaultWords(
         "mode", "its partner has ended the carry", "see the partner, then arm again"

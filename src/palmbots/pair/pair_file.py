@@ -205,8 +205,27 @@ def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
         settings = PairFile.model_validate(table)
     except ValidationError as error:
         raise PalmbotsError(f"{path}: {validation_message(error, PairFile)}") from None
+    _check_addresses(path, settings.link)
     key = _key_in(user_path(settings.pair.key_file, path.parent)) if with_key else b""
     return Pair(path, settings, key)
+
+
+def _check_addresses(path: Path, link: LinkTable) -> None:
+    """Refuse UDP addresses that two ends share. Serial devices may have one name on all computers.
+
+    Raises:
+        PalmbotsError: two ends have the same address.
+    """
+    if link.kind != "udp":
+        return
+    owners: dict[str, Role] = {}
+    for end, address in link.addresses().items():
+        owner = owners.setdefault(address, end)
+        if owner != end:
+            raise PalmbotsError(
+                f"{path}: link.{end}: value is {show(address)}, which is also link.{owner}; "
+                "allowed: an address of its own for each end"
+            )
 
 
 def _key_in(path: Path) -> bytes:

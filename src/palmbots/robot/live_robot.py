@@ -6,9 +6,7 @@ The loop is that of every robot (`palmbots.robot.robot_loop`).
 
 import contextlib
 import math
-import threading
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Callable
 from typing import Any
 
 import palmbots._core as _core
@@ -29,11 +27,19 @@ from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
 from palmbots.robot.robot_program import controller_of, robot_program
 from palmbots.robot.state_keeper import StateKeeper
+from palmbots.robot.waiting import (
+    PATIENCE_S,
+    Silence,
+    Waiting,
+    hardware_text,
+    partner_of,
+    reading_text,
+)
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.wire import Role
 
 _STATE_PERIOD_S = 0.05
 _STATUS_PERIOD_S = 0.05
-_PATIENCE_S = 3.0
 _LEASE_S = 0.5
 """For controllers without a lease of their own: how long the partner's news counts."""
 _MOST_OVERRUNS = 50
@@ -63,12 +69,15 @@ def run_live_robot(
         link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
         observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file))))
         keeper = stack.enter_context(StateKeeper(file, state))
-        waits = stack.enter_context(_waiting(pair, side, on_line))
+        waits = Waiting(on_line)
+        stack.callback(waits.end)
+        waits.begin(hardware_text(pair, side))
         driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
         stack.enter_context(contextlib.closing(driver))
         clock = control_clock(side, scene.control.period_s / rate, scene.stride_of(side))
+        waits.begin(reading_text(pair, side))
         first = driver.read()  # waits until the hardware or the world starts: no tick counts before
-        waits.cancel()
+        waits.end()
         clock.run_at(getattr(driver, "clock_rate", 1.0))
         gauge = ReadingGauge(pair, side, scene, first, state.covered_m)
 
@@ -79,11 +88,17 @@ def run_live_robot(
             )
 
         period_s = scene.control.period_s
+        silence = _silence(pair, side, ticks_in(PATIENCE_S * rate, period_s), on_line)
+
+        def watch(loop: RobotLoop, step: Step) -> None:
+            silence.step(loop.heard)
+            _observe(observer, loop, step)
+
         loop = RobotLoop(
             side, scene, start, driver, clock.link(link), clock, keeper, gauge,
             watchdog=ticks_in(scene.control.watchdog_s, period_s),
             last_ticks=ticks_in(_STATUS_PERIOD_S * rate, period_s),
-            watch=partial(_observe, observer), on_line=on_line,
+            watch=watch, on_line=on_line,
         )  # fmt: skip
         # Until the log is closed: a signal that comes while the program ends must not cut it off.
         ended = stack.enter_context(ended_by_signal())
@@ -137,21 +152,13 @@ def logged_program(
     return program, RobotLog(pair, side, state, scene, settings, on_warning)
 
 
-@contextlib.contextmanager
-def _waiting(pair: Pair, side: Side, on_line: Callable[[str], None]) -> Iterator[threading.Timer]:
-    """A timer that says what the robot waits for, if it has to wait for long."""
-    driver = pair.settings.driver
-    place = driver.address_of(side)
-    text = f"{side}: waits for the hardware of driver {driver.kind}"
-    if driver.kind == "simulated":
-        text = f"{side}: waits for a world at {place}; run: palmbots world SCENE --serve {place}"
-    timer = threading.Timer(_PATIENCE_S, on_line, (text,))
-    timer.daemon = True
-    timer.start()
-    try:
-        yield timer
-    finally:
-        timer.cancel()
+def _silence(pair: Pair, side: Side, patience: int, on_line: Callable[[str], None]) -> Silence:
+    """What watches whether a robot hears the others. Without a radio it needs no partner."""
+    ends: dict[Role, str] = pair.settings.link.addresses()
+    del ends[side]
+    if not controller_of(pair).uses_radio:
+        del ends[partner_of(side)]
+    return Silence(side, ends, patience, on_line)
 
 
 def live_program(

@@ -181,6 +181,11 @@ class RobotLoop:
         self._watch(self, Step(seen, drive, answer))
         return True
 
+    @property
+    def heard(self) -> tuple[Role, ...]:
+        """The other ends of which an authentic packet has arrived."""
+        return tuple(end for end, one in self._statistics.ends.items() if one.received)
+
     def end(self, details: Mapping[str, Any]) -> RobotEnd:
         """How it has run; `details`: what the link says about itself."""
         robot, clock = self.robot, self.clock

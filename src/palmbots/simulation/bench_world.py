@@ -51,6 +51,7 @@ def run_bench(
     clock = ControlClock(period_s / rate)
     resting = dict.fromkeys(SIDES, 0)
     has_moved = dict.fromkeys(SIDES, False)
+    on_line(f"type what a hand would do: {_FORM}")
     while True:
         clock.wait()
         line = lines()

@@ -2,6 +2,7 @@
 """Where the programs of robots and station enter a world (`Entrance`)."""
 
 import contextlib
+import math
 import time
 from collections.abc import Callable, Collection
 from socket import socket
@@ -11,6 +12,7 @@ from palmbots.links.greeting import OTHER_SCENE, TAKEN, greeting_in, is_other_sc
 from palmbots.links.local_connection import Connection, ConnectionLost
 
 _START_WITHIN_S = 30.0
+_PATIENCE_S = 3.0
 _POLL_S = 0.01
 _MOST_AT_ONCE = 10  # programs that connect in one tick
 
@@ -30,18 +32,23 @@ class Entrance:
         door.settimeout(0)
 
     def wait(
-        self, missing: Callable[[], Collection[str]], plug: Callable[[str, Connection], None]
+        self,
+        missing: Callable[[], Collection[str]],
+        plug: Callable[[str, Connection], None],
+        on_line: Callable[[str], None] = lambda line: None,
     ) -> None:
         """Wait until no program is missing.
 
         Args:
             missing: whose programs are not there.
             plug: called with each program that has connected.
+            on_line: called with a line about the missing ones, if they do not come soon.
 
         Raises:
             PalmbotsError: one does not come.
         """
-        give_up, absent = time.monotonic() + _START_WITHIN_S, missing()
+        begin, absent = time.monotonic(), missing()
+        give_up, patient_until = begin + _START_WITHIN_S, begin + _PATIENCE_S
         while absent:
             for end, program in self.admit([end for end in self._ends if end not in absent]):
                 plug(end, program)
@@ -50,9 +57,13 @@ class Entrance:
                 give_up = time.monotonic() + _START_WITHIN_S
             absent = now
             if time.monotonic() > give_up:
-                names = " and ".join(sorted(absent))
-                raise PalmbotsError(f"robots: {names} did not connect within {_START_WITHIN_S:g} s")
+                raise PalmbotsError(
+                    f"robots: {_and(absent)} did not connect within {_START_WITHIN_S:g} s"
+                )
             if absent:
+                if time.monotonic() > patient_until:
+                    patient_until = math.inf
+                    on_line(f"waits for the programs of {_and(absent)}")
                 time.sleep(_POLL_S)
 
     def admit(self, taken: Collection[str]) -> list[tuple[str, Connection]]:
@@ -87,3 +98,7 @@ class Entrance:
                     admitted[end] = program
             self._unknown.remove(entry)
         return [*admitted.items()]
+
+
+def _and(ends: Collection[str]) -> str:
+    return " and ".join(sorted(ends))

@@ -7,6 +7,7 @@ has written nothing for ``control.watchdog_s``, the wheels of its robot stop, as
 """
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from socket import socket
 from typing import Any
@@ -112,8 +113,11 @@ class LiveRobots:
         """The robots without a program."""
         return [side for side, board in self._boards.items() if board.driver is None]
 
-    def wait(self) -> None:
+    def wait(self, on_line: Callable[[str], None]) -> None:
         """Wait until both programs have connected.
+
+        Args:
+            on_line: called with a line about those that do not come soon.
 
         Raises:
             PalmbotsError: one does not come.
@@ -124,7 +128,7 @@ class LiveRobots:
                 board.take()  # notices a program that is gone
             return self.missing()
 
-        self._entrance.wait(missing, self._plug)
+        self._entrance.wait(missing, self._plug, on_line)
 
     def tick(self) -> None:
         """One control period."""
@@ -154,6 +158,7 @@ def run_live_world(
     seed: int = 0,
     rate: float = 1.0,
     imperfections: Imperfections | None = None,
+    on_line: Callable[[str], None] = lambda line: None,
 ) -> LiveCarry:
     """Run a world until the programs of both robots have gone, or the object is dropped.
 
@@ -164,6 +169,7 @@ def run_live_world(
         seed: of the noise.
         rate: multiple of real time.
         imperfections: what the robots really are; None: they are as in the scene.
+        on_line: called with a line about robots that do not come soon.
 
     Raises:
         PalmbotsError: a program does not connect in time, or is not a robot.
@@ -175,7 +181,7 @@ def run_live_world(
         stage = ImperfectStage(scene, world, seed, imperfections)
     period_s = scene.control.period_s
     robots = LiveRobots(scene, stage, door, rate)
-    robots.wait()
+    robots.wait(on_line)
     clock = control_clock("world", period_s / rate)
     ticks = 0
     contacts: deque[tuple[float, float]] = deque(maxlen=round(_REMEMBERED_S / period_s))

@@ -31,6 +31,8 @@ PERIOD_S = 0.05
 UNDER_WAY: tuple[RobotMode, ...] = ("ready", "carrying", "holding")
 GONE_AFTER_S = 10.0
 _WISH_LASTS_S = 5.0
+_STOP_CONFIRMED_S = 1.0
+_UNARMED: tuple[RobotMode, ...] = ("disarmed", "done", "fault")
 _STOPS: tuple[Operation, ...] = ("stop", "e_stop")
 # What is not done in time is not done later either, when nobody expects it any more.
 _LAPSES: tuple[Operation, ...] = ("arm", "start", "release")
@@ -194,6 +196,7 @@ class Station:
         if found == "listening" and self._wish not in _STOPS:
             return
         self._note_lapse()
+        self._note_unconfirmed()
         for side in SIDES:
             body = self._due(side)
             self._link.send(side, self._end.send(side, body))
@@ -259,15 +262,41 @@ class Station:
         if not self.has_lapsed():
             return
         for side in SIDES:
-            status = self.robots[side].status
             if side not in self._fulfilled | self._lapsed:
                 self._lapsed.add(side)
-                why = "is not heard"
-                if status is not None:
-                    why = f"is {status.mode} ({fault_line(status.fault)})"
-                if self.robots[side].is_late:
-                    why = self.robots[side].late_line()
+                why = self._obstacle(side)
                 self._say(f"{side}: {self._wish} has no effect within {_WISH_LASTS_S:g} s: {why}")
+
+    def _note_unconfirmed(self) -> None:
+        """Name the robots of which a stop is not known to have taken effect."""
+        if self._wish not in _STOPS or self.clock() - self._wish_s <= _STOP_CONFIRMED_S:
+            return
+        modes = self.modes()
+        for side in SIDES:
+            if modes.get(side) == "stopped" or side in self._lapsed:
+                continue
+            self._lapsed.add(side)
+            name = self._wish.replace("_", "-")
+            self._say(
+                f"{side}: {name} is not confirmed within {_STOP_CONFIRMED_S:g} s: "
+                f"{self._obstacle(side)}; use the switch at the robot"
+            )
+
+    def _obstacle(self, side: Side) -> str:
+        """Why an order to a robot has had no effect."""
+        view = self.robots[side]
+        status = view.status
+        if status is None or not view.is_heard(self.clock()):
+            return "is not heard"
+        if view.is_late:
+            return view.late_line()
+        if status.mode == "stopped":
+            return "is stopped; release it first"
+        if self._wish == "start" and status.fault == "none" and status.mode in _UNARMED:
+            return f"is {status.mode}; arm it first"
+        return f"is {status.mode}" + (
+            "" if status.fault == "none" else f" ({fault_line(status.fault)})"
+        )
 
     def _take(self, side: Side, packet: Packet, status: Status) -> None:
         view, now = self.robots[side], self.clock()

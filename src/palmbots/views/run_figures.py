@@ -28,9 +28,9 @@ from palmbots.simulation.result import Carry, Correction, Message
 from palmbots.simulation.trace import trace_dataset
 from palmbots.station.correction_watch import CorrectionWatch, SeenCorrection
 from palmbots.views.log_alignment import ClockFit, traffic
+from palmbots.views.logged_carries import WHOLE
 from palmbots.views.run_replay import RunReplay
 
-_WHOLE = 65535  # of the progress
 _ENDS = (*SIDES, "station")
 WORLD = "robots"
 """The world of such a carry."""
@@ -189,7 +189,7 @@ def _trace(scene: Scene, times: Any, rows: dict[Side, list[Any]]) -> Any:
     def drive(side: Side, row: Any) -> Any:
         return drives[side][row.palm, row.move, row.rests, row.wheels]
 
-    progress = by_side(lambda _, row: row.progress / _WHOLE)
+    progress = by_side(lambda _, row: row.progress / WHOLE)
     covered = scene.task.distance_m * (progress - progress[0])
     forward = 1.0 if scene.task.direction == "forward" else -1.0
     speed = by_side(lambda side, row: drive(side, row).speed_m_s)

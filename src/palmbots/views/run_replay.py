@@ -27,6 +27,9 @@ from palmbots.robot.logged_steps import READING
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.views.log_alignment import ClockFit, align
+from palmbots.views.logged_carries import LoggedCarry, logged_carries
+
+_CARRIES = ("carry in", "start", "time", "covered", "end")
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,8 @@ class RunReplay(Result):
     logs: tuple[Verified, ...]
     clocks: tuple[ClockFit, ...]
     """For each log but the first how its clock relates to that of the first."""
+    carries: tuple[LoggedCarry, ...] = ()
+    """When each robot carried, and why that ended."""
     run: tuple[RunLog, ...] = field(default=(), metadata=NOT_IN_JSON)
     """What the logs contain."""
 
@@ -77,6 +82,8 @@ class RunReplay(Result):
             for log, clock in zip(self.logs, clocks, strict=True)
         ]
         yield Table(rows, ("log", "ticks", "equal", "clock against the first log"), ("ticks",))
+        if self.carries:
+            yield Table([one.row for one in self.carries], _CARRIES, ("start", "time", "covered"))
         for log in self.logs:
             if log.difference is not None:
                 yield Line(f"{Path(log.file).name}: {log.difference}", is_whole=True)
@@ -100,7 +107,8 @@ def replay_logs(logs: Sequence[str | PathLike[str]]) -> ReplayResult | RunReplay
     """Run a logged carry again and compare every bit.
 
     Logs of robots and of a station are verified: each robot's program gets what it had logged, and
-    has to decide the same. Their clocks are aligned by the packets that they exchanged.
+    has to decide the same. Their clocks are aligned by the packets that they exchanged. A table
+    states when each robot carried, how far, and why that ended.
 
     Args:
         logs: MCAP logs, or folders with them.
@@ -124,7 +132,9 @@ def replay_run(logs: list[RunLog]) -> RunReplay:
     if len(pairs) > 1:
         numbers = ", ".join(str(pair) for pair in sorted(pairs))
         raise PalmbotsError(f"logs: are of the pairs {numbers}; allowed: logs of one pair")
-    return RunReplay(tuple(verify(log) for log in logs), align(logs), tuple(logs))
+    clocks = align(logs)
+    carries = logged_carries(logs, clocks)
+    return RunReplay(tuple(verify(log) for log in logs), clocks, carries, tuple(logs))
 
 
 def read_run(paths: list[Path]) -> list[RunLog]:

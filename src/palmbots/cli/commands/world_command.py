@@ -114,6 +114,7 @@ def _live(
     as_json: bool,
 ) -> int:
     """A world in real time."""
+    from palmbots.cli._streams import say
     from palmbots.links.local_connection import listen
     from palmbots.simulation.imperfections import load_imperfections
     from palmbots.simulation.live_world import run_live_world
@@ -121,8 +122,9 @@ def _live(
     imperfections = load_imperfections(imperfect) if imperfect else None
     with listen(serve, "--serve") as door:
         result = run_live_world(
-            scene, door, world=world, seed=seed, rate=rate, imperfections=imperfections
-        )
+            scene, door, world=world, seed=seed, rate=rate, imperfections=imperfections,
+            on_line=lambda line: say(f"palmbots: world at {serve}: {line}"),
+        )  # fmt: skip
     if as_json:
         print_json(result)
     else:

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lines for a person at a robot whose program waits: for hardware, a world, or another end."""
+
+import threading
+from collections.abc import Callable, Collection, Mapping
+
+from palmbots._types import SIDES, Side
+from palmbots.pair.pair_file import Pair
+from palmbots.wire import Role
+
+PATIENCE_S = 3.0
+
+
+class Waiting:
+    """States what a program waits for, each thing after `PATIENCE_S`.
+
+    Args:
+        on_line: called with the line.
+    """
+
+    def __init__(self, on_line: Callable[[str], None]) -> None:
+        self._on_line = on_line
+        self._timer: threading.Timer | None = None
+
+    def begin(self, text: str) -> None:
+        """The program waits for this from now on, and for nothing else."""
+        self.end()
+        self._timer = threading.Timer(PATIENCE_S, self._on_line, (text,))
+        self._timer.daemon = True
+        self._timer.start()
+
+    def end(self) -> None:
+        """The program waits no longer."""
+        if self._timer is not None:
+            self._timer.cancel()
+
+
+def hardware_text(pair: Pair, side: Side) -> str:
+    """What a robot waits for until its driver is open."""
+    driver = pair.settings.driver
+    if driver.kind != "simulated":
+        return f"{side}: waits for the hardware of driver {driver.kind}"
+    place = driver.address_of(side)
+    command = f"palmbots world {pair.scene()} --serve {place}"
+    return f"{side}: waits for a world at {place}; run: {command}"
+
+
+def reading_text(pair: Pair, side: Side) -> str:
+    """What a robot waits for until the first reading of its driver."""
+    driver = pair.settings.driver
+    if driver.kind != "simulated":
+        return f"{side}: waits for the first reading of driver {driver.kind}"
+    other = partner_of(side)
+    return (
+        f"{side}: the world waits for the {other} robot; run: "
+        f"palmbots robot {pair.file} --side {other}"
+    )
+
+
+def partner_of(side: Side) -> Side:
+    """The other robot."""
+    return SIDES[1 - SIDES.index(side)]
+
+
+class Silence:
+    """States once which other ends a robot has not heard since its start, and then when it hears
+    them.
+
+    Args:
+        side: of the robot.
+        ends: the ends that it should hear, with their addresses.
+        patience: steps before they are named.
+        on_line: called with each line.
+    """
+
+    def __init__(
+        self,
+        side: Side,
+        ends: Mapping[Role, str],
+        patience: int,
+        on_line: Callable[[str], None],
+    ) -> None:
+        self._side, self._patience, self._on_line = side, patience, on_line
+        self._unheard = {end: _named(end, address) for end, address in ends.items()}
+        self._is_named = False
+
+    def step(self, heard: Collection[Role]) -> None:
+        """A step of the robot, which has heard these ends so far."""
+        if not self._unheard:
+            return
+        for end in [end for end in self._unheard if end in heard]:
+            name = self._unheard.pop(end)
+            if self._is_named:
+                self._on_line(f"{self._side}: hears {name}")
+        self._patience -= 1
+        if self._patience == 0 and self._unheard:
+            self._is_named = True
+            names = ", ".join(self._unheard.values())
+            self._on_line(f"{self._side}: not heard yet: {names}; check program and address")
+
+
+def _named(end: Role, address: str) -> str:
+    return f"the station ({address})" if end == "station" else f"the {end} robot ({address})"

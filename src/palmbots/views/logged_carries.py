@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When each robot of a run carried, how far, and why it ended, from the logs of the robots."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from palmbots._types import SIDES
+from palmbots.logs.run_log_reader import RunLog
+from palmbots.pair.fault_words import fault_line
+from palmbots.views.log_alignment import ClockFit
+
+WHOLE = 65535
+"""The progress of a robot that has covered the whole distance."""
+_MODES = ("carrying", "holding")
+
+
+@dataclass(frozen=True)
+class LoggedCarry:
+    """One robot from the tick in which it began to carry to the one in which it ended."""
+
+    robot: str
+    file: str
+    start_s: float | None
+    """On the clock of the first log; None: the clocks cannot be aligned."""
+    duration_s: float
+    """On the robot's own clock."""
+    covered: float
+    """Part of the task's distance that it had covered at the end, from 0 to 1."""
+    end: str
+    """Why it ended."""
+
+    @property
+    def row(self) -> tuple[str, ...]:
+        """The same as a row of a table."""
+        start = "unknown" if self.start_s is None else f"{self.start_s:.2f} s"
+        name = Path(self.file).name
+        return name, start, f"{self.duration_s:.2f} s", f"{self.covered:.0%}", self.end
+
+
+def logged_carries(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> tuple[LoggedCarry, ...]:
+    """Every carry of every robot, in the order of time.
+
+    Args:
+        logs: of the programs.
+        clocks: for each log but the first how its clock relates to that of the first.
+    """
+    fits = [ClockFit("", 0.0, 1.0, 0.0, 0), *clocks]
+    found = [
+        carry
+        for log, fit in zip(logs, fits, strict=True)
+        if log.end in SIDES
+        for carry in _of_robot(log, fit)
+    ]
+    return tuple(sorted(found, key=lambda one: (one.start_s is None, one.start_s or 0.0)))
+
+
+def _of_robot(log: RunLog, fit: ClockFit) -> Iterator[LoggedCarry]:
+    first: tuple[float, Any] | None = None
+    last: tuple[float, Any] | None = None
+
+    def carry(end: str) -> LoggedCarry:
+        assert first is not None
+        assert last is not None
+        start_s = None if fit.offset_s is None else fit.to_first(first[0])
+        return LoggedCarry(
+            log.end, str(log.path), start_s, last[0] - first[0], last[1].progress / WHOLE, end
+        )
+
+    for now, tick in log.messages["ticks"]:
+        if tick.mode in _MODES:
+            first, last = first or (now, tick), (now, tick)
+        elif first is not None:
+            yield carry(_end(tick))
+            first = None
+    if first is not None:
+        why = "was killed, or its disk was full" if log.is_cut else "ended or started again"
+        yield carry(f"its program {why}")
+
+
+def _end(tick: Any) -> str:
+    """What the first tick after a carry says about its end."""
+    if tick.mode == "stopped":
+        return "stopped by hand" if tick.stop else "stopped by a stop of the station or the partner"
+    return tick.mode if tick.fault == "none" else f"{tick.mode} ({fault_line(tick.fault)})"
