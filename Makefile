@@ -35,9 +35,12 @@ help:  ## this list
 carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary here, picture and log in out/
 	$(BIN)/palmbots carry --out out
 
+# Large young generations: a tenth less time than with those of Node.js.
+PYRIGHT = PYRIGHT_PYTHON_IGNORE_WARNINGS=1 NODE_OPTIONS=--max-semi-space-size=128 $(BIN)/pyright
+
 # Types are checked on one core meanwhile; what that says comes last.
 test: $(VENV)/strict.done style  ## everything a change must pass
-	@mkdir -p build; PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright >build/types.txt 2>&1 & types=$$!; trap "kill $$types" INT; \
+	@mkdir -p build; $(PYRIGHT) >build/types.txt 2>&1 & types=$$!; trap "kill $$types" INT; \
 	{ $(BIN)/python tests/support/cxx.py && $(BIN)/python -m pytest --numprocesses $$(( $$(nproc) + 1 )) --dist worksteal --durations=20; }; \
 	tests=$$?; wait $$types; types=$$?; cat build/types.txt; exit $$((tests || types))
 
@@ -95,7 +98,7 @@ style: $(VENV)/test.done $(VENV)/extension.done
 # Before a commit, too (.pre-commit-config.yaml), where nothing is built.
 types:
 	@test -e src/palmbots/_core/__init__.pyi || { echo "no stubs of palmbots._core; the build writes them: make build"; exit 1; }
-	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright
+	$(PYRIGHT)
 
 format: $(VENV)/test.done  ## put Python and C++ sources into their standard form
 	$(BIN)/ruff check --fix $(PY_FILES)

@@ -37,9 +37,11 @@ gc.set_threshold(20_000, 20, 20)
 # takes seconds, and no schema here has addresses.
 sys.modules["rfc3987_syntax"] = None  # pyright: ignore[reportArgumentType]
 
-# Each test process has a cache of its own: no result of earlier code is read.
-os.environ["PALMBOTS_CACHE"] = tempfile.mkdtemp(prefix="palmbots-cache-")
-atexit.register(shutil.rmtree, os.environ["PALMBOTS_CACHE"], ignore_errors=True)
+# The processes of a run have one new cache: what one has solved, the others read, and no result of
+# earlier code.
+if "PYTEST_XDIST_WORKER" not in os.environ:
+    os.environ["PALMBOTS_CACHE"] = tempfile.mkdtemp(prefix="palmbots-cache-")
+    atexit.register(shutil.rmtree, os.environ["PALMBOTS_CACHE"], ignore_errors=True)
 
 # `make test` uses `ci`: the same examples on every run, and no limit on the time of an example.
 # `make soak` uses `soak`: random examples, and many more of them.

@@ -31,6 +31,7 @@ from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
 from palmbots.viz import style
 from shape_files import svg, written
+from short_validation import short_validation
 from study_fixtures import SMALL
 
 SHORT = {"task.distance_m": 0.2}
@@ -77,7 +78,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
                  "permitted-com", "tactile-zones"):  # fmt: skip
         yield name, analysis
     for quantity in ("com", "friction"):  # with a unit and without
-        angles = {"angle_range_deg": (5, 15), "resolution_deg": 2.5}
+        angles = {"angle_range_deg": (5, 15), "resolution_deg": 5}
         yield "palm-angles", pb.design("paper", maximize=quantity, overrides=SHORT, **angles)
     yield "noise_limit", pb.noise_limit("paper", drop_rate=0.2, **COARSE)
     yield "bound", pb.bound("paper", "corrections", overrides=SHORT)
@@ -85,13 +86,13 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     yield "design-law", DesignLaw(tuple(law), Scene())
     drawing = written(folder / "box.svg", svg('<rect width="200" height="100"/>'))
     yield "imported-object", pb.import_object(drawing)
-    yield "validation", pb.validate(pb.load_scene("paper", SHORT), states=3, carries=1)
+    yield "validation", short_validation()
     yield "speed_limits", speed_limits()
     ranges = {
         "palm.friction": {"from": 0.2, "to": 0.3},
         "robot.noise_m_s": {"from": 0.0, "to": 0.1},
     }
-    sobol = {"vary": ranges, "design": {"kind": "sobol-indices", "points": 8}}
+    sobol = {"vary": ranges, "design": {"kind": "sobol-indices", "points": 4}}
     for k, table in enumerate(({}, {"vary": {"palm.friction": [0.2, 0.3]}}, sobol)):
         plan = load_plan({**SMALL, "set": SHORT, "seeds": {"count": 2}, **table})
         yield "study", run_study(plan, folder / str(k))

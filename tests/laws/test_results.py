@@ -49,6 +49,7 @@ from palmbots.views.logged_carries import LoggedCarry
 from palmbots.views.run_replay import RunReplay, Verified
 from schema_refusals import assert_fits_exactly
 from shape_files import svg, written
+from short_validation import short_validation
 from study_fixtures import SMALL
 
 SHORT = {"task.distance_m": 0.2}
@@ -227,9 +228,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     ),
     "SpeedLimits": lambda folder: speed_limits(),
     "StudyResult": study,
-    "Validation": lambda folder: pb.validate(
-        pb.load_scene("paper", {"task.distance_m": 0.05}), states=1, carries=1
-    ),
+    "Validation": lambda folder: short_validation(),
 }
 
 

@@ -3,7 +3,6 @@
 
 import random
 import struct
-import time
 from pathlib import Path
 
 import pytest
@@ -73,13 +72,11 @@ def test_damage_and_reports_are_counted(tmp_path: Path) -> None:
 
 
 def test_a_busy_line_never_waits_and_drops_whole_packets(tmp_path: Path) -> None:
-    """Nobody reads the other end: the system's buffer fills up."""
+    """Nobody reads the other end: the system's buffer fills up, and to wait would be for ever."""
     with lines(tmp_path / "tty") as (line,):
         link = opened(tmp_path / "tty")
-        start_s = time.monotonic()
         for number in range(5000):
             link.send("right", struct.pack("<I", number) * 8)
-        assert time.monotonic() - start_s < 5
         assert link.details["dropped"] > 1000
         sent = b""
         while data := line.read():

@@ -23,6 +23,7 @@ from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DELIVERED, run_seeds
 from palmbots.simulation.prepare import prepare
+from short_validation import FEW_LINES
 
 # MuJoCo's defaults.
 PLAIN = Engine(
@@ -172,7 +173,9 @@ class Holding:
         return StepOutput()
 
 
-def test_python_controller_is_validated() -> None:
+def test_python_controller_is_validated(monkeypatch: pytest.MonkeyPatch) -> None:
+    for constant, few in FEW_LINES.items():
+        monkeypatch.setattr(constant, few)
     scene = load_scene("paper", {"task.distance_m": 0.05, "robot.noise_m_s": 0.0})
     result = validate(scene, controller=Holding, states=1, carries=1)
     assert result.controller == "Holding"

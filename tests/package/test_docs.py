@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The docs are true: links have targets, tables match the code, commands and examples run."""
 
+import functools
 import importlib
 import itertools
 import re
@@ -16,8 +17,10 @@ from typer.main import get_command
 import palmbots as pb
 from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
+from palmbots.mujoco.curve_trial import turn_keys
 from palmbots.optimum.opening import Grid
 from palmbots.optimum.optimal_controllers import _policy
+from short_validation import FEW_LINES
 
 ROOT = Path(__file__).parent.parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -80,7 +83,11 @@ SMALLER: dict[str, dict[str, Any]] = {
     "bound": {f"{OPTIMUM}.drop_bound.FINE": GRID, f"{OPTIMUM}.drop_bound.COARSE": GRID},
     "carry -c optimal": OPTIMAL,
     "carry -c optimal-stopping": OPTIMAL,
-    "curve": {"palmbots.mujoco.curve_trial.FORECASTS": 1},
+    "curve": {
+        "palmbots.mujoco.curve_trial.FORECASTS": 1,
+        "palmbots.mujoco.curve_comparison.turn_keys": functools.partial(turn_keys, angle_deg=15.0),
+    },
+    "validate": FEW_LINES,
     "speed-limits": {f"{LIMITS}.FRICTIONS": (0.3,), f"{LIMITS}.FACTORS": (1.0,)},
 }
 DATA = ROOT / "src" / "palmbots" / "studies" / "data"

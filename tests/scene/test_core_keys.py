@@ -12,7 +12,7 @@ import palmbots._core as _core
 from palmbots.scene.core_keys import OUTSIDE_CORE, ROWS
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
-from random_keys import holders_of, names_in, random_keys
+from random_keys import agreeing_value, holders_of, names_in, random_keys
 
 POINTS = {"object.vertices_m": ("[][0]", "[][1]")} | {
     f"object.{name}": ("[0]", "[1]") for name in ("contacts", "com_m")
@@ -60,26 +60,20 @@ def test_random_scenes_have_every_key() -> None:
 CHECKED_ONLY = ("object.mass_kg", "object.depth_m")
 """Keys that decide only whether the object is accepted."""
 
+NEEDED = {"palm.usable_m": {"palm.length_m": 0.3}}
+"""Other keys without which a value is refused."""
+
 
 @pytest.mark.parametrize("name", [n for n in ROWS if "[" not in n and n not in CHECKED_ONLY])
 def test_every_key_reaches_the_spec(name: str) -> None:
     """Its value changes the bytes, for all and for each robot or sender alone."""
     draw = random.Random(2)
+    needed = NEEDED.get(name, {})
+    without = to_spec(load_scene("paper", needed)).to_bytes()
     seen: set[bytes] = set()
     for given in holders_of(name):
-        keys: dict[str, Any] = {}
-        while given not in keys or keys[given] == ROWS[name]["default"]:
-            keys = random_keys(draw)
-        with_it = to_spec(load_scene("paper", {given: keys[given]} | _needed(name, keys)))
-        without = to_spec(load_scene("paper", _needed(name, keys)))
-        assert with_it.to_bytes() != without.to_bytes(), given
-        seen.add(with_it.to_bytes())
-    assert len(seen) == len(holders_of(name))
-
-
-def _needed(name: str, keys: dict[str, Any]) -> dict[str, Any]:
-    """The other key without which a value may be refused."""
-    periods = ("control.watchdog_s", "control.period_s")
-    needed = periods if name in (*periods, "robot.period_s") else ()
-    needed += ("palm.length_m",) if name == "palm.usable_m" else ()
-    return {key: keys[key] for key in needed if key in keys and key != name}
+        value = None
+        while value is None or value == ROWS[name]["default"]:
+            value = agreeing_value(given, name, needed, draw)
+        seen.add(to_spec(load_scene("paper", {given: value} | needed)).to_bytes())
+    assert len(seen | {without}) == len(holders_of(name)) + 1

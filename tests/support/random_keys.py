@@ -83,6 +83,22 @@ def _record(name: str, draw: random.Random) -> Keys:
     }
 
 
+def agreeing_value(given: str, name: str, keys: Keys, draw: random.Random) -> Any:
+    """A random value of the key `given`, whose row is `name`, that agrees with other keys.
+
+    None if the core refuses twenty of them.
+    """
+    for _ in range(20):
+        value = value_of(ROWS[name], draw)
+        if name == "robot.period_s":  # a multiple of another key
+            value = draw.choice((2, 3)) * keys.get("control.period_s", 0.01)
+        if name == "task.timeout_s":  # long enough for a carry
+            value = draw.uniform(5, 12)
+        if _agrees({**keys, given: value}):
+            return value
+    return None
+
+
 def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
     """Keys of a valid scene; each key that the core reads is in it with a probability `share`."""
     keys: Keys = {name: make(draw) for name, make in OUTLINE.items()}
@@ -93,15 +109,8 @@ def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
         if draw.random() >= share:
             continue
         given = draw.choice(holders_of(name))
-        for _ in range(20):
-            value = value_of(ROWS[name], draw)
-            if name == "robot.period_s":  # a multiple of another key
-                value = draw.choice((2, 3)) * keys.get("control.period_s", 0.01)
-            if name == "task.timeout_s":  # long enough for a carry
-                value = draw.uniform(5, 12)
-            if _agrees({**keys, given: value}):
-                keys[given] = value
-                break
+        if (value := agreeing_value(given, name, keys, draw)) is not None:
+            keys[given] = value
     for name in lists:
         records: list[Keys] = []
         while len(records) < 2:

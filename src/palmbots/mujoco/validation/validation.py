@@ -39,7 +39,7 @@ from palmbots.simulation.single import carry
 MIN_AGREEMENT, MAX_CREEP_M = 0.99, 0.25e-3
 _QUASISTATIC_CARRIES = {True: 1000, False: 100}  # of a compiled controller, of one in Python
 _PLACES = (-0.06, -0.045, -0.03, -0.015, 0.0, 0.015, 0.03, 0.045, 0.06)
-_LINE_PLACES = (-0.04, 0.0, 0.04)
+LINE_PLACES = (-0.04, 0.0, 0.04)
 _MAX_COM_OFFSET = 0.035  # m, from the middle
 
 
@@ -211,7 +211,7 @@ def validate(
         results += _trials(base, state, engines)
         add_progress(1.0 + 0.3 * len(engines))
     lines = []
-    for right in _LINE_PLACES:
+    for right in LINE_PLACES:
         for closing in (True, False):
             lines.append(_line(base, width, right, closing))
             add_progress(20.0)
