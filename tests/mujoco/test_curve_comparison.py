@@ -2,6 +2,7 @@
 """What helps along a curve: every change has been carried, and a turn keeps its angle."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -34,26 +35,35 @@ def carried(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
     """The scenes that are tried; lips with longer palms drop 1 of 20, all others 15."""
     tried: list[dict[str, Any]] = []
 
-    def try_curve(
-        scene: Any, entry: Any, changes: Any, report: Callable[[float], None], *, carries: int
-    ) -> CurveTrial:
+    def forecast_curve(scene: Any, entry: Any, changes: Any) -> CurveTrial:
         pb.load_scene(scene, dict(changes))
         tried.append(dict(changes))
-        good = {"palm.length_m", "palm.lip_height_m"} <= set(changes)
-        counts = OutcomeCounts(entry if isinstance(entry, str) else entry.name, 20, 15, 0)
-        report(1.0)
-        if not tried[1:]:
-            return CurveTrial(counts.controller, changes, FORECAST, None, "")
-        counts = OutcomeCounts(counts.controller, 20, 1 if good else 15, 0)
-        return CurveTrial(counts.controller, changes, FORECAST, counts, "")
+        name = entry if isinstance(entry, str) else entry.name
+        forecast = FORECAST if not tried[1:] else replace(FORECAST, mean_m=0.02)
+        return CurveTrial(name, changes, forecast, None, "")
 
-    monkeypatch.setattr(curve_comparison, "try_curve", try_curve)
+    def carry_curve(
+        scene: Any, entry: Any, trial: CurveTrial, report: Callable[[float], None], *, carries: int
+    ) -> CurveTrial:
+        good = {"palm.length_m", "palm.lip_height_m"} <= set(trial.changes)
+        report(1.0)
+        counts = OutcomeCounts(trial.controller, 20, 1 if good else 15, 0)
+        return replace(trial, counts=counts) if trial.can_be_carried else trial
+
+    monkeypatch.setattr(curve_comparison, "forecast_curve", forecast_curve)
+    monkeypatch.setattr(curve_comparison, "carry_curve", carry_curve)
     return tried
 
 
 def test_every_change_that_is_printed_was_carried(carried: list[dict[str, Any]]) -> None:
     done: list[float] = []
-    found = pb.mujoco.compare_on_curve("paper", turn_radius_m=0.6, on_progress=done.append)
+    said: list[str] = []
+    found = pb.mujoco.compare_on_curve(
+        "paper", turn_radius_m=0.6, on_progress=done.append, on_line=said.append
+    )
+    first = said[: len(carried)]
+    assert all("forecast drift" in line for line in first) and first[0].startswith("as it is: ")
+    assert len(said) == 2 * len(carried) - 1 and "left" in said[-2] and "left" not in said[-1]
     assert done == sorted(done) and done[-1] == 1.0
     assert [one.changes for one in found.others] != [] and len(carried) == 1 + len(found.others)
     best = found.best

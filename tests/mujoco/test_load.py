@@ -4,6 +4,7 @@
 import pytest
 
 import palmbots as pb
+from palmbots._types import Side
 from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import load_scene
 
@@ -32,7 +33,8 @@ def test_wheels_that_slip_and_robots_that_run_away_are_reported() -> None:
     assert max(map(abs, calm.wheel_slip_m.values())) < 0.01 * calm.distance_m
     assert "wheel" not in " ".join(calm.warnings)
     heavy = near | {"object.mass_kg": 3.0, "task.slope_deg": -6.0}
-    for direction, first in (("forward", "left"), ("backward", "right")):
+    cases: list[tuple[str, Side]] = [("forward", "left"), ("backward", "right")]
+    for direction, first in cases:
         steep = heavy | {"task.direction": direction}
         done = pb.carry(controller="shared-sign", world="mujoco", overrides=steep, record=True)
         assert done.outcome == "delivered" and done.wheel_slip_m is not None

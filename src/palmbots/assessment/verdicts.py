@@ -121,7 +121,9 @@ def on_load(
                 f"{mass_text(limits.heaviest_within(reach))} kg"
             )
             verdict = "likely" if reach <= limits.held_within_m else "partly"
-    if trial is not None:
+    if trial is None:
+        texts += ["not tried in MuJoCo"] * (best is not None)
+    else:
         counts = trial.counts
         failed = counts.dropped + counts.stalled
         texts.append(f"MuJoCo delivers {counts.carries - failed} of {counts.carries} carries")

@@ -23,7 +23,8 @@ from palmbots.cli._run import (
     load,
     print_result,
 )
-from palmbots.cli._warnings import warn
+from palmbots.cli._streams import say
+from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.cli.declared_commands import Declared, writer_of
 from palmbots.cli.parameter_options import Given, as_typed, option_of, options_of, shared_option
 from palmbots.errors import PalmbotsError
@@ -181,12 +182,20 @@ def _callbacks(one: Declared, quiet: bool) -> Iterator[dict[str, Any]]:
     with contextlib.ExitStack() as stack:
         if "on_warning" in one.parameters:
             found["on_warning"] = warn
+        if "on_line" in one.parameters and not quiet:
+            found["on_line"] = _say_at_once
         if "on_stage" in one.parameters:
             found["on_stage"] = stack.enter_context(staged_progress(quiet))
         elif one.declaration.progress:
             shown = progress(one.declaration.progress, quiet)
             found["on_progress"] = stack.enter_context(shown)
         yield found
+
+
+def _say_at_once(text: str) -> None:
+    """Print a line on stderr: a part of the result that is known already."""
+    print_held_warnings()
+    say(text)
 
 
 def _arguments(given: dict[str, Given], chosen: dict[str, Any]) -> dict[str, Any]:

@@ -8,8 +8,10 @@ stands beside it. A turn of fixed angle keeps its angle: a larger radius makes i
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Overrides
@@ -18,19 +20,28 @@ from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, warn_word
 from palmbots._util.results import Result
-from palmbots._util.text import millimetres
+from palmbots._util.text import duration, millimetres
 from palmbots.control.registry import ControllerLike, refuse_reference, resolve
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.errors import PalmbotsError
-from palmbots.mujoco.curve_trial import CurveTrial, Keys, try_curve, turn_keys, whole_turn_keys
+from palmbots.mujoco.curve_trial import (
+    CurveTrial,
+    Keys,
+    carry_curve,
+    forecast_curve,
+    turn_keys,
+    whole_turn_keys,
+)
 from palmbots.mujoco.drift_forecast import lip_clearance
+from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.path_curve import RADIUS_M
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import to_spec
 
 LIP_HEIGHT_M = 0.03
 LONGER, RADII = 1.5, (1.5, 2.0)
-_OWN = 0.1  # of the work
+_FORECASTS = 0.1  # of the work
+_Plan: TypeAlias = tuple[ControllerLike, Scene, Keys]
 
 
 @dataclass(frozen=True, repr=False)
@@ -64,7 +75,8 @@ class CurveComparison(Result):
         elif own.counts.failure_rate == 0:
             yield Line(good("YES"), bold(f"  as it is: {_failures(own)}"))
         else:
-            yield Line(warn_word("PARTLY"), bold(f"  as it is: {_failures(own)}"))
+            word = bad("NO") if own.counts.failure_rate == 1 else warn_word("PARTLY")
+            yield Line(word, bold(f"  as it is: {_failures(own)}"))
             yield "no change that was tried helps measurably"
         yield Table(
             [_row(own, "as it is"), *(_row(one, _name(own, one)) for one in self.others)],
@@ -94,11 +106,15 @@ def _failures(one: CurveTrial) -> str:
     return f"fails in {rate_text(failed, one.counts.carries)} of carries"
 
 
+def _drift(one: CurveTrial) -> str:
+    """The forecast, of the drift that is permitted."""
+    if one.forecast is None:
+        return "–"
+    return f"{millimetres(one.forecast.mean_m)} of {millimetres(one.forecast.budget_m)}"
+
+
 def _row(one: CurveTrial, name: str) -> tuple[str, ...]:
-    forecast, counts = one.forecast, one.counts
-    drift = "–"
-    if forecast is not None:
-        drift = f"{millimetres(forecast.mean_m)} of {millimetres(forecast.budget_m)}"
+    counts, drift = one.counts, _drift(one)
     if counts is None:
         return f"  {name}", "refused" if one.refusal else "not carried", "", drift
     return (
@@ -125,6 +141,7 @@ def compare_on_curve(
     carries: int = 20,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
+    on_line: Callable[[str], None] | None = None,
 ) -> CurveComparison:
     """Try what helps along a curve in MuJoCo.
 
@@ -139,30 +156,55 @@ def compare_on_curve(
         carries: carries with each change, all with the seeds 0, 1, …
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
+        on_line: called with a line on each forecast, and on each change that was carried.
 
     Raises:
         SceneError: the scene cannot be read or is not valid.
-        PalmbotsError: another argument is not allowed.
+        PalmbotsError: another argument is not allowed, or MuJoCo is not installed.
     """
     entry = resolve(controller)
     refuse_reference(entry, "carries in MuJoCo")
+    mujoco()  # without it every change would fail
     chosen, report = load_scene(scene, overrides), on_progress or (lambda fraction: None)
     path: Keys = {}
     if chosen.task.path.kind == "straight":
         path = turn_keys(chosen, turn_radius_m, turn_angle_deg)
     curved = load_scene(chosen, dict(path)) if path else chosen
-    own = try_curve(chosen, entry, path, lambda done: report(_OWN * done), carries=carries)
-    plans = [*_plans(curved, own)]
-    others: list[CurveTrial] = []
-    for k, (name, changes) in enumerate(plans):
+    say = on_line or (lambda text: None)
+    plans: list[_Plan] = [(entry, chosen, path)]
+    own = forecast_curve(chosen, entry, path)
+    plans += [(name or entry, curved, changes) for name, changes in _plans(curved, own)]
+    trials = [own]
+    for k, plan in enumerate(plans):
+        if k > 0:
+            trials.append(forecast_curve(plan[1], plan[0], plan[2]))
+        say(f"{_title(trials, k)}: forecast drift {_drift(trials[k])}")
+        report(_FORECASTS * (k + 1) / len(plans))
+    # The time of a carry is about proportional to its distance.
+    metres = [
+        load_scene(plan[1], dict(plan[2])).task.distance_m if trial.can_be_carried else 0.0
+        for plan, trial in zip(plans, trials, strict=True)
+    ]
+    begun, done_m, total_m = time.monotonic(), 0.0, max(sum(metres), 1e-9)
+    for k, (entry, base, _) in enumerate(plans):
 
-        def part(done: float, k: int = k) -> None:
-            report(_OWN + (1 - _OWN) * (k + done) / len(plans))
+        def part(done: float, before: float = done_m, here: float = metres[k]) -> None:
+            report(_FORECASTS + (1 - _FORECASTS) * (before + done * here) / total_m)
 
-        others.append(try_curve(curved, name or entry, changes, part, carries=carries))
+        trials[k] = carry_curve(base, entry, trials[k], part, carries=carries)
+        done_m += metres[k]
+        if trials[k].counts is not None:
+            left_s = (time.monotonic() - begun) * (total_m / done_m - 1)
+            left = f"; about {duration(left_s)} left" if done_m < total_m else ""
+            say(f"{_title(trials, k)}: {_failures(trials[k])}{left}")
+    own, *others = trials
     others.sort(key=lambda one: 2.0 if one.counts is None else one.counts.failure_rate)
     report(1.0)
     return CurveComparison(own, tuple(others), chosen)
+
+
+def _title(trials: list[CurveTrial], k: int) -> str:
+    return _name(trials[0], trials[k]) if k > 0 else "as it is"
 
 
 def _plans(scene: Scene, own: CurveTrial) -> Iterator[tuple[str | None, Keys]]:

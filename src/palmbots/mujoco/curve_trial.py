@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from palmbots._util.text import format_number
@@ -34,6 +34,11 @@ class CurveTrial:
     """In the MuJoCo world; None: the forecast exceeds the budget, so no carry was tried."""
     refusal: str
     """Why the pair cannot drive along the curve; empty: it can."""
+
+    @property
+    def can_be_carried(self) -> bool:
+        """Whether the pair can drive along the curve, and the object is not expected to tip."""
+        return self.forecast is not None and self.forecast.verdict != "beyond"
 
     @property
     def settings(self) -> str:
@@ -81,21 +86,45 @@ def try_curve(
     carries: int,
 ) -> CurveTrial:
     """Forecast the drift on the curve, and carry along it unless the object would tip."""
+    trial = forecast_curve(scene, controller, changes, lambda done: report(0.2 * done))
+    return carry_curve(
+        scene, controller, trial, lambda done: report(0.2 + 0.8 * done), carries=carries
+    )
+
+
+def forecast_curve(
+    scene: Scene,
+    controller: ControllerLike,
+    changes: Keys,
+    report: Callable[[float], None] = lambda fraction: None,
+) -> CurveTrial:
+    """Forecast the drift on the curve."""
     entry = resolve(controller)
-    forecast = counts = None
     try:
-        curved = load_scene(scene, dict(changes))
         forecast = forecast_drift(
-            curved, entry, seeds=FORECASTS, on_progress=lambda done: report(0.2 * done)
+            load_scene(scene, dict(changes)), entry, seeds=FORECASTS, on_progress=report
         )
-        if forecast.verdict != "beyond":
-            counts = count_outcomes(
-                curved,
-                entry,
-                seeds=carries,
-                world="mujoco",
-                on_progress=lambda done: report(0.2 + 0.8 * done),
-            )
     except PalmbotsError as error:
-        return CurveTrial(entry.name, changes, forecast, None, str(error))
-    return CurveTrial(entry.name, changes, forecast, counts, "")
+        return CurveTrial(entry.name, changes, None, None, str(error))
+    return CurveTrial(entry.name, changes, forecast, None, "")
+
+
+def carry_curve(
+    scene: Scene,
+    controller: ControllerLike,
+    trial: CurveTrial,
+    report: Callable[[float], None],
+    *,
+    carries: int,
+) -> CurveTrial:
+    """The trial of a forecast with carries along the curve, unless the object would tip."""
+    if not trial.can_be_carried:
+        return trial
+    try:
+        counts = count_outcomes(
+            load_scene(scene, dict(trial.changes)), controller, seeds=carries, world="mujoco",
+            on_progress=report,
+        )  # fmt: skip
+    except PalmbotsError as error:
+        return replace(trial, refusal=str(error))
+    return replace(trial, counts=counts)
