@@ -24,7 +24,7 @@ PARTS: list[list[tuple[str, str | None]]] = [
     [("1 correction, no messages", "The left robot tilts its own palm up and drives closer.")],
 ]  # fmt: skip
 # What a part says or draws only once it has been watched.
-OUTCOME = ".after, .ending strong, .right-answer, .next"
+OUTCOME = ".after, .ending strong, .right-answer"
 
 
 def watch(page: Page) -> None:

@@ -10,7 +10,7 @@ import { carryCommand, controllerWord, sceneWords } from "../shared/command";
 import { DRIVES, PALMS, type PolicyRow, type Recorded } from "../shared/core";
 import { get } from "../shared/scene_values";
 import {
-  OWN_ROWS, SIGN_PAIRS, TABLE_1_ROWS, base, controllerNumber, core, extra, overrides, player, policy,
+  OWN_ROWS, SIGN_PAIRS, TABLE_1_ROWS, address, base, controllerNumber, core, extra, overrides, player, policy,
   problem, refusalOf, scene, seed, setExtra,
 } from "../shared/state";
 import { controllerInfo } from "../shared/tables";
@@ -248,9 +248,10 @@ export function CompareView() {
         </div>
         <p class="note" id="counted-and-proved">
           These drops are counted, each carry with its own noise. Of 100 such intervals, 95 contain what
-          very many carries would show, so 0 of 1000 does not mean never. The view Design looks at all
-          positions of the contacts instead, also at those that no carry here reaches: it may say
-          “fails” where 0 of 1000 drop.
+          very many carries would show, so 0 of 1000 does not mean never.{" "}
+          <a href={address({ view: "design", time: false })}>Design</a> looks at all positions of the
+          contacts instead, also at those that no carry here reaches: it may say “fails” where 0 of 1000
+          drop.
         </p>
       </section>
       {names.value.includes(OWN_ROWS) && <Rows />}

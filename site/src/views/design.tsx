@@ -11,10 +11,10 @@ import { drawCells } from "../shared/raster";
 import { fromPaper } from "../shared/scene";
 import { get, ofSide } from "../shared/scene_values";
 import {
-  base, controller, core, extra, extraNumber, forks, overrides, recorded, scene, seed, setExtra,
+  address, base, controller, core, extra, extraNumber, forks, overrides, recorded, scene, seed, setExtra,
 } from "../shared/state";
 import { type Json, SIDES, tables } from "../shared/tables";
-import { palette } from "../shared/theme";
+import { isLow, palette } from "../shared/theme";
 import { sceneFile } from "../shared/toml";
 
 const DEGREE = Math.PI / 180;
@@ -296,7 +296,7 @@ export function DesignView() {
         </label>
       </div>
       <div class="columns">
-        <Canvas id="design-map" height={(width) => Math.min(width, 460)} draw={draw}
+        <Canvas id="design-map" height={(width) => Math.min(width, isLow.value ? 350 : 460)} draw={draw}
           class="crosshair" label="tolerance of each pair of palm angles; the arrow keys move the chosen pair"
           onPointerDown={pick} onPointerMove={pick} onKeyDown={keys} />
         <section>
@@ -316,7 +316,8 @@ export function DesignView() {
           <p class="note" id="proved-and-counted">
             This view looks at all positions of the contacts within ±{region_mm.toFixed(0)} mm, and
             knows no noise. Where a property fails, a carry may still arrive, because its contacts may
-            never come to such a position: Compare counts how many of 1000 drop the box. Where
+            never come to such a position: <a href={address({ view: "compare", time: false })}>Compare</a>{" "}
+            counts how many of 1000 drop the box. Where
             both properties hold, much noise can still push a contact off its palm.
           </p>
           <p class="note">

@@ -16,7 +16,7 @@ import { type View, onFloor, viewOf } from "../shared/pair_view";
 import { drawSide } from "../shared/side_view";
 import { base, core, extraNumber, extras, overrides, scene, setExtra, setForAll, valuesOf } from "../shared/state";
 import { SIDES, tables } from "../shared/tables";
-import { type Palette, palette } from "../shared/theme";
+import { type Palette, isLow, palette } from "../shared/theme";
 
 const DEGREE = Math.PI / 180;
 const MODE_CELLS = [0, 1, 2] as const;
@@ -101,7 +101,7 @@ function setObject(changes: { vertices_m?: Xy[]; com_m?: Xy }): void {
 const view = signal<View | null>(null);
 
 function mechanicsHeight(width: number): number {
-  return Math.round(Math.min(400, Math.max(260, width * 0.45)));
+  return Math.round(Math.min(isLow.value ? 310 : 400, Math.max(260, width * 0.45)));
 }
 
 // A view of the pair that leaves room above for the cones.
@@ -485,10 +485,9 @@ export function MechanicsView() {
       <header class="lead">
         <h1>Which contact slides?</h1>
         <p>
-          Drag the centre of mass, a corner, a palm, a contact or an edge of the cones. The squeeze H is
-          the force with which the palms press the object inward. It decides which contact slides on
-          closing, when the robots drive the contact points towards each other, and on opening, when
-          they drive them apart.
+          Drag the centre of mass, a corner, a palm, a contact or an edge of the cones. The squeeze H, the
+          force with which the palms press the object inward, decides which contact slides on closing
+          (the robots drive the contact points together) and on opening (apart).
         </p>
       </header>
       <div class="choices">

@@ -122,14 +122,6 @@ export function StoriesView() {
         {!isSeen() && !isAsking() && !player.playing.value && (
           <span class="note">Press play, or the space bar, to see what happens.</span>
         )}
-        {isSeen() && next && (
-          <span class="row next">
-            <strong>{next.task}</strong>
-            <button type="button" class="act" onClick={() => begin(place, number + 1)}>
-              {next.label}
-            </button>
-          </span>
-        )}
         {number > 1 && (
           <button type="button" class="plain" onClick={() => begin(place, 1)}>
             back to the beginning
@@ -146,6 +138,14 @@ export function StoriesView() {
             <div class="after" role="status">
               <p>{part.after}</p>
               {part.hasSqueezes && <Squeezes />}
+              {next && (
+                <p class="row next">
+                  <strong>{next.task}</strong>
+                  <button type="button" class="act" onClick={() => begin(place, number + 1)}>
+                    {next.label}
+                  </button>
+                </p>
+              )}
             </div>
           )}
         </div>

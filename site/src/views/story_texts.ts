@@ -64,7 +64,7 @@ export const STORIES: Story[] = [
   {
     title: "A lost Ack, and leases",
     text:
-      "The right robot has asked for help with TiltUp. The radio of the left robot fails for half a second, and its answer, the Ack, is lost.",
+      "At 0.4 s, the right robot asks for help with TiltUp. Then the radio of the left robot fails for half a second, and its answer, the Ack, is lost.",
     parts: [
       {
         set: SILENT_LEFT, speed: 2,
@@ -120,7 +120,7 @@ export const STORIES: Story[] = [
   {
     title: "A reboot",
     text:
-      "The right robot assists its partner with a correction. Then it reboots within 20 ms, and forgets that it was assisting.",
+      "At 0.4 s, the left robot begins a correction, and the right one assists. At 0.8 s, the right robot reboots, which takes 20 ms, and forgets that it was assisting.",
     parts: [
       {
         set: REBOOT, speed: 2,
