@@ -6,13 +6,16 @@ import os
 import subprocess
 import sys
 import tomllib
+from inspect import signature
 from pathlib import Path
 
 import pytest
 
 from commands import Run
+from palmbots.cli.commands.up_command import up
+from palmbots.cli.commands.world_command import world
 from palmbots.control.registry import shipped_names
-from palmbots.control.tolerated_noise import tolerated_noise
+from palmbots.control.tolerated_noise import RECOMMENDED, tolerated_noise
 from palmbots.scene.error_messages import dotted_keys
 from palmbots.scene.key_reference import scene_keys
 from palmbots.scene.scene import Scene, load_scene
@@ -92,9 +95,12 @@ def test_init_scene_writes_the_default_scene(
     text = Path("my.toml").read_text()
     assert load_scene("my.toml") == Scene()
     given = {f"{s}.{key}" for s, table in tomllib.loads(text).items() for key in table}
+    of_the_box = {f"object.{key}" for key in ("vertices_m", "contacts", "com_m", "mass_kg")}
     assert {
         k.name for k in scene_keys() if k.default is not None and k.name.count(".") == 1
-    } <= given
+    } - of_the_box <= given
+    # Who writes only an outline does not keep the centre of mass of another object.
+    assert not of_the_box & given
     assert max(map(len, text.splitlines())) <= 80
     for key in scene_keys():
         assert key.meaning.split(" ")[0] in text
@@ -135,3 +141,9 @@ def test_help_imports_nothing_that_only_the_work_needs() -> None:
         "assert not slow & set(sys.modules), slow & set(sys.modules)\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_robots_run_the_recommended_controller_by_default() -> None:
+    """Their defaults are literals, because the help reads them as text."""
+    for command in (up, world):
+        assert signature(command).parameters["controller"].default == RECOMMENDED

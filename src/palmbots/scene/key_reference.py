@@ -11,7 +11,7 @@ import ast
 import inspect
 import os
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -171,13 +171,22 @@ def default_scene_toml() -> str:
         "# keeps its default. palm.left.KEY, palm.right.KEY, robot.left.KEY and",
         "# robot.right.KEY override one side. radio.left, radio.right and radio.station",
         "# override latency_s, jitter_s and loss for what one sender transmits.",
+        "# The paper's box is in comments: what you leave so follows from an outline of",
+        "# your own (vertices_m or box_m).",
         "# Run it: palmbots carry FILE",
     ]
-    return commented_toml(head, scene_keys())
+    return commented_toml(head, scene_keys(), _OF_THE_BOX)
 
 
-def commented_toml(head: Iterable[str], keys: Iterable[SceneKey]) -> str:
-    """Keys with their defaults as TOML, below `head`, with meaning and unit as comments."""
+_OF_THE_BOX = ("object.vertices_m", "object.contacts", "object.com_m", "object.mass_kg")
+"""Those that are not written here follow from an outline."""
+
+
+def commented_toml(
+    head: Iterable[str], keys: Iterable[SceneKey], unset: Collection[str] = ()
+) -> str:
+    """Keys with their defaults as TOML, below `head`, with meaning and unit as comments. The
+    defaults of the keys in `unset` are comments, too."""
     lines = [*head]
     section = ""
     for key in keys:
@@ -188,5 +197,6 @@ def commented_toml(head: Iterable[str], keys: Iterable[SceneKey]) -> str:
         unit = f" [{key.unit}]" if key.unit else ""
         text = f"{key.meaning}{unit}".strip()
         lines += textwrap.wrap(text, _LINE_WIDTH, initial_indent="# ", subsequent_indent="# ")
-        lines.append(f"{name} = {key.default_text}" if key.default_text else f"# {name} =")
+        line = f"{name} = {key.default_text}".rstrip()
+        lines.append(line if key.default_text and key.name not in unset else f"# {line}")
     return "\n".join(lines) + "\n"

@@ -288,6 +288,8 @@ class Station:
         status = view.status
         if status is None or not view.is_heard(self.clock()):
             return "is not heard"
+        if view.is_late and self._wish in _STOPS:
+            return f"a packet and its answer take {view.answer_s:.1f} s"
         if view.is_late:
             return view.late_line()
         if status.mode == "stopped":

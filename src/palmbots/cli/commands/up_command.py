@@ -22,7 +22,7 @@ _PLAIN = ("--watch", "--plain", *_WAIT)
 
 @command(
     order=200,
-    example="palmbots up paper --controller resilient --lockstep",
+    example="palmbots up paper --lockstep",
     results=("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry"),
     link=Option(metavar="TEXT"),
     log=Option(metavar="DIR"),
@@ -30,7 +30,7 @@ _PLAIN = ("--watch", "--plain", *_WAIT)
 )
 def up(
     scene: str = "paper",
-    controller: str = "resilient",
+    controller: str = "shared-sign",
     lockstep: bool = False,
     rate: float = 1.0,
     link: str = "",

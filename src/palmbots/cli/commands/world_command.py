@@ -26,7 +26,7 @@ def world(
     serve: str = "127.0.0.1:7400",
     lockstep: bool = False,
     rate: float = 1.0,
-    controller: str = "resilient",
+    controller: str = "shared-sign",
     world: str = "quasistatic",
     precision: str = "double",
     seed: int = 0,
