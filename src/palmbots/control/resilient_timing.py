@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import palmbots._core as _core
+from palmbots._types import SIDES
 from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots._util.text import millimetres
@@ -35,6 +36,8 @@ REFUSALS = {
     "impossible": "radio.lease_s: no value is possible with controller resilient: "
     f"{_NEED}, but at most {{longest}} is allowed: {_ROOM}; lower radio.latency_s, "
     "radio.jitter_s, radio.beacon_s or robot.speed_m_s",
+    "no room": "{zone}; allowed with controller resilient: a zero zone that ends less than {reach} m "
+    "from the pivot, on the usable part of the palm",
 }
 """Why a scene is refused, with names in braces for what is filled in: times in s, the room in mm.
 The first three in the order of the core's problems; the page fills in the same sentences."""
@@ -101,9 +104,16 @@ def bounds_of(scene: Scene) -> Bounds:
 
 
 def _refusal(scene: Scene, b: Bounds, problem: str) -> str:
-    if problem != "beacon" and b.shortest_lease_s > b.longest_lease_s:
+    half_width = f"tactile.zero_half_width_m: value is {scene.tactile.zero_half_width_m:g}"
+    if problem != "beacon" and b.room_m <= 0:
+        problem = "no room"
+    elif problem != "beacon" and b.shortest_lease_s > b.longest_lease_s:
         problem = "impossible"
     return REFUSALS[problem].format(
+        zone=half_width
+        if scene.tactile.zones is None
+        else "tactile.zones: too much of a palm reads 0",
+        reach=f"{min(scene.palm_of(side).reach_m for side in SIDES):g}",
         beacon=f"{scene.radio.beacon_s if problem == 'beacon' else b.beacon_s:g}",
         period=f"{scene.control.period_s:g}",
         delay=f"{b.delay_s:g}",
