@@ -184,3 +184,11 @@ def test_overlapping_palms_give_a_warning() -> None:
         past = placed.palm_inner[0, 0, 0] - placed.palm_inner[0, 1, 0]
         assert _core.palm_overlap(to_spec(scene)) == pytest.approx(past, abs=1e-12)
         assert bool(warnings_before(scene, "none")) == (past > 0)
+
+
+@pytest.mark.parametrize(("steep_deg", "says"), [(0.314, True), (1.0, False), (15.0, False)])
+def test_an_angle_in_rad_is_suspected(steep_deg: float, says: bool) -> None:
+    scene = load_scene("paper", {"palm.steep_deg": steep_deg, "palm.shallow_deg": 0.0})
+    lines = [line for line in warnings_before(scene, "none") if "in rad" in line]
+    assert len(lines) == 2 * says
+    assert not lines or lines[0].endswith("if 0.314 is an angle in rad, write 18.0")

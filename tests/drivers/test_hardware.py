@@ -4,12 +4,12 @@
 import itertools
 import math
 import random
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import pytest
 
-from palmbots.drivers.driver import Drive, RawCommand, RawReading
+from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReading
 from palmbots.drivers.hardware import (
     Hardware,
     HardwareParameters,
@@ -25,6 +25,8 @@ from palmbots.drivers.hardware import (
     wheel_rates,
 )
 from palmbots.drivers.hardware_io import HardwareIo
+from palmbots.errors import PalmbotsError
+from scripted_drivers import NotedHardware
 
 PERIOD_S = 0.01
 
@@ -201,3 +203,15 @@ def test_keys_of_one_robot_override_those_of_both() -> None:
     hardware = Hardware.model_validate({"trim": 0.01, "left": {"trim": -0.02}, "right": {}})
     assert (hardware.of("left").trim, hardware.of("right").trim) == (-0.02, 0.01)
     assert set(type(hardware.left).model_fields) == set(HardwareParameters.model_fields)
+
+
+def test_encoders_that_a_driver_does_not_read_are_refused() -> None:
+    class Blind(NotedHardware):
+        def read_raw(self) -> RawReading:
+            return RawReading(None, (False, True, False))
+
+    settings = DriverSettings("left", leads=False, address="", period_s=0.01, watchdog_s=0.1)
+    with pytest.raises(PalmbotsError, match="encoder_ticks_per_turn: value is 1440, but the driv"):
+        Blind(settings).read()
+    without = HardwareParameters(encoder_ticks_per_turn=0)
+    assert Blind(replace(settings, hardware=without)).read() is not None

@@ -139,6 +139,16 @@ inline void warn_if_blind(const Spec& spec, std::size_t side, std::vector<std::s
                   " from the pivot (tactile.zero_half_width_m, tactile.zones)");
 }
 
+// A palm that is nearly level when it is steep: an angle in rad, most likely.
+inline void warn_if_in_rad(const Spec& spec, std::size_t side, std::vector<std::string>& lines) {
+  constexpr double degrees_per_radian = 1 / radians_per_degree<double>;
+  const double degrees = spec.palms[side].steep * degrees_per_radian;
+  if (!(degrees > 0.05 && degrees < 1)) return;
+  lines.push_back(
+      sentence("palm.steep_deg of the %s palm is %g degrees; if %g is an angle in rad, write %.1f",
+               side == left ? "left" : "right", degrees, degrees, degrees * degrees_per_radian));
+}
+
 // The lease of a table within which a beacon may not be answered in time. Below twice the latency of
 // the radio no beacon is answered in time: the controller carries as `silent` does. From there up to
 // the lease named in the warning, some answers arrive in time.
@@ -225,6 +235,7 @@ inline std::vector<std::string> warnings_before(const Spec& spec, const Controll
   if (controller.decider != Decider::none) {
     for (const std::size_t side : {left, right}) detail::warn_if_blind(spec, side, lines);
   }
+  for (const std::size_t side : {left, right}) detail::warn_if_in_rad(spec, side, lines);
   lines.insert(lines.end(), of_object.begin(), of_object.end());
   if (const double overlap = palm_overlap_of(spec); overlap > 0) {
     lines.push_back("the palms overlap by " + detail::millimetres(overlap) +

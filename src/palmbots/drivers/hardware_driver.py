@@ -41,7 +41,7 @@ class HardwareDriver(ABC):
         """The newest reading.
 
         Raises:
-            PalmbotsError: there are more or fewer switches than ``[hardware]`` lists.
+            PalmbotsError: ``[hardware]`` lists other switches, or encoders that do not exist.
         """
         raw = self.read_raw()
         if raw is None:
@@ -51,6 +51,12 @@ class HardwareDriver(ABC):
             raise PalmbotsError(
                 f"hardware.switches: {listed} switches are listed; the driver reads "
                 f"{len(raw.closed)}"
+            )
+        counts = self.settings.hardware.encoder_ticks_per_turn
+        if raw.wheel_counts is None and counts > 0:
+            raise PalmbotsError(
+                f"hardware.encoder_ticks_per_turn: value is {counts:g}, but the driver reads no "
+                "encoders; allowed: 0"
             )
         return self._io.reading(raw, time.monotonic())
 

@@ -14,6 +14,7 @@ from palmbots._types import Side
 from palmbots._util import process_clock
 from palmbots._util.end_signal import ended_by_signal
 from palmbots.clocks.control_clock import control_clock
+from palmbots.control.dead_band import warnings_before
 from palmbots.control.registry import ControllerEntry
 from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import PalmbotsError
@@ -66,6 +67,9 @@ def run_live_robot(
     with booted(file) as state, contextlib.ExitStack() as stack:
         scene = load_scene(pair.scene())
         live_program(pair, side, state, scene, rate)  # refuses before anything is opened
+        if pair.settings.driver.kind != "simulated":  # for the others the world does it
+            for text in warnings_before(scene, controller_of(pair)):
+                on_line(f"warning: {text}")
         link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
         observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file))))
         keeper = stack.enter_context(StateKeeper(file, state))

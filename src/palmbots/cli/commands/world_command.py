@@ -115,11 +115,15 @@ def _live(
 ) -> int:
     """A world in real time."""
     from palmbots.cli._streams import say
+    from palmbots.control.dead_band import warnings_before
     from palmbots.links.local_connection import listen
     from palmbots.simulation.imperfections import load_imperfections
     from palmbots.simulation.live_world import run_live_world
 
     imperfections = load_imperfections(imperfect) if imperfect else None
+    if not as_json:
+        for text in warnings_before(scene, "none"):
+            say(f"palmbots: warning: {text}")
     with listen(serve, "--serve") as door:
         result = run_live_world(
             scene, door, world=world, seed=seed, rate=rate, imperfections=imperfections,
