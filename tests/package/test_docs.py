@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The docs are true: links have targets, tables match the code, commands and examples run."""
 
-import functools
 import importlib
 import itertools
 import re
@@ -17,7 +16,6 @@ from typer.main import get_command
 import palmbots as pb
 from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
-from palmbots.mujoco.curve_trial import turn_keys
 from palmbots.optimum.opening import Grid
 from palmbots.optimum.optimal_controllers import _policy
 from short_validation import FEW_LINES
@@ -62,7 +60,7 @@ FEW = {
     "carry -c optimal": ["--set", "task.distance_m=0.1"],
     "carry -c optimal-stopping": ["--set", "task.distance_m=0.1"],
     "compare": ["--carries", "2"],
-    "curve": ["--carries", "1", "--set", "robot.speed_m_s=0.18"],
+    "curve": ["--carries", "1", "--turn-angle-deg", "15", "--set", "robot.speed_m_s=0.18"],
     "design": ["--resolution-deg", "2", "--set", "task.distance_m=0.1"],
     "drop-rate": ["--effort", "20", "--relative-error-percent", "100", *NEAR],
     "bound": ["--set", "task.distance_m=0.05"],
@@ -85,7 +83,6 @@ SMALLER: dict[str, dict[str, Any]] = {
     "carry -c optimal-stopping": OPTIMAL,
     "curve": {
         "palmbots.mujoco.curve_trial.FORECASTS": 1,
-        "palmbots.mujoco.curve_comparison.turn_keys": functools.partial(turn_keys, angle_deg=15.0),
     },
     "validate": FEW_LINES,
     "speed-limits": {f"{LIMITS}.FRICTIONS": (0.3,), f"{LIMITS}.FACTORS": (1.0,)},

@@ -36,8 +36,8 @@ REFUSALS = {
     "impossible": "radio.lease_s: no value is possible with controller resilient: "
     f"{_NEED}, but at most {{longest}} is allowed: {_ROOM}; lower radio.latency_s, "
     "radio.jitter_s, radio.beacon_s or robot.speed_m_s",
-    "no room": "{zone}; allowed with controller resilient: a zero zone that ends less than {reach} m "
-    "from the pivot, on the usable part of the palm",
+    "no room": "{zone}; allowed with controller resilient: a zero zone that ends less than {reach} "
+    "m from the pivot, on the usable part of the palm",
 }
 """Why a scene is refused, with names in braces for what is filled in: times in s, the room in mm.
 The first three in the order of the core's problems; the page fills in the same sentences."""

@@ -38,6 +38,8 @@ LEAST_M_S, MOST_M_S = 1e-4, 1.0
 """The noises that the bracket may reach; the largest is the scene's own limit."""
 LEVELS = 5
 """Noises at which the carries that count run."""
+FEW, FEW_IN_PYTHON = 200, 50
+"""Carries of the pilot run at each noise, at least: in the core, and where Python steps them."""
 MOST_CARRIES_IN_PYTHON = 20_000
 """More carries that Python steps than this take longer than about a quarter of an hour."""
 
@@ -167,20 +169,23 @@ def noise_limit(
     seed = seed_of(seed)
     workers = available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
     base = load_scene(scene, overrides)
-    few = max(200, math.ceil(4 / drop_rate))
     place = world_entry(world)
-    if entry.is_python or place.is_stepped:
+    is_slow = entry.is_python or place.is_stepped
+    few = max(FEW_IN_PYTHON if is_slow else FEW, math.ceil(4 / drop_rate))
+    if is_slow:
         _refuse_if_slow(entry, place, drop_rate, relative_half_width, few)
     if all(override.noise_m_s is not None for override in (base.robot.left, base.robot.right)):
         raise PalmbotsError(
             f"{NOISE_KEY}: both robots override it; allowed: an override of one robot at most"
         )
-    run = _Carries(base, entry, place, seed, workers, on_progress or (lambda fraction: None))
+    expected = _expected(drop_rate, relative_half_width, few)
+    report = on_progress or (lambda fraction: None)
+    run = _Carries(base, entry, place, seed, workers, report, expected)
     pilot = _locate(run, base.robot.noise_m_s, drop_rate, few)
     pilot_carries = run.carries
     found: Crossing | None = None
     for _ in range(4):
-        found, window = _measure(run, pilot, drop_rate, relative_half_width)
+        found, window = _measure(run, pilot, drop_rate, relative_half_width, few)
         if found is not None and abs(found.x - pilot.x) <= window:
             break
         pilot = found or pilot  # the window missed the crossing: it moves, with carries of its own
@@ -210,7 +215,7 @@ def noise_limit(
 def _refuse_if_slow(
     entry: ControllerEntry, place: WorldEntry, rate: float, half_width: float, few: int
 ) -> None:
-    expected = 12 * few + _needed(rate, half_width, _TYPICAL_SLOPE)
+    expected = _expected(rate, half_width, few)
     if expected > MOST_CARRIES_IN_PYTHON:
         left = max(MOST_CARRIES_IN_PYTHON - 12 * few, 1)
         least = half_width * math.sqrt(_needed(rate, half_width, _TYPICAL_SLOPE) / left)
@@ -221,6 +226,11 @@ def _refuse_if_slow(
             f"{what} is stepped in Python and needs about {expected:,} carries; allowed: {other}, "
             f"or a wider interval (relative_half_width {math.ceil(100 * least) / 100:g} or more)"
         )
+
+
+def _expected(rate: float, half_width: float, few: int) -> int:
+    """About how many carries the pilot run and the result take."""
+    return 12 * few + max(_needed(rate, half_width, _TYPICAL_SLOPE), few * LEVELS)
 
 
 def _needed(rate: float, half_width: float, slope: float) -> int:
@@ -239,6 +249,8 @@ class _Carries:
     seed: int
     threads: int
     report: Callable[[float], None]
+    expected: int
+    """In the end, as far as it is known."""
     carries: int = 0
     """All so far."""
     next_seed: int = 0
@@ -248,25 +260,20 @@ class _Carries:
     fraction: float = 0.0
 
     def run(
-        self, noises: list[float], first: int, count: int, share: float, *, counts: bool = False
+        self, noises: list[float], first: int, count: int, *, counts: bool = False
     ) -> list[NoisePoint]:
-        """Run carries first … first + count − 1, each at the next of the noises in turn.
-
-        `share` is the fraction of the whole work that this is expected to be.
-        """
+        """Run carries first … first + count − 1, each at the next of the noises in turn."""
         index = np.arange(count) % len(noises)
         seeds = np.arange(first, first + count, dtype=np.uint64) + np.uint64(self.seed)
-        start = self.fraction
         outcome = carry_many(
             [self._prepared(noise) for noise in noises],
             index,
             seeds,
             threads=self.threads,
-            watch=lambda done: self.report(start + share * done / count),
+            watch=self._report,
         )["outcome"]
-        self.fraction = start + share
-        self.report(self.fraction)
         self.carries += count
+        self._report(0)
         self.next_seed = max(self.next_seed, first + count)
         made = [
             NoisePoint(
@@ -283,7 +290,12 @@ class _Carries:
     def discard(self) -> None:
         """Let none of the carries so far count."""
         self.points = [NoisePoint(p.noise_m_s, p.carries, p.drops, False) for p in self.points]
-        self.fraction = 0.3
+
+    def _report(self, done: int) -> None:
+        """Report the fraction after this many carries of the present run; it never decreases."""
+        now = min((self.carries + done) / self.expected, 1.0)
+        self.fraction = max(self.fraction, now)
+        self.report(self.fraction)
 
     def _prepared(self, noise: float) -> Prepared:
         if noise not in self.prepared:
@@ -309,7 +321,7 @@ def _locate(run: _Carries, start: float, rate: float, few: int) -> Crossing:
 
     def at(noise: float) -> NoisePoint:
         if noise not in tried:
-            (tried[noise],) = run.run([noise], 0, few, 0.15 * (0.3 - run.fraction))
+            (tried[noise],) = run.run([noise], 0, few)
         return tried[noise]
 
     noise = min(max(start or 0.01, LEAST_M_S), MOST_M_S)
@@ -336,7 +348,7 @@ def _locate(run: _Carries, start: float, rate: float, few: int) -> Crossing:
     centre = min(max(centre, math.log(low)), math.log(high))
     step = 0.4 / (_TYPICAL_SLOPE if found is None else min(max(found.slope, 2.5), 12.0))
     levels = [math.exp(centre + step * i) for i in (-2, -1, 0, 1, 2)]
-    run.run([min(n, MOST_M_S) for n in levels], run.next_seed, 5 * few, 0.3 - run.fraction)
+    run.run([min(n, MOST_M_S) for n in levels], run.next_seed, 5 * few)
     near = [p for p in run.points if abs(math.log(p.noise_m_s) - centre) < 5 * step]
     return _fit(near, rate) or Crossing(centre, _TYPICAL_SLOPE, -math.inf, math.inf)
 
@@ -352,14 +364,15 @@ def _unreached(entry: ControllerEntry, point: NoisePoint, rate: float, bound: st
 
 
 def _measure(
-    run: _Carries, pilot: Crossing, rate: float, half_width: float
+    run: _Carries, pilot: Crossing, rate: float, half_width: float, few: int
 ) -> tuple[Crossing | None, float]:
     """The crossing from carries of its own, and half the window of ln(noise) in which they ran."""
     window = min(math.sqrt(_WINDOW_SQUARED * half_width), _WIDEST_PROBIT / pilot.slope)
-    count = max(_needed(rate, half_width, pilot.slope), 200 * LEVELS)
+    count = max(_needed(rate, half_width, pilot.slope), min(few, FEW) * LEVELS)
     if run.entry.is_python or run.place.is_stepped:
         count = min(count, MOST_CARRIES_IN_PYTHON)
     steps = np.linspace(-window, window, LEVELS)
     noises = [min(math.exp(pilot.x + float(step)), MOST_M_S) for step in steps]
-    made = run.run(noises, run.next_seed, count, 1.0 - run.fraction, counts=True)
+    run.expected = run.carries + count
+    made = run.run(noises, run.next_seed, count, counts=True)
     return _fit(made, rate), window

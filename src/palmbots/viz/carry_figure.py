@@ -286,6 +286,10 @@ def _draw_lateral(panel: Axes, view: _View) -> None:
         if has_lips and seen > edge:
             note += "; farther out, the object is askew and leans on a lip"
         panel.annotate(note, (0.004, edge), (0, -2), size=6.5, color=DROP, **place)
+    if scene.task.path.is_curved:
+        note = "on a curve an edge lies askew: the sensor reads where it presses, not its middle"
+        at = {"xycoords": "axes fraction", "textcoords": "offset points"}
+        panel.annotate(note, (0.004, 0.0), (0, 2), size=6.5, color=QUIET, **at)
     panel.set_ylim(-reach, reach)
     panel.set_ylabel(axis_label("across\npalm", "mm"))
 
