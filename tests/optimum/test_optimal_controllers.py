@@ -18,7 +18,7 @@ from palmbots.control.registry import (
     shipped_names,
 )
 from palmbots.optimum import optimal_controllers
-from palmbots.optimum.opening import COARSE, FINE, law_m_s, opening_problem, solve
+from palmbots.optimum.opening import COARSE, FINE, Grid, law_m_s, opening_problem, solve
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DELIVERED, DROPPED, Columns, run_seeds
 from random_scenes import random_scene
@@ -30,6 +30,12 @@ STOPS = ("silent", "shared-sign")
 
 def columns(scene: pb.Scene, controller: str, carries: int, first: int = 10**6) -> Columns:
     return run_seeds(to_spec(scene), controller, first, carries, threads=2)
+
+
+def on_grid(grid: Grid, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Solve on this grid, and keep nothing for other tests."""
+    monkeypatch.setattr(optimal_controllers, "FINE", grid)
+    monkeypatch.setattr(optimal_controllers, "_policy", optimal_controllers._policy.__wrapped__)
 
 
 def test_references_are_no_shipped_controllers() -> None:
@@ -53,7 +59,8 @@ def test_drop_rate_is_near_the_prediction() -> None:
     assert predicted - error < found < 1.25 * predicted + error
 
 
-def test_stopping_drops_fewer_and_costs_little_time() -> None:
+def test_stopping_drops_fewer_and_costs_little_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    on_grid(COARSE, monkeypatch)
     scene = pb.load_scene("paper", {"robot.noise_m_s": 0.05, "task.distance_m": 0.6})
     one, two = (columns(scene, name, 1000) for name in BEST)
     dropped = [float(np.mean(run["outcome"] == DROPPED)) for run in (one, two)]
@@ -83,8 +90,7 @@ def test_scenes_with_little_noise_are_delivered(
     name: str, change: dict[str, object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """On coarse grids: nobody looks at a drop rate here."""
-    monkeypatch.setattr(optimal_controllers, "FINE", COARSE)
-    monkeypatch.setattr(optimal_controllers, "_policy", optimal_controllers._policy.__wrapped__)
+    on_grid(COARSE, monkeypatch)
     run = pb.carry("paper", name, overrides={"task.distance_m": 0.5} | change)
     assert run.outcome == "delivered"
     assert run.messages == 0
@@ -112,11 +118,14 @@ def noisy(scene: pb.Scene) -> pb.Scene:
 
 
 @pytest.mark.parametrize(
-    ("scenes", "carries"),
-    [(2, 300), pytest.param(40, 2000, marks=pytest.mark.soak)],
+    ("scenes", "carries", "grid"),
+    [(2, 300, COARSE), pytest.param(40, 2000, FINE, marks=pytest.mark.soak)],
 )
-def test_no_shipped_controller_is_better(scenes: int, carries: int) -> None:
+def test_no_shipped_controller_is_better(
+    scenes: int, carries: int, grid: Grid, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Paired seeds, one-sided, at 1 % by Holm's procedure over all comparisons."""
+    on_grid(grid, monkeypatch)
     p_values = []
     for seed in range(scenes):
         scene = noisy(random_scene(seed, 0.5))
