@@ -16,7 +16,7 @@ from palmbots.derivation.global_policy import as_printed, table_1
 from palmbots.derivation.local_rules import derive
 from palmbots.derivation.policy_file import read_policy
 from palmbots.derivation.refinement import check_refinement
-from palmbots.derivation.verification import verify
+from palmbots.derivation.verification import verified
 from palmbots.errors import PalmbotsError
 
 _POLICIES = {"table-1": table_1, "as-printed": as_printed}
@@ -78,5 +78,5 @@ def _of_file(policy: str, on_progress: Callable[[float], None]) -> DerivedPolicy
     if reasons:
         return DerivedPolicy(policy, table, rules, reasons, None)
     machines = machines_of(table)
-    found = verify(machines, table.rest, on_progress=on_progress)
+    found = verified(machines, table.rest, on_progress)
     return DerivedPolicy(policy, table, rules, (), BySide.of(machines), found)

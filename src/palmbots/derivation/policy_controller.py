@@ -8,15 +8,14 @@ The registry of controllers calls `load_policy` for every name that ends with ``
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from palmbots._util.user_paths import user_path
 from palmbots.control.python_source import ControllerSource, refuse_pipe
 from palmbots.control.registry import POLICY_BOARD_NUMBER, ControllerEntry
-from palmbots.derivation.distributed_algorithm import Machine, machines_of
-from palmbots.derivation.global_policy import Angles, signs_text
+from palmbots.derivation.distributed_algorithm import machines_of
+from palmbots.derivation.global_policy import signs_text
 from palmbots.derivation.policy_file import read_policy
-from palmbots.derivation.verification import MEANINGS, Verification, verify
+from palmbots.derivation.verification import MEANINGS, Verification, verified
 from palmbots.errors import PalmbotsError
 
 _CASES = {"a": "own p > 0", "c": "assists its partner", "d": "own p < 0"}
@@ -60,7 +59,7 @@ def load_policy(
     machines = machines_of(table, called=f"{called}: {path}")
     data = tuple(machine.for_core() for machine in machines)
     if not unproved:
-        found = _verified(data, machines, table.rest, on_progress)
+        found = verified(machines, table.rest, on_progress)
         if not found.holds:
             name = found.fails[0]
             raise PolicyNotProved(
@@ -120,18 +119,3 @@ def load_station_policy(
         station_rows=rows,
         source=ControllerSource(name, hashlib.sha256(place.read_bytes()).hexdigest()),
     )
-
-
-_found: dict[tuple[Any, Angles], Verification] = {}
-
-
-def _verified(
-    data: Any,
-    machines: tuple[Machine, Machine],
-    rest: Angles,
-    on_progress: Callable[[float], None] | None,
-) -> Verification:
-    """The check of these machines; each is checked once in a process."""
-    if (data, rest) not in _found:
-        _found[data, rest] = verify(machines, rest, on_progress=on_progress)
-    return _found[data, rest]

@@ -116,6 +116,21 @@ def verify(
     return search.run()
 
 
+_verified: dict[tuple[object, Angles], Verification] = {}
+
+
+def verified(
+    machines: tuple[Machine, Machine],
+    rest: Angles,
+    on_progress: Callable[[float], None] | None = None,
+) -> Verification:
+    """The check of these machines; equal ones are checked once in a process."""
+    key = tuple(machine.for_core() for machine in machines), rest
+    if key not in _verified:
+        _verified[key] = verify(machines, rest, on_progress=on_progress)
+    return _verified[key]
+
+
 class _Search:
     """A breadth-first search of all states, then a backward induction from the goal."""
 
