@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -20,7 +21,9 @@ import at_call
 from palmbots.errors import PalmbotsError
 from palmbots.studies import dask_runner
 from palmbots.studies.store import Store
-from study_fixtures import LONG, command, marks, refused, said_here, study, study_here
+from palmbots.studies.study_file import load_plan
+from palmbots.studies.study_runner import run_study
+from study_fixtures import LONG, marks, refused, said_here, study, study_here
 from waiting import wait_until
 
 TIMEOUT_S = 60
@@ -229,18 +232,13 @@ def test_two_chunk_sizes_on_one_scheduler_do_not_mix(
     shared: str, long: Path, whole: str, tmp_path: Path
 ) -> None:
     """Side by side on one scheduler: equal chunk numbers, unlike chunks."""
-    running = [
-        subprocess.Popen(
-            command(
-                long, "--out", tmp_path / n, "--chunk-size", n, "--scheduler", shared, "--json"
-            ),
-            stdout=subprocess.PIPE, text=True,
-        )
-        for n in ("1500", "1700")
-    ]  # fmt: skip
-    for process in running:
-        out, _ = process.communicate(timeout=2 * TIMEOUT_S)
-        assert f'"hash": "{whole}"' in out
+    with ThreadPoolExecutor() as running:
+
+        def carried(size: int) -> str:
+            root = tmp_path / str(size)
+            return run_study(load_plan(long), root, chunk_size=size, scheduler=shared).hash
+
+        assert set(running.map(carried, (1500, 1700))) == {whole}
 
 
 def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: Path) -> None:
