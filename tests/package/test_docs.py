@@ -81,9 +81,7 @@ SMALLER: dict[str, dict[str, Any]] = {
     "bound": {f"{OPTIMUM}.drop_bound.FINE": GRID, f"{OPTIMUM}.drop_bound.COARSE": GRID},
     "carry -c optimal": OPTIMAL,
     "carry -c optimal-stopping": OPTIMAL,
-    "curve": {
-        "palmbots.mujoco.curve_trial.FORECASTS": 1,
-    },
+    "curve": {"palmbots.mujoco.curve_trial.FORECASTS": 1},
     "validate": FEW_LINES,
     "speed-limits": {f"{LIMITS}.FRICTIONS": (0.3,), f"{LIMITS}.FACTORS": (1.0,)},
 }
