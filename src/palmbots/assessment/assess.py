@@ -125,12 +125,15 @@ class Assessment(Result):
             if self.answers.load.verdict == "no":
                 return "the object is too heavy for these robots"
             return "no shipped controller carries this object"
+        load = "the object may be too heavy for these robots"
+        if self.load is not None and self.load.remarks and not self.load.counts.failure_rate:
+            load = "wheels slip under the load"
         use = f"use {best.controller}: it fails in {failures(best)} of carries"
         doubts = [
             words
             for answer, words in (
                 (self.answers.carried, "the object is not held in every state that may occur"),
-                (self.answers.load, "the object may be too heavy for these robots"),
+                (self.answers.load, load),
                 (self.answers.friction, "not with every friction of the interval"),
             )
             if answer.verdict in ("no", "partly")

@@ -212,6 +212,7 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
     verdict: Verdict = "yes"
     if trial.unlike != "holds" and trial.alike == "holds":
         proofs[0] += " if it is the same on both palms"
+        command += " --common-friction"
         proofs.append(f"with {low:g} on one palm and {high:g} on the other one a property fails")
         verdict = "likely"
     elif trial.unlike != "holds":
@@ -316,7 +317,10 @@ def on_curve(trial: CurveTrial | None, scene: Scene) -> Answer:
     if counts.failure_rate > 0.5:
         verdict = "no"
     fails = f"{counts.controller} fails in {failures(counts)} of carries in MuJoCo"
-    text = "; ".join([f"{where}: {fails}", *_reason(counts), f"{drift} {room}"])
+    doubt = ""
+    if verdict == "no" and not forecast.lips and forecast.mean_m < forecast.budget_m:
+        doubt = ", so something else makes it fall"
+    text = "; ".join([f"{where}: {fails}", *_reason(counts), f"{drift} {room}{doubt}"])
     return Answer(question, verdict, text, command)
 
 

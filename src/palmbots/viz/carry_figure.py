@@ -288,8 +288,7 @@ def _draw_lateral(panel: Axes, view: _View) -> None:
         panel.annotate(note, (0.004, edge), (0, -2), size=6.5, color=DROP, **place)
     if scene.task.path.is_curved:
         note = "on a curve an edge lies askew: the sensor reads where it presses, not its middle"
-        at = {"xycoords": "axes fraction", "textcoords": "offset points"}
-        panel.annotate(note, (0.004, 0.0), (0, 2), size=6.5, color=QUIET, **at)
+        panel.text(0.004, 0.04, note, transform=panel.transAxes, size=6.5, color=QUIET)
     panel.set_ylim(-reach, reach)
     panel.set_ylabel(axis_label("across\npalm", "mm"))
 
