@@ -95,7 +95,11 @@ class FaultWatch:
             self._moved_s = now_s
         elif now_s - self._moved_s > _HANGS_S and self._may_say("hangs", now_s):
             shown = ", ".join(f"{side} is {mode}" for side, mode in modes.items())
-            lines.append(f"the carry has not moved on for {_HANGS_S:g} s: it hangs ({shown})")
+            line = f"the carry has not moved on for {_HANGS_S:g} s: it hangs ({shown})"
+            if "done" in now:
+                one, other = SIDES if modes["right"] == "done" else SIDES[::-1]
+                line += f"; {one} waits for {other}, which has arrived: stop the carry"
+            lines.append(line)
         return lines
 
     def _note_progress(self, side: Side, status: Status, now_s: float) -> None:
