@@ -80,8 +80,9 @@ def test_processes_carry_as_one_program(case: str, own_class: str, tmp_path: Pat
 
 def test_processes_carry_in_the_dynamic_world_as_one_program() -> None:
     pytest.importorskip("mujoco")
-    arguments = ["--world", "mujoco", "--set", "task.distance_m=0.3", "--json"]
-    _, expected, _ = palmbots(["carry", "--controller", "resilient", *arguments], ROOT)
+    arguments = ["--controller", "resilient", "--world", "mujoco"]
+    arguments += ["--set", "task.distance_m=0.3", "--json"]
+    _, expected, _ = palmbots(["carry", *arguments], ROOT)
     _, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)
     assert (printed, errors) == (expected, "")
 
