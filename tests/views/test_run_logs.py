@@ -7,6 +7,7 @@ import random
 import resource
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -350,3 +351,19 @@ def test_an_older_log_is_kept(tmp_path: Path) -> None:
         for name in ("station-000007.mcap", "station-000007-1.mcap")
     ]
     assert texts == ["first", "second"]
+
+
+def test_nothing_is_drawn_where_the_log_of_a_robot_has_a_gap(tmp_path: Path, clock: Any) -> None:
+    """The program of the right robot was killed in the carry; the left one drives on."""
+    clock["air"] = air = Air()
+    pair = LoggedPair(tmp_path, "resilient", air, UP)
+    pair.start()
+    pair.run(400)
+    left, right, *others = read_run([pair.written()])
+    cut = replace(right, messages=right.messages | {"ticks": right.messages["ticks"][:-100]})
+    logs = [left, cut, *others]
+    trace = carry_of(logs, replay_run(logs).clocks).trace
+    assert trace is not None
+    separation = trace["separation"].to_numpy()
+    assert np.isfinite(separation[:-100]).all()
+    assert np.isnan(separation[-90:]).all()

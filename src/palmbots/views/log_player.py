@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
 from mcap.records import Channel, Message, Schema
 from mcap.stream_reader import StreamReader
 
@@ -41,6 +42,9 @@ def viewable(paths: Sequence[Path], folder: Path) -> Path:
     trace = carry.trace.copy()
     contact = drawn_contact(trace["sign"].to_numpy())
     trace["contact"] = (trace["sign"].dims, contact, trace["contact"].attrs)
+    apart = trace["separation"].to_numpy()  # in a gap of a log the newest known one is drawn
+    newest = np.maximum.accumulate(np.where(np.isnan(apart), 0, np.arange(len(apart))))
+    trace["separation"] = (trace["separation"].dims, apart[newest], trace["separation"].attrs)
     file = folder / "run.mcap"
     write_log(dataclasses.replace(carry, trace=trace), file)
     return file

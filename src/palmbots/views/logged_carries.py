@@ -8,7 +8,7 @@ from typing import Any
 
 from palmbots._types import SIDES
 from palmbots.logs.run_log_reader import RunLog
-from palmbots.pair.fault_words import fault_line
+from palmbots.pair.fault_words import FAULT_WORDS
 from palmbots.views.log_alignment import ClockFit
 
 WHOLE = 65535
@@ -83,4 +83,5 @@ def _end(tick: Any) -> str:
     """What the first tick after a carry says about its end."""
     if tick.mode == "stopped":
         return "stopped by hand" if tick.stop else "stopped by a stop of the station or the partner"
-    return tick.mode if tick.fault == "none" else f"{tick.mode} ({fault_line(tick.fault)})"
+    words = FAULT_WORDS.get(tick.fault)
+    return tick.mode if words is None else f"{tick.mode} ({tick.fault}: {words.meaning})"

@@ -32,6 +32,7 @@ from palmbots.views.logged_carries import WHOLE
 from palmbots.views.run_replay import RunReplay
 
 _ENDS = (*SIDES, "station")
+_GAP_TICKS = 5
 WORLD = "robots"
 """The world of such a carry."""
 
@@ -89,12 +90,19 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
     times = np.arange(count) * scene.control.period_s
     rows: dict[Side, list[Any]] = {side: _rows(ticks[side], times + start_s) for side in SIDES}
     trace = _trace(scene, times, rows)
+    for side in SIDES:  # where the log of a robot has a gap, nobody knows where the robot was
+        instants = np.array([now for now, _ in ticks[side]])
+        places = np.searchsorted(instants, times + start_s, side="right") - 1
+        ages = times + start_s - instants[np.maximum(places, 0)]
+        trace["separation"][ages > _GAP_TICKS * scene.control.period_s] = math.nan
     controller = next(log for log in logs if log.end in SIDES).facts["controller"]
     messages = _messages(logs, fits, start_s, end_s)
     corrections = _corrections(times, rows)
     ends = {side: _last(side, logs, ticks[side]) for side in SIDES}
     is_done = set(ends.values()) == {"done"}
-    reason = ", ".join(f"{side} robot {text}" for side, text in ends.items())
+    reason = ", ".join(f"{side} {text}" for side, text in ends.items())
+    if len(set(ends.values())) == 1:
+        reason = f"both robots {ends['left']}"
     nothing = BySide(math.nan, math.nan)
     return Carry(
         scene=scene,
@@ -143,7 +151,8 @@ def _ticks(side: Side, logs: Sequence[RunLog], fits: Sequence[ClockFit]) -> list
 
 
 def _last(side: Side, logs: Sequence[RunLog], ticks: list[tuple[float, Any]]) -> str:
-    """The last mode of a robot that a log knows. That of a robot that was ended may lack it."""
+    """The last mode or fault of a robot that a log knows. That of a robot that was ended may lack
+    it."""
     modes = [(tick.mode, tick.fault) for _, tick in ticks[-1:]]
     for log in logs:
         if log.end == "station":
@@ -152,7 +161,7 @@ def _last(side: Side, logs: Sequence[RunLog], ticks: list[tuple[float, Any]]) ->
     if ("done", "none") in modes:
         return "done"
     mode, fault = modes[-1]
-    return mode if fault == "none" else f"{mode} ({fault})"
+    return mode if fault == "none" else fault
 
 
 def _span(ticks: dict[Side, list[tuple[float, Any]]]) -> tuple[float, float]:

@@ -307,11 +307,12 @@ def _draw_palms(panel: Axes, view: _View) -> None:
 
 
 def _draw_separation(panel: Axes, view: _View) -> None:
-    """Distance between the pivots in mm."""
+    """Distance between the pivots in mm. Logs of real robots may have gaps."""
     d = view.series("separation") * 1e3
     panel.plot(view.time, d, color=INK, lw=1.0)
-    room = max(0.08 * (d.max() - d.min()), 0.5)
-    panel.set_ylim(d.min() - room, d.max() + room)
+    low, high = np.nanmin(d), np.nanmax(d)
+    room = max(0.08 * (high - low), 0.5)
+    panel.set_ylim(low - room, high + room)
     panel.locator_params(axis="y", nbins=4)
     panel.set_ylabel(axis_label("separation\n", "mm"))
 
