@@ -5,6 +5,8 @@ It states the keys, their types, limits, meanings and defaults. What depends on 
 as a centre of mass inside the outline, only `load_scene` checks.
 """
 
+import json
+from functools import cache
 from typing import Any
 
 from pydantic import BaseModel
@@ -19,10 +21,15 @@ from palmbots.scene.scene import Scene
 
 
 def scene_schema() -> dict[str, Any]:
-    """The schema of a scene file, and of the key ``scene`` of ``--json``."""
+    """The schema of a scene file, and of the key ``scene`` of ``--json``; a new table each time."""
+    return json.loads(_text())
+
+
+@cache
+def _text() -> str:
     schema = Scene.model_json_schema(schema_generator=_SceneSchema)
     schema["title"] = "Scene of palmbots"
-    return {"$schema": _SceneSchema.schema_dialect} | schema
+    return json.dumps({"$schema": _SceneSchema.schema_dialect} | schema)
 
 
 class _SceneSchema(GenerateJsonSchema):
