@@ -160,7 +160,7 @@ def test_the_page_says_from_when_on_a_loss_matters(open_page: Open, controller: 
         if page.locator("#hash").inner_text() == trace:
             assert said[-1] == "If it is lost, nothing changes."
         else:
-            (since,) = re.findall("the carry is another one from ([0-9.]+) s on", said[-1])
+            (since,) = re.findall("the carry is different from ([0-9.]+) s on", said[-1])
             assert received - 1e-9 <= float(since) <= received + 0.021
         expect(words).to_have_text(said[-1].replace("If it is", "Because it is"))
         page.locator("[data-effect=lost]").click()

@@ -70,7 +70,7 @@ function Status() {
   );
 }
 
-// Which of the properties that controllers rely on fail somewhere on the palms, as the command warns.
+// The properties that fail for contacts somewhere on the palms, in the words of the command's warning.
 const failing = computed(() => {
   const machine = core.value;
   if (!machine || refusal.value || controllerInfo(controller.value)?.team === "none") return "";

@@ -72,7 +72,7 @@ function useCounts(): void {
 }
 
 const percent = (share: number) => `${(100 * share).toFixed(share < 0.1 ? 2 : 1)} %`;
-// The same as a count: of how many in a thousand carries.
+// The same as a number of carries in a thousand.
 const perThousand = (share: number) => (1000 * share).toFixed(share < 0.01 ? 1 : 0);
 
 function Count(props: { place: 0 | 1 }) {
@@ -247,8 +247,8 @@ export function CompareView() {
           </table>
         </div>
         <p class="note" id="counted-and-proved">
-          These drops are counted, each carry with its own noise. Of 100 such intervals, 95 contain what
-          very many carries would show, so 0 of 1000 does not mean never.{" "}
+          The page counts these drops; each carry has its own noise. Of 100 such intervals, about 95
+          contain the rate that very many carries would show, so 0 of 1000 does not mean never.{" "}
           <a href={address({ view: "design", time: false })}>Design</a> looks at all positions of the
           contacts instead, also at those that no carry here reaches: it may say “fails” where 0 of 1000
           drop.

@@ -304,7 +304,7 @@ export function DesignView() {
           <p id="tolerance">
             {tolerance >= 0
               ? `Tolerates an error of ${shown(tolerance)} (${tables.quantities[quantity.value]!.name}).`
-              : "A property fails even without an error: with the contacts somewhere in the region, the wrong one slides."}{" "}
+              : "A property fails even without an error: somewhere in the region, the wrong contact slides."}{" "}
             {tolerance >= 0 && (clearance >= 0
               ? `The outline clears the palms by ${(clearance / DEGREE).toFixed(2)}°.`
               : "However, the outline touches a palm.")}
@@ -315,8 +315,8 @@ export function DesignView() {
           </div>
           <p class="note" id="proved-and-counted">
             This view looks at all positions of the contacts within ±{region_mm.toFixed(0)} mm, and
-            knows no noise. Where a property fails, a carry may still arrive, because its contacts may
-            never come to such a position: <a href={address({ view: "compare", time: false })}>Compare</a>{" "}
+            assumes no noise. Where a property fails, a carry may still arrive, because its contacts may
+            never reach such a position: <a href={address({ view: "compare", time: false })}>Compare</a>{" "}
             counts how many of 1000 drop the box. Where
             both properties hold, much noise can still push a contact off its palm.
           </p>

@@ -75,7 +75,7 @@ function stationed(name: string): boolean {
   return name === OWN_ROWS || controllerInfo(name)?.team === "station";
 }
 
-// `hidesFuture`: shows no more than what has happened by the time of the player.
+// `hidesFuture`: shows only what has happened by the time of the player.
 export function Charts(props: { hidesFuture?: boolean }) {
   const run = recorded.value;
   const frame = useRef<HTMLDivElement>(null);
@@ -275,8 +275,8 @@ function Cursor(props: {
   );
 }
 
-// From when on the carry differs from the one in which this message has no fault, or, if it has none,
-// from the one in which it is lost; null: nowhere.
+// The time from which on the carry differs from the one in which this message has no fault or, if it
+// has none, from the one in which it is lost; null: the two carries are equal.
 function changedFrom(run: Recorded, message: Message, hasFault: boolean): number | null {
   const rest = faultScript().filter((f) => !isFaultOf(message)(f));
   const script = hasFault ? rest : [...rest, { ...nameOf(message), effect: "lost" }];
@@ -307,7 +307,7 @@ function MessageCard(props: { run: Recorded }) {
       </p>
       {(fault !== undefined || !(lost || isFull)) && (
         <p class="note" id="effect">
-          {from === null ? `${what}, nothing changes.` : `${what}, the carry is another one from ${from.toFixed(2)} s on.`}
+          {from === null ? `${what}, nothing changes.` : `${what}, the carry is different from ${from.toFixed(2)} s on.`}
         </p>
       )}
       <p class="row">

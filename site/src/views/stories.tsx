@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stories: eight short scenes. Each part of one asks what will happen, then plays, then explains.
+// Stories: eight short scenes in parts. A part asks what will happen or begins with a click, plays, and explains.
 import { batch, effect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
@@ -31,7 +31,7 @@ const answered = () => extraNumber("answer", 0);
 // Whether the part has been watched to its end: only then the page shows what happens.
 const isSeen = () => extraFlag("seen");
 
-// A prediction is asked for, and neither given nor too late.
+// The part asks for a prediction, which was not given yet, and was not watched to its end yet.
 const isAsking = () => partNow().question !== undefined && answered() === 0 && !isSeen();
 
 function begin(story: number, number: number): void {
@@ -57,7 +57,7 @@ function run(): void {
   if (!reducedMotion.matches) player.play();
 }
 
-// Whether the state is one that the present part has made: then it stays after a reload.
+// Whether scene and controller are those of the present part: then a reload keeps the state.
 function isOfPart(part: Part): boolean {
   return (
     base.value === (part.scene ?? "paper") &&
@@ -66,7 +66,7 @@ function isOfPart(part: Part): boolean {
   );
 }
 
-// Notes when a part has been watched, and stops one that explains a moment at this moment.
+// Notes when a part has been watched, and stops a part that ends before its carry.
 function useEnd(): void {
   useEffect(
     () =>

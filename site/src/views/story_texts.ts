@@ -9,18 +9,18 @@ export interface Part {
   set?: Overrides;
   cones?: boolean;
   at?: number; // where it begins [s]
-  until?: number; // where it ends, if that is not the end of the carry [s]
+  until?: number; // where it ends, if before the end of the carry [s]
   speed?: number; // of the player
   task?: string; // the one thing to do that begins it, and the button for it
   label?: string;
   question?: { ask: string; answers: string[]; right: number };
-  after: string; // the explanation, once it has been watched
+  after: string; // the explanation, shown once the part has been watched
   hasSqueezes?: boolean; // `after` is about the squeezes that decide which contact slides
 }
 
 export interface Story {
   title: string;
-  text: string; // tells nothing that a part asks
+  text: string; // reveals no answer to the questions of its parts
   parts: Part[];
 }
 
@@ -53,7 +53,7 @@ export const STORIES: Story[] = [
           answers: ["Its own, the right one.", "The partner's, the left one."],
           right: 1,
         },
-        after: "The right robot asks its partner to tilt its palm up, case (a), and the partner assists, case (c): see TiltUp and Ack. With the left palm shallow, opening slides only the right contact: the right robot drives away until it is back near the middle.",
+        after: "The right robot asks the left one to tilt up, case (a), and the left one assists, case (c): see their messages, TiltUp and Ack. With the left palm shallow, only the right contact slides when the robots drive apart: the right one drives away until its contact is near the middle.",
       },
       {
         scene: "figure8", at: 0.7, task: "See the other six bumps.", label: "go on",
@@ -64,7 +64,7 @@ export const STORIES: Story[] = [
   {
     title: "A lost Ack, and leases",
     text:
-      "At 0.4 s, the right robot asks for help with TiltUp. Then the radio of the left robot fails for half a second, and its answer, the Ack, is lost.",
+      "At 0.4 s, the right robot asks for help with the message TiltUp. Then the radio of the left robot fails for half a second, and its answer, the Ack, is lost.",
     parts: [
       {
         set: SILENT_LEFT, speed: 2,
@@ -78,7 +78,7 @@ export const STORIES: Story[] = [
       {
         controller: "resilient", set: SILENT_LEFT, speed: 2,
         task: "Give the pair a controller with leases, on the same radio.", label: "resilient",
-        after: "With the controller resilient, a robot repeats its message in periodic packets, called beacons. A beacon is valid for a limited time, its lease. The receiver acts on a beacon only until its lease ends. The right robot stops while it hears nothing. It continues when it hears its partner, so no robot waits forever.",
+        after: "With the controller resilient, a robot repeats its message in periodic packets, called beacons. A beacon is valid for a limited time, its lease. The receiver acts on a beacon only until its lease ends. The right robot stops while it hears nothing. It continues when it hears its partner again, so no robot waits forever.",
       },
     ],
   },
@@ -90,12 +90,12 @@ export const STORIES: Story[] = [
       {
         cones: true, controller: "none", set: FAST_RIGHT, speed: 2,
         question: { ask: "What will happen to the box?", answers: ARRIVES, right: 1 },
-        after: "With both palms steep, the object decides which contact slides, and no robot corrects it.",
+        after: "With both palms steep, the robots do not choose which contact slides, and they correct nothing.",
       },
       {
         cones: true, controller: "distributed", set: FAST_RIGHT, speed: 2,
         task: "Give the pair a controller.", label: "distributed",
-        after: "The squeeze H is the force with which the palms press the object inward, in weights of the object. Closing raises H until the first of the two friction cones ends. That contact slides, and the cone of a shallow palm ends first:",
+        after: "The squeeze H is the force with which the palms press the object inward, in units of its weight. Closing (driving together) raises H until one contact reaches the end of its friction cone. That contact slides, and the cone of a shallow palm ends first:",
         hasSqueezes: true,
       },
     ],
@@ -112,8 +112,8 @@ export const STORIES: Story[] = [
       },
       {
         controller: "silent", seed: 3, set: { "robot.noise_m_s": 0.02 }, speed: 5,
-        task: "Double the noise.", label: "noise 20 mm/s",
-        after: "The contacts move further from p = 0, but the robots still correct them without any message. One carry says little: the view Compare counts how many of 1000 they drop.",
+        task: "Double the noise of the speeds.", label: "noise 20 mm/s",
+        after: "The contacts move farther from p = 0, but the robots still correct them without any message. One carry says little: the view Compare counts how many of 1000 they drop.",
       },
     ],
   },
@@ -172,7 +172,7 @@ export const STORIES: Story[] = [
         cones: true, set: { "object.com_m": [0.16, 0.04] }, speed: 2,
         task: "Move the centre of mass.", label: "160 mm",
         question: { ask: "160 mm from the left edge. What will happen to the box?", answers: ARRIVES, right: 1 },
-        after: "More of the weight now presses on the right palm. When the right robot tilts this palm and drives closer, the left contact may slide instead, although the left palm is steep. The view Mechanics draws the permitted region on the box.",
+        after: "More weight now presses on the right palm. When the right robot tilts this palm and drives closer, the left contact may slide instead, although the left palm is steep. The view Mechanics shows where the centre of mass may be.",
       },
     ],
   },
