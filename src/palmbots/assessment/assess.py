@@ -54,7 +54,7 @@ from palmbots.stability.analysis import Analysis, analyze
 LOSSES = (0.0, 0.05, 0.2, 0.5)
 """Shares of lost messages that are tried."""
 FEWEST = 400
-"""Carries of each controller, at least: with 300, none failing is less than 1 % with 95 %."""
+"""Fewest carries of each controller: if none of 400 fails, the interval ends below 1 %."""
 CURVE_CARRIES, LOAD_CARRIES = 10, 4
 """In the MuJoCo world."""
 QUESTIONS = (
@@ -97,14 +97,14 @@ class Assessment(Result):
     curve: CurveTrial | None
     """None: not tried."""
     change: ChangeTrial | None
-    """Of one thing, the best that was tried; None: none could be."""
+    """The best change of one thing; None: none could be tried."""
     scene: Scene
     analysis: Analysis = field(metadata=NOT_IN_JSON)
 
     @derived
     def verdict(self) -> Verdict:
-        """Whether the object will be carried: the worst of the first three answers, and that of an
-        interval of friction."""
+        """Whether the object will be carried: the worst of the first three answers and, with an
+        interval of friction, of the one on friction."""
         order: tuple[Verdict, ...] = ("no", "partly", "open", "likely", "yes")
         first = [self.answers.carried, self.answers.load, self.answers.drops]
         first += [self.answers.friction] * (self.friction is not None)
@@ -134,7 +134,7 @@ class Assessment(Result):
             for answer, words in (
                 (self.answers.carried, "the object is not held in every state that may occur"),
                 (self.answers.load, load),
-                (self.answers.friction, "not with every friction of the interval"),
+                (self.answers.friction, "it may fail with some friction of the interval"),
             )
             if answer.verdict in ("no", "partly")
         ]
@@ -177,14 +177,15 @@ def assess(
     """Answer on one page whether and how often a scene fails.
 
     Carries of this scene are counted with every shipped controller, with other palm angles, with
-    lost messages, on a curve, and with one change each.
+    lost messages, on a curve, and with changes of one thing each.
 
     Args:
         scene: as in `palmbots.carry`.
-        friction: between palms and object, where it is known only roughly; None: as in the scene.
+        friction: lowest and highest friction between palms and object, if you know it only roughly;
+            None: as in the scene.
         turn_radius_m: radius of the turn that is tried in the MuJoCo world if the path is straight;
             0: no curve is tried.
-        turn_angle_deg: its angle.
+        turn_angle_deg: angle of this turn.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Changes of one thing in a scene, tried by carries of this scene: which one helps most?
+"""Changes of one thing in a scene, each tried by carries, and which of them helps most.
 
-Where the scene fails, a change is judged by how often it fails at the scene's own noise. Where the
-scene rarely fails, the noise of the wheels is raised until it does: a change that then fails less
-leaves more in reserve. Where the object is too heavy, a change has to make the robots hold it.
+If the scene fails often, a change is judged by how often the changed scene fails at its own noise.
+If it rarely fails, the noise of the wheels is raised until it does, and a change after which it
+then fails less gives more reserve. If the object is too heavy, only changes with which the robots
+hold it are tried.
 """
 
 from __future__ import annotations
@@ -38,14 +39,14 @@ FACTORS: Mapping[str, tuple[float, ...]] = {
     "palm.usable_m": (0.7, 1.5),
     "palm.friction": (0.7, 1.4),
 }
-"""By which a key is multiplied; what costs least comes first. Less noise always helps, so it is not
-among them."""
+"""Factors by which keys are multiplied, those that cost least first. The noise is not among them,
+because less noise always helps."""
 NOISE_FACTORS = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 12.0)
-"""By which the noise is raised where the scene rarely fails."""
+"""Factors by which the noise is raised if the scene rarely fails."""
 STRONGER = (1.25, 1.5, 2.0, 3.0, 5.0, 10.0)
-"""By which a robot's strength is multiplied where it cannot hold the object."""
+"""Factors by which the strength of a robot is multiplied if it cannot hold the object."""
 Keys = Mapping[str, float | str | list[float]]
-_ENOUGH = 0.05  # failures with more noise, so that changes differ
+_ENOUGH = 0.05  # share of failures with more noise at which changes can be compared
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,8 @@ class ChangeTrial:
     """Whether they hold with it."""
     own_heaviest_kg: float
     heaviest_kg: float
-    """Before and after: that the robots hold at the start and where the contacts get."""
+    """The heaviest object that the robots hold at the start and as far out as the contacts get,
+    before and after."""
     own_time_s: float | None
     time_s: float | None
     """Mean of the carries that deliver, at the scene's own noise, before and after."""
@@ -104,7 +106,7 @@ def try_changes(
     reach_m: float | None,
     report: Callable[[float], None] = lambda fraction: None,
 ) -> ChangeTrial | None:
-    """Carry with one change each.
+    """Carry the scene with each change.
 
     Args:
         scene: with a straight path.
@@ -204,7 +206,7 @@ def _stronger(scene: Scene, load: LoadLimits, reach_m: float | None) -> Iterator
 
 
 def _heaviest(load: LoadLimits, reach_m: float | None) -> float:
-    """The heaviest object that the robots hold at the start and where the contacts get."""
+    """The heaviest object that the robots hold, at the start and with contacts up to `reach_m`."""
     start = math.inf if load.at_start_kg is None else load.at_start_kg
     return start if reach_m is None else min(start, load.heaviest_within(reach_m))
 

@@ -19,11 +19,11 @@ class LoadTrial:
 
     counts: OutcomeCounts
     wheel_slip_m: float
-    """The most by which a robot moved farther or less than its wheels turned, in a carry."""
+    """The largest difference between how far a robot moved and how far its wheels rolled."""
     speed_m_s: float
     """The highest mean speed of a carry."""
     remarks: tuple[str, ...]
-    """What is wrong with them, in words; empty: nothing."""
+    """What is wrong with the carries, in words; empty: nothing."""
 
 
 def try_load(

@@ -117,8 +117,8 @@ def on_load(
         verdict, texts = "partly", [limits.zone_sentence()]
         if best is not None and reach is not None:
             texts.append(
-                f"{best.controller} keeps them within {millimetres(reach)}, where the robots hold "
-                f"{mass_text(limits.heaviest_within(reach))} kg"
+                f"{best.controller} keeps the contacts within {millimetres(reach)} of the "
+                f"pivots; there the robots hold up to {mass_text(limits.heaviest_within(reach))} kg"
             )
             verdict = "likely" if reach <= limits.held_within_m else "partly"
     if trial is None:
@@ -126,7 +126,7 @@ def on_load(
     else:
         counts = trial.counts
         failed = counts.dropped + counts.stalled
-        texts.append(f"MuJoCo delivers {counts.carries - failed} of {counts.carries} carries")
+        texts.append(f"in MuJoCo {counts.carries - failed} of {counts.carries} carries arrive")
         if failed or trial.remarks:
             verdict = "no" if failed == counts.carries else "partly"
             texts += [*_reason(counts), *trial.remarks[:1]]
@@ -200,8 +200,9 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
     """What holds for a friction that is known only roughly."""
     question = "Is the friction right?"
     if trial is None:
-        ranges = ", or ".join(f"{low:.3f} to {high:.3f}" for low, high in analysis.friction)
-        text = f"properties 1 and 2 hold with {ranges or 'no friction'}; no interval was given"
+        ranges = ", or ".join(f"from {low:.3f} to {high:.3f}" for low, high in analysis.friction)
+        hold = f"hold for friction {ranges}" if ranges else "fail for every friction"
+        text = f"properties 1 and 2 {hold}; to try an interval of your own, use --friction"
         low, high = (factor * min(analysis.problem.friction) for factor in (0.9, 1.1))
         command = f"palmbots assess {name} --friction {low:.3g} {high:.3g}"
         return Answer(question, "open", text, command)
@@ -213,15 +214,16 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
     if trial.unlike != "holds" and trial.alike == "holds":
         proofs[0] += " if it is the same on both palms"
         command += " --common-friction"
-        proofs.append(f"with {low:g} on one palm and {high:g} on the other one a property fails")
+        word = "fails for some pairs of values" if trial.unlike == "fails" else "may fail"
+        proofs.append(f"if the palms differ within the interval, a property {word}")
         verdict = "likely"
     elif trial.unlike != "holds":
         verdict = "no" if trial.alike == "fails" else "partly"
         word = "fails" if trial.alike == "fails" else "may fail"
-        proofs = [f"a property {word} with some friction from {low:g} to {high:g}"]
+        proofs = [f"with some friction from {low:g} to {high:g} a property {word}"]
     if trial.counts:
-        rates = [f"{failures(one)} at {end:g}" for one, end in zip(trial.counts, trial.friction,
-                                                                  strict=True)]  # fmt: skip
+        ends = zip(trial.counts, trial.friction, strict=True)
+        rates = [f"{failures(one)} with friction {end:g}" for one, end in ends]
         proofs.append(f"{trial.counts[0].controller} fails in {' and in '.join(rates)}")
         if not all(map(suffices, trial.counts)):
             verdict = "no" if verdict == "no" else "partly"
@@ -229,10 +231,10 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
 
 
 def on_change(trial: ChangeTrial | None, name: str) -> Answer:
-    """Which one change helps most, and what it costs."""
+    """Which change helps most, and what it costs."""
     question = "Does one change help?"
     if trial is None:
-        text = "no change could be tried in which this scene would fail less"
+        text = "no change was found with which this scene would fail less often"
         return Answer(question, "open", text, f"palmbots noise-limit {name} -c {RECOMMENDED}")
     controller, own = trial.controller, "refused"
     if trial.own_failures is not None:
@@ -249,13 +251,13 @@ def on_change(trial: ChangeTrial | None, name: str) -> Answer:
         for key, value in trial.changes.items()
     )
     after = rate_text(trial.failures, trial.carries)
-    text = f"{changed}: {noise}{controller} fails in {after} of carries, before in {own}"
+    text = f"{changed}: {noise}{controller} fails in {after} of carries instead of {own}"
     if trial.holds and not trial.own_holds:
-        text = f"{text}; all properties hold then"
+        text = f"{text}; then all properties hold"
     elif noise:
-        text = f"not needed here; for more reserve {text}"
+        text = f"not needed here, but gives more reserve: {text}"
     if trial.is_for_load:
-        place = "where the contacts get" if trial.own_failures is not None else "at the start"
+        place = "at the start" if trial.own_failures is None else "as far out as contacts get"
         masses = " instead of ".join(
             f"{mass_text(mass)} kg" for mass in (trial.heaviest_kg, trial.own_heaviest_kg)
         )
@@ -267,14 +269,14 @@ def on_change(trial: ChangeTrial | None, name: str) -> Answer:
 
 
 def _costs(trial: ChangeTrial) -> Iterator[str]:
-    """Time and messages, where the change moves them."""
+    """Time and messages, if the change alters them."""
     pairs = (
         ("a carry takes", trial.own_time_s, trial.time_s, "s"),
-        ("it sends", trial.own_messages, trial.messages, "messages"),
+        ("a carry sends", trial.own_messages, trial.messages, "messages"),
     )
     for words, before, after, unit in pairs:
         if before and after and abs(after / before - 1) > _SAME:
-            yield f"{words} {after:.0f} {unit} (now {before:.0f})"
+            yield f"{words} {after:.0f} {unit} instead of {before:.0f}"
 
 
 def on_radio(trials: Sequence[RadioTrial], name: str) -> Answer:

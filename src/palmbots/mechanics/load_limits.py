@@ -175,15 +175,15 @@ class LoadLimits(Result):
         yield Table(rows, ("", *numbers, "key"), right=numbers)
 
     def zone_sentence(self) -> str:
-        """How far from the pivots the contacts may be, and whether wheels may slip."""
+        """How far from the pivots the contacts may be, and which other limits are exceeded."""
         within = self.held_within_m
         where = f"up to {millimetres(within)} from the pivots"
         if within == self.reach_m:
             where = "anywhere on the palms"
         text = f"with contacts {where} no robot tips and no palm sags"
         slips = [one for one in self.limits if one.kind not in _DECISIVE]
-        if any(self.mass_kg > one.heaviest_kg for one in slips):
-            text += "; the wheels may slip where friction squeezes hardest"
+        if beyond := [one.meaning for one in slips if self.mass_kg > one.heaviest_kg]:
+            text += f"; with the hardest squeeze that friction permits, {' and '.join(beyond)}"
         return text
 
     def _at_start(self) -> dict[str, float]:

@@ -127,14 +127,14 @@ def traction_warnings(scene: Scene, measured: Any, slip_m: tuple[float, float]) 
         extent = "less" if slip > 0 else "farther"
         if abs(slip) > _SLIPS * measured.distance_m:
             yield (
-                f"the {side} robot moved {abs(slip):.2f} m {extent} than its wheels "
-                f"turned, on {measured.distance_m:.2f} m: they slip"
+                f"the wheels of the {side} robot slip: it moved {abs(slip):.2f} m {extent} than "
+                f"they rolled, on a path of {measured.distance_m:.2f} m"
             )
     nominal = max(scene.robot_of(side).speed_m_s for side in SIDES)
     if measured.time_s > 0 and measured.distance_m > _TOO_FAST * nominal * measured.time_s:
         yield (
-            f"the robots drove {100 * measured.distance_m / measured.time_s:.1f} cm/s, but "
-            f"robot.speed_m_s is {100 * nominal:g} cm/s: wheels and motors did not hold them back"
+            f"the robots drove at {100 * measured.distance_m / measured.time_s:.1f} cm/s, but "
+            f"robot.speed_m_s is {100 * nominal:g} cm/s: wheels and motors could not hold them back"
         )
 
 

@@ -107,7 +107,7 @@ def _failures(one: CurveTrial) -> str:
 
 
 def _drift(one: CurveTrial) -> str:
-    """The forecast, of the drift that is permitted."""
+    """The forecast drift, and the drift that is permitted."""
     if one.forecast is None:
         return "–"
     return f"{millimetres(one.forecast.mean_m)} of {millimetres(one.forecast.budget_m)}"
@@ -149,14 +149,14 @@ def compare_on_curve(
     recommended controller. Where the forecast drift exceeds the budget, nothing is carried.
 
     Args:
-        scene: as in `palmbots.carry`. A straight path becomes a turn on a level floor.
+        scene: as in `palmbots.carry`. A turn on a level floor replaces a straight path.
         controller: as in `palmbots.carry`.
         turn_radius_m: radius of the turn that replaces a straight path.
-        turn_angle_deg: its angle.
+        turn_angle_deg: angle of this turn.
         carries: carries with each change, all with the seeds 0, 1, …
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
-        on_line: called with a line on each forecast, and on each change that was carried.
+        on_line: called with a line for each forecast, and for each change that was carried.
 
     Raises:
         SceneError: the scene cannot be read or is not valid.
@@ -164,7 +164,7 @@ def compare_on_curve(
     """
     entry = resolve(controller)
     refuse_reference(entry, "carries in MuJoCo")
-    mujoco()  # without it every change would fail
+    mujoco()  # refuses at once if it is not installed
     chosen, report = load_scene(scene, overrides), on_progress or (lambda fraction: None)
     path: Keys = {}
     if chosen.task.path.kind == "straight":

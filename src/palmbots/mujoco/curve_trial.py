@@ -54,8 +54,8 @@ def settings_of(changes: Mapping[str, Any]) -> str:
 
 
 def turn_keys(scene: Scene, radius_m: float, angle_deg: float = 90.0) -> Keys:
-    """The keys that put a scene on a turn of this radius, to its end; on a level floor, because the
-    world has no curves on slopes."""
+    """The keys with which a scene drives a turn of this radius to its end. The floor is level,
+    because the MuJoCo world has no curves on slopes."""
     found: dict[str, float | str] = {"task.path.kind": "arc"}
     found |= {"task.path.radius_m": float(radius_m), "task.path.angle_deg": float(angle_deg)}
     if scene.task.slope_deg:

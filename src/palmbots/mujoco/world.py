@@ -74,7 +74,7 @@ class MujocoWorld:
         self._p = self._contacts()
         self._x = self._distances()
         self.lateral_peak = self.lateral
-        self.wheel_slip = (0.0, 0.0)  # m, rims minus robots, in the direction of travel
+        self.wheel_slip = (0.0, 0.0)  # m, path of the rims minus that of the robots
 
     # --- moving ---------------------------------------------------------------------------------
 

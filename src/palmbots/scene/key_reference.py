@@ -171,15 +171,15 @@ def default_scene_toml() -> str:
         "# keeps its default. palm.left.KEY, palm.right.KEY, robot.left.KEY and",
         "# robot.right.KEY override one side. radio.left, radio.right and radio.station",
         "# override latency_s, jitter_s and loss for what one sender transmits.",
-        "# The paper's box is in comments: what you leave so follows from an outline of",
-        "# your own (vertices_m or box_m).",
+        "# The keys of the paper's box are in comments. If you give an outline of your own",
+        "# (vertices_m or box_m), the others of these keys follow from it.",
         "# Run it: palmbots carry FILE",
     ]
     return commented_toml(head, scene_keys(), _OF_THE_BOX)
 
 
 _OF_THE_BOX = ("object.vertices_m", "object.contacts", "object.com_m", "object.mass_kg")
-"""Those that are not written here follow from an outline."""
+"""The keys that follow from an outline if a scene does not set them."""
 
 
 def commented_toml(

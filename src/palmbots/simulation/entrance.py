@@ -42,7 +42,7 @@ class Entrance:
         Args:
             missing: whose programs are not there.
             plug: called with each program that has connected.
-            on_line: called with a line about the missing ones, if they do not come soon.
+            on_line: called with a line that names the programs still missing after some seconds.
 
         Raises:
             PalmbotsError: one does not come.

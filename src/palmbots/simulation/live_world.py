@@ -117,7 +117,7 @@ class LiveRobots:
         """Wait until both programs have connected.
 
         Args:
-            on_line: called with a line about those that do not come soon.
+            on_line: called with a line that names the programs still missing after some seconds.
 
         Raises:
             PalmbotsError: one does not come.
@@ -169,7 +169,7 @@ def run_live_world(
         seed: of the noise.
         rate: multiple of real time.
         imperfections: what the robots really are; None: they are as in the scene.
-        on_line: called with a line about robots that do not come soon.
+        on_line: called with a line that names the programs still missing after some seconds.
 
     Raises:
         PalmbotsError: a program does not connect in time, or is not a robot.

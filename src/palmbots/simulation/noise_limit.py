@@ -39,7 +39,7 @@ LEAST_M_S, MOST_M_S = 1e-4, 1.0
 LEVELS = 5
 """Noises at which the carries that count run."""
 FEW, FEW_IN_PYTHON = 200, 50
-"""Carries of the pilot run at each noise, at least: in the core, and where Python steps them."""
+"""Fewest carries of the pilot run at each noise: in the core, and if Python steps the carries."""
 MOST_CARRIES_IN_PYTHON = 20_000
 """More carries that Python steps than this take longer than about a quarter of an hour."""
 
@@ -250,7 +250,7 @@ class _Carries:
     threads: int
     report: Callable[[float], None]
     expected: int
-    """In the end, as far as it is known."""
+    """How many there will be in all, as far as it is known."""
     carries: int = 0
     """All so far."""
     next_seed: int = 0

@@ -45,7 +45,7 @@ IN_LANES, SINGLY, FEWEST = 1000, 200, 20
 """Carries that are counted by default: side by side, one after the other, and at least."""
 SMALL = 0.01
 """Below this share of failures no other controller is tried: it is that at which σ* is defined."""
-_SECONDS = 5  # more, and no carries are counted unless their number is given
+_SECONDS = 5  # the most that counting may take if the number of carries is not given
 MOST = 10**8
 
 
@@ -278,7 +278,7 @@ def _counted(
 
 
 def reason_counts(reasons: Iterable[str | None]) -> dict[str, int]:
-    """How often each reason of a drop occurs; None is no drop."""
+    """How often each reason for a drop occurs; None means no drop."""
     return dict(Counter(reason for reason in reasons if reason is not None).most_common())
 
 

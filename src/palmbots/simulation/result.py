@@ -133,8 +133,8 @@ class Carry(Result):
     """The largest lateral contact coordinate: how far the middle of each contact edge moved across
     its palm, to the left seen from the left robot to the right one (None in a planar world)."""
     wheel_slip_m: BySide[float] | None = None
-    """How much farther the wheels of each robot turned than the robot moved; < 0: the robot slid
-    forward (None in a world without wheels, and for a carry that was read from a log)."""
+    """How much farther the wheels of each robot rolled than the robot moved; < 0: the robot moved
+    farther (None in a world without wheels, and for a carry that was read from a log)."""
     forks: tuple[tuple[float, int], ...] = ()
     """Pairs (time [s], seed): from each time on, the random numbers are those of that seed."""
     controller_source: ControllerSource | None = None

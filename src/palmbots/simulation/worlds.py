@@ -31,7 +31,7 @@ class WorldRun:
     lateral_peak_m: tuple[float, float] | None = None
     """The largest lateral contact coordinate; None: the world is planar."""
     wheel_slip_m: tuple[float, float] | None = None
-    """How much farther the wheels of each robot turned than it moved; None: there are none."""
+    """How much farther the wheels of each robot rolled than it moved; None: there are no wheels."""
     trace: Mapping[str, tuple[Any, Mapping[str, str]]] = field(default_factory=dict)
     """Further variables of the trace (values, attributes), see `simulation.trace`."""
     recording: Any = None
