@@ -11,7 +11,6 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -21,9 +20,7 @@ import at_call
 from palmbots.errors import PalmbotsError
 from palmbots.studies import dask_runner
 from palmbots.studies.store import Store
-from palmbots.studies.study_file import load_plan
-from palmbots.studies.study_runner import run_study
-from study_fixtures import LONG, marks, refused, said_here, study, study_here
+from study_fixtures import LONG, command, marks, refused, said_here, study, study_here
 from waiting import wait_until
 
 TIMEOUT_S = 60
@@ -172,20 +169,20 @@ def test_local_cluster_has_the_same_results(long: Path, whole: str, tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("when", "function", "count"),
+    ("workers", "when", "function", "count"),
     [
-        ("before", "distributed.nanny:Nanny.instantiate", 2),
-        ("before", "palmbots.studies.dask_runner:_check_workers", 1),
-        ("after", "palmbots.studies.store:Store.write", 3),
+        (2, "before", "distributed.nanny:Nanny.instantiate", 2),
+        (1, "before", "palmbots.studies.dask_runner:_check_workers", 1),
+        (2, "after", "palmbots.studies.store:Store.write", 3),
     ],
     ids=["while a worker starts", "when all are there", "in mid-run"],
 )
 def test_ctrl_c_ends_the_workers_and_prints_one_line(
-    long: Path, whole: str, tmp_path: Path, when: str, function: str, count: int
+    long: Path, whole: str, tmp_path: Path, workers: int, when: str, function: str, count: int
 ) -> None:
     """No process is left, and completed chunks are kept."""
     root = tmp_path / "study"
-    words = ("study", long, "--out", root, "--chunk-size", CHUNK, "--local-cluster", 2)
+    words = ("study", long, "--out", root, "--chunk-size", CHUNK, "--local-cluster", workers)
     process = subprocess.Popen(
         at_call.command("SIGSTOP", when, function, count, *words),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -232,13 +229,18 @@ def test_two_chunk_sizes_on_one_scheduler_do_not_mix(
     shared: str, long: Path, whole: str, tmp_path: Path
 ) -> None:
     """Side by side on one scheduler: equal chunk numbers, unlike chunks."""
-    with ThreadPoolExecutor() as running:
-
-        def carried(size: int) -> str:
-            root = tmp_path / str(size)
-            return run_study(load_plan(long), root, chunk_size=size, scheduler=shared).hash
-
-        assert set(running.map(carried, (1500, 1700))) == {whole}
+    running = [
+        subprocess.Popen(
+            command(
+                long, "--out", tmp_path / n, "--chunk-size", n, "--scheduler", shared, "--json"
+            ),
+            stdout=subprocess.PIPE, text=True,
+        )
+        for n in ("1500", "1700")
+    ]  # fmt: skip
+    for process in running:
+        out, _ = process.communicate(timeout=2 * TIMEOUT_S)
+        assert f'"hash": "{whole}"' in out
 
 
 def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: Path) -> None:
@@ -256,7 +258,7 @@ def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: P
 
 def test_a_script_without_a_guard_is_refused_before_processes_import_it(tmp_path: Path) -> None:
     script = tmp_path / "mine.py"
-    script.write_text("import palmbots as pb\npb.study('silent-map', 'out', local_cluster=2)\n")
+    script.write_text("import palmbots as pb\npb.study('silent-map', 'out', local_cluster=1)\n")
     run = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
     assert run.returncode == 1
     assert run.stderr.count("Traceback") == 1
