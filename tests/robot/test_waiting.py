@@ -13,10 +13,10 @@ def test_unheard_ends_are_named_once_and_then_when_they_are_heard() -> None:
     silence.step(())
     silence.step(("station",))
     silence.step(("station",))
-    assert lines == ["left: not heard yet: the right robot (a:1); check program and address"]
+    assert lines == ["left: has not heard the right robot (a:1) yet; check program and address"]
     silence.step(("right", "station"))
     silence.step(("right", "station"))
-    assert lines[1:] == ["left: hears the right robot (a:1)"]
+    assert lines[1:] == ["left: now hears the right robot (a:1)"]
 
 
 def test_nothing_is_said_of_ends_that_are_heard_in_time() -> None:

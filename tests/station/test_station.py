@@ -50,7 +50,7 @@ def test_a_refused_wish_lapses(tmp_path: Path) -> None:
     assert pair.modes() == ("disarmed", "disarmed")
     late = [line for line in pair.lines if "no effect within 5 s" in line]
     assert len(late) == 2
-    assert "left: arm has no effect within 5 s: is disarmed (partner_lost: it does" in late[0]
+    assert "left: arm has no effect within 5 s: the robot is disarmed (partner_lost: it" in late[0]
 
 
 def test_a_robot_that_leaves_stopped_is_stopped_again(tmp_path: Path) -> None:
@@ -426,7 +426,7 @@ def test_a_stop_that_a_robot_does_not_confirm_is_reported(tmp_path: Path) -> Non
     pair.run(150)
     found = [line for line in pair.lines if "not confirmed" in line]
     assert len(found) == 1
-    assert "right: e-stop is not confirmed within 1 s: is not heard; use the switch" in found[0]
+    assert "right: e-stop is not confirmed within 1 s: the robot is not heard; use the" in found[0]
 
 
 def test_an_order_without_effect_names_the_order_that_is_needed_first(tmp_path: Path) -> None:
@@ -434,8 +434,8 @@ def test_an_order_without_effect_names_the_order_that_is_needed_first(tmp_path: 
     pair.run(20)
     pair.station.wish("start")
     pair.run(600)
-    assert any("start has no effect within 5 s: is disarmed; arm it first" in x for x in pair.lines)
+    assert any("within 5 s: the robot is disarmed; arm it first" in x for x in pair.lines)
     pair.wish("stop", "stopped")
     pair.station.wish("arm")
     pair.run(600)
-    assert any("arm has no effect within 5 s: is stopped; release it" in x for x in pair.lines)
+    assert any("arm has no effect within 5 s: the robot is stopped" in x for x in pair.lines)

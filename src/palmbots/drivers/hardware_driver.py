@@ -41,7 +41,7 @@ class HardwareDriver(ABC):
         """The newest reading.
 
         Raises:
-            PalmbotsError: ``[hardware]`` lists other switches, or encoders that do not exist.
+            PalmbotsError: ``[hardware]`` does not fit the switches or the encoders of the driver.
         """
         raw = self.read_raw()
         if raw is None:

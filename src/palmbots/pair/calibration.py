@@ -224,7 +224,7 @@ def stopping(machine: Machine, person: Person, task: Task) -> list[Finding]:
     for tries in range(_MOST_STOPS):
         missed = machine.missed
         one = _one_stop(machine, speed)
-        # A late tick of this program makes a stop look longer: such a stop counts only if most are.
+        # A late tick of this program makes a stop look longer. Such stops only fill up the number.
         if machine.missed == missed or _MOST_STOPS - tries <= _STOPS - len(times):
             times.append(one)
         if len(times) == _STOPS:

@@ -34,7 +34,7 @@ class Machine:
     Args:
         driver: of the robot.
         hardware: what is known of it so far.
-        wait: returns at the next control tick the number of ticks since the last one.
+        wait: waits for the next control tick, and returns the number of ticks since the last call.
         period_s: time between two ticks.
     """
 
@@ -50,7 +50,7 @@ class Machine:
         self.period_s = period_s
         self._servo_rad: float | None = None
         self.missed = 0
-        """Ticks that came too late for a command, so far."""
+        """How many ticks have passed so far without a command, because the program was late."""
 
     def read(self) -> RawReading:
         """The newest reading.

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A calibration of one robot of a pair, from its ``pair.toml`` and back into it."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -130,11 +131,12 @@ def warnings_of(findings: Sequence[Finding], scene: Scene) -> list[str]:
     warnings = [one.note for one in findings if one.note]
     limit_s = stopping_limit_s(scene)
     if "stopping_s" in found and found["stopping_s"].value > limit_s + 1e-9:
-        slower = scene.robot.speed_m_s / found["stopping_s"].value
+        slower = scene.robot.acceleration_m_s2 * limit_s / found["stopping_s"].value
         warnings.append(
             f"the wheels need up to {found['stopping_s'].value:.3f} s to stop, longer than the "
             f"{limit_s:g} s of the scene (robot.speed_m_s / robot.acceleration_m_s2): the robot "
-            f"cannot be armed; brake harder, or set robot.acceleration_m_s2 = {slower:.2g}"
+            f"cannot be armed. Make the motors brake harder, or set robot.acceleration_m_s2 = "
+            f"{math.floor(1000 * slower) / 1000:g} in the scene"
         )
     if "switches" in found:
         middle = scene.tactile.zero_half_width_m

@@ -206,7 +206,7 @@ def check_driver(
         return [Check("driver", side, False, "has no hardware", "start its hardware")]
     palm = scene.palm_of(side)
     angles = [math.radians(angle) for angle in (palm.steep_deg, palm.shallow_deg)]
-    # A servo that does not report its angle may come from anywhere at first.
+    # A servo that does not report its angle may begin at any angle.
     whole_turn_s = (hardware.servo_max_deg - hardware.servo_min_deg) / hardware.servo_rate_deg_s
     seen: Reading = first
     stuck = ""

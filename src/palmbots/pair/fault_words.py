@@ -28,13 +28,13 @@ FAULT_WORDS: dict[FaultCode, FaultWords] = {
     "palm": FaultWords(
         "palm",
         "the palm is not at its angle",
-        "wait while it turns; if it stays so, free the palm, or calibrate the servo",
+        "wait while it turns; if it does not arrive, free the palm, or calibrate the servo",
     ),
     "battery": FaultWords("battery", "the battery is low", "charge it"),
     "partner_lost": FaultWords(
         "link",
         "it does not hear its partner",
-        "see whether the partner's program runs, check the radio (palmbots doctor), then arm again",
+        "check that the partner's program runs, and the radio (palmbots doctor), then arm again",
     ),
     "station_lost": FaultWords(
         "link", "it has lost the station", "check the radio (palmbots doctor), then arm again"
@@ -52,7 +52,7 @@ FAULT_WORDS: dict[FaultCode, FaultWords] = {
     "stopping": FaultWords(
         "stopping",
         "hardware.stopping_s exceeds robot.speed_m_s / robot.acceleration_m_s2 of the scene",
-        "brake harder and calibrate again, or lower robot.acceleration_m_s2 in the scene",
+        "make the motors brake harder and calibrate again, or lower that acceleration in the scene",
     ),
     "partner": FaultWords(
         "mode", "its partner has ended the carry", "see the partner, then arm again"

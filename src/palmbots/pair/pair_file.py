@@ -211,7 +211,8 @@ def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
 
 
 def _check_addresses(path: Path, link: LinkTable) -> None:
-    """Refuse UDP addresses that two ends share. Serial devices may have one name on all computers.
+    """Refuse UDP addresses that two ends share. A serial device may have the same name on each
+    computer.
 
     Raises:
         PalmbotsError: two ends have the same address.

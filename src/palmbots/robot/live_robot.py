@@ -67,7 +67,7 @@ def run_live_robot(
     with booted(file) as state, contextlib.ExitStack() as stack:
         scene = load_scene(pair.scene())
         live_program(pair, side, state, scene, rate)  # refuses before anything is opened
-        if pair.settings.driver.kind != "simulated":  # for the others the world does it
+        if pair.settings.driver.kind != "simulated":  # the world of a simulated robot prints them
             for text in warnings_before(scene, controller_of(pair)):
                 on_line(f"warning: {text}")
         link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
@@ -157,7 +157,7 @@ def logged_program(
 
 
 def _silence(pair: Pair, side: Side, patience: int, on_line: Callable[[str], None]) -> Silence:
-    """What watches whether a robot hears the others. Without a radio it needs no partner."""
+    """A watch on which ends a robot hears; the partner only if the controller uses the radio."""
     ends: dict[Role, str] = pair.settings.link.addresses()
     del ends[side]
     if not controller_of(pair).uses_radio:

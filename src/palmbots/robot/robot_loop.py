@@ -183,7 +183,7 @@ class RobotLoop:
 
     @property
     def heard(self) -> tuple[Role, ...]:
-        """The other ends of which an authentic packet has arrived."""
+        """The other ends from which an authentic packet has arrived."""
         return tuple(end for end, one in self._statistics.ends.items() if one.received)
 
     def end(self, details: Mapping[str, Any]) -> RobotEnd:

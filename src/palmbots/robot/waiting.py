@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lines for a person at a robot whose program waits: for hardware, a world, or another end."""
+"""Lines for a person at a robot, on what its program waits for: hardware, a world, another end."""
 
 import threading
 from collections.abc import Callable, Collection, Mapping
@@ -12,7 +12,7 @@ PATIENCE_S = 3.0
 
 
 class Waiting:
-    """States what a program waits for, each thing after `PATIENCE_S`.
+    """Prints what a program waits for, once it has waited for `PATIENCE_S`.
 
     Args:
         on_line: called with the line.
@@ -63,13 +63,13 @@ def partner_of(side: Side) -> Side:
 
 
 class Silence:
-    """States once which other ends a robot has not heard since its start, and then when it hears
-    them.
+    """Prints once which other ends a robot has not heard since its start, and later each one that
+    it hears.
 
     Args:
         side: of the robot.
         ends: the ends that it should hear, with their addresses.
-        patience: steps before they are named.
+        patience: steps after which the ends that are still unheard are named.
         on_line: called with each line.
     """
 
@@ -91,12 +91,12 @@ class Silence:
         for end in [end for end in self._unheard if end in heard]:
             name = self._unheard.pop(end)
             if self._is_named:
-                self._on_line(f"{self._side}: hears {name}")
+                self._on_line(f"{self._side}: now hears {name}")
         self._patience -= 1
         if self._patience == 0 and self._unheard:
             self._is_named = True
-            names = ", ".join(self._unheard.values())
-            self._on_line(f"{self._side}: not heard yet: {names}; check program and address")
+            names = " or ".join(self._unheard.values())
+            self._on_line(f"{self._side}: has not heard {names} yet; check program and address")
 
 
 def _named(end: Role, address: str) -> str:

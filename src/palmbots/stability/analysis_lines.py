@@ -106,7 +106,7 @@ def _ranges(analysis: "Analysis") -> Table:
 
 
 def _com_height(analysis: "Analysis") -> str:
-    """The admissible heights of the COM above the line of contacts, of those inside the outline."""
+    """The admissible heights of the COM above the line of contacts, inside the outline."""
     body = analysis.scene.object
     frame = object_frame(body.vertices_m, body.contacts, body.com_m)
     heights = [corner.height for corner in frame.outline]

@@ -21,7 +21,7 @@ from palmbots.stability.problem import Region, StabilityProblem, permitted, stab
 from palmbots.stability.tightest_margins import angle_step_deg, fastest_acceleration
 
 FAILING = "{names} {fails} {where}"
-"""That properties fail. The page (scripts/site_tables.py) says so in the same words."""
+"""The warning that properties fail, which the page prints, too (scripts/site_tables.py)."""
 SOMEWHERE = "for contacts somewhere on the palms"
 _ANYWHERE = "for contacts anywhere on the palms"
 

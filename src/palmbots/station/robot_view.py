@@ -42,7 +42,7 @@ class RobotView:
         if packet.epoch != self.stamp[0]:
             self._numbers.clear()
         self.status, self.heard_s, self.stamp = status, now, (packet.epoch, packet.sequence)
-        # A robot at rest reports no progress; how far it came stays known until it is released.
+        # A robot at rest reports no progress; its last one is kept until it is released.
         is_over = status.item == "progress" and status.mode in ("done", "stopped", "fault")
         if status.item in _NUMBERS and not (is_over and status.item in self._numbers):
             self._numbers[status.item] = status.value

@@ -287,16 +287,16 @@ class Station:
         view = self.robots[side]
         status = view.status
         if status is None or not view.is_heard(self.clock()):
-            return "is not heard"
+            return "the robot is not heard"
         if view.is_late and self._wish in _STOPS:
             return f"a packet and its answer take {view.answer_s:.1f} s"
         if view.is_late:
             return view.late_line()
         if status.mode == "stopped":
-            return "is stopped; release it first"
+            return "the robot is stopped; release it first"
         if self._wish == "start" and status.fault == "none" and status.mode in _UNARMED:
-            return f"is {status.mode}; arm it first"
-        return f"is {status.mode}" + (
+            return f"the robot is {status.mode}; arm it first"
+        return f"the robot is {status.mode}" + (
             "" if status.fault == "none" else f" ({fault_line(status.fault)})"
         )
 

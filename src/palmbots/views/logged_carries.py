@@ -27,13 +27,13 @@ class LoggedCarry:
     duration_s: float
     """On the robot's own clock."""
     covered: float
-    """Part of the task's distance that it had covered at the end, from 0 to 1."""
+    """Share of the task's distance that the robot had covered at the end, from 0 to 1."""
     end: str
     """Why it ended."""
 
     @property
     def row(self) -> tuple[str, ...]:
-        """The same as a row of a table."""
+        """This carry as a row of a table."""
         start = "unknown" if self.start_s is None else f"{self.start_s:.2f} s"
         name = Path(self.file).name
         return name, start, f"{self.duration_s:.2f} s", f"{self.covered:.0%}", self.end
@@ -44,7 +44,7 @@ def logged_carries(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> tuple[
 
     Args:
         logs: of the programs.
-        clocks: for each log but the first how its clock relates to that of the first.
+        clocks: for each log but the first, how its clock relates to that of the first.
     """
     fits = [ClockFit("", 0.0, 1.0, 0.0, 0), *clocks]
     found = [
@@ -82,6 +82,6 @@ def _of_robot(log: RunLog, fit: ClockFit) -> Iterator[LoggedCarry]:
 def _end(tick: Any) -> str:
     """What the first tick after a carry says about its end."""
     if tick.mode == "stopped":
-        return "stopped by hand" if tick.stop else "stopped by a stop of the station or the partner"
+        return "stopped by hand" if tick.stop else "stopped by the station or the partner"
     words = FAULT_WORDS.get(tick.fault)
     return tick.mode if words is None else f"{tick.mode} ({tick.fault}: {words.meaning})"

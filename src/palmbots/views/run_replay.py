@@ -57,7 +57,7 @@ class RunReplay(Result):
     clocks: tuple[ClockFit, ...]
     """For each log but the first how its clock relates to that of the first."""
     carries: tuple[LoggedCarry, ...] = ()
-    """When each robot carried, and why that ended."""
+    """When each robot carried, and why it ended."""
     run: tuple[RunLog, ...] = field(default=(), metadata=NOT_IN_JSON)
     """What the logs contain."""
 
@@ -106,9 +106,9 @@ def _clock(clock: ClockFit) -> str:
 def replay_logs(logs: Sequence[str | PathLike[str]]) -> ReplayResult | RunReplay:
     """Run a logged carry again and compare every bit.
 
-    Logs of robots and of a station are verified: each robot's program gets what it had logged, and
-    has to decide the same. Their clocks are aligned by the packets that they exchanged. A table
-    states when each robot carried, how far, and why that ended.
+    Logs of robots and of a station are verified: each robot's program gets the logged readings and
+    packets again, and has to decide the same. The packets that they exchanged align their clocks. A
+    table states when each robot carried, how far, and why it ended.
 
     Args:
         logs: MCAP logs, or folders with them.
