@@ -211,7 +211,7 @@ def test_worker_with_another_version_is_refused(shared: str, long: Path, tmp_pat
     path = {"PYTHONPATH": os.pathsep.join([str(tmp_path), *([before] if before else [])])}
     arguments = (long, "--out", tmp_path / "study", "--chunk-size", CHUNK, "--scheduler", shared)
     with worker(shared, path):
-        refused(study_here(*arguments), "the worker tcp://", "has palmbots 0.0.9", "same version")
+        refused(study(*arguments), "the worker tcp://", "has palmbots 0.0.9", "same version")
     process = subprocess.Popen(
         at_call.command("SIGSTOP", "after", Store.write, 2, "study", *arguments),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
