@@ -393,7 +393,7 @@ def test_a_carry_that_does_not_move_on_is_named(left: Any, right: Any, hangs: bo
     assert watch.step(modes, 0.0) == watch.step(modes, 5.0) == []
     line = f"the carry has not moved on for 5 s: it hangs (left is {left}, right is {right})"
     if right == "done":
-        line += "; left waits for right, which has arrived: stop the carry"
+        line += "; left waits for right, which is done: stop the carry"
     assert watch.step(modes, 5.1) == ([line] if hangs else [])
 
 

@@ -98,7 +98,7 @@ class FaultWatch:
             line = f"the carry has not moved on for {_HANGS_S:g} s: it hangs ({shown})"
             if "done" in now:
                 one, other = SIDES if modes["right"] == "done" else SIDES[::-1]
-                line += f"; {one} waits for {other}, which has arrived: stop the carry"
+                line += f"; {one} waits for {other}, which is done: stop the carry"
             lines.append(line)
         return lines
 
