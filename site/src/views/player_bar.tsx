@@ -62,7 +62,7 @@ function Pause() {
 function playerKeys(event: KeyboardEvent): void {
   const target = event.target as HTMLElement;
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  // A slider needs no space bar, and a chosen answer has had it.
+  // A slider and an answer that is already chosen do not use the space bar.
   const isFree =
     target instanceof HTMLInputElement &&
     (target.type === "range" || (target.type === "radio" && target.checked));
