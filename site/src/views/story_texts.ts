@@ -53,7 +53,7 @@ export const STORIES: Story[] = [
           answers: ["Its own, the right one.", "The partner's, the left one."],
           right: 1,
         },
-        after: "The right robot asks the left one to tilt up, case (a), and the left one assists, case (c): see their messages, TiltUp and Ack. With the left palm shallow, only the right contact slides when the robots drive apart: the right one drives away until its contact is near the middle.",
+        after: "The right robot asks the left one to tilt up, case (a), and the left one assists, case (c): see TiltUp and Ack. With the left palm shallow, only the right contact slides when the robots drive apart: the right one drives away until its contact is near the middle.",
       },
       {
         scene: "figure8", at: 0.7, task: "See the other six bumps.", label: "go on",
