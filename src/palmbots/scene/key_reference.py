@@ -171,7 +171,7 @@ def default_scene_toml() -> str:
         "# keeps its default. palm.left.KEY, palm.right.KEY, robot.left.KEY and",
         "# robot.right.KEY override one side. radio.left, radio.right and radio.station",
         "# override latency_s, jitter_s and loss for what one sender transmits.",
-        "# The keys of the paper's box are in comments. If you give an outline of your own",
+        "# The keys of the paper's box are in comments. With an outline of your own",
         "# (vertices_m or box_m), the others of these keys follow from it.",
         "# Run it: palmbots carry FILE",
     ]
