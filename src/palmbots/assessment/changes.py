@@ -216,11 +216,11 @@ def _is_held(load: LoadLimits, reach_m: float | None) -> bool:
 
 
 def _revealing_noise(scene: Scene, controller: str, count: int) -> float | None:
-    """The factor of the noise at which changes differ: 1 where the scene fails already, else the
-    least one that makes it fail; None: none does."""
+    """The factor of the noise at which changes differ: 1 where the scene certainly fails already,
+    else the least one that makes it fail; None: none does."""
     own = count_failures(prepare(scene, controller), 0, count)
     makes_noise = any(scene.robot_of(side).noise_m_s > 0 for side in SIDES)
-    if rate_interval(own, count)[1] > SMALL:
+    if rate_interval(own, count)[0] > SMALL:
         return 1.0
     for factor in NOISE_FACTORS if makes_noise else ():
         try:

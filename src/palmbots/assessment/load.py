@@ -23,7 +23,8 @@ class LoadTrial:
     speed_m_s: float
     """The highest mean speed of a carry."""
     remarks: tuple[str, ...]
-    """What is wrong with the carries, in words; empty: nothing."""
+    """What is wrong with the carries, in words, those of the carry with most slip first; empty:
+    nothing."""
 
 
 def try_load(
@@ -39,10 +40,8 @@ def try_load(
         report((seed + 1) / carries)
     outcomes = [one.outcome for one in found]
     slips = [one.wheel_slip_m.values() for one in found if one.wheel_slip_m is not None]
-    remarks = [
-        text for one, slip in zip(found, slips, strict=True)
-        for text in traction_warnings(scene, one, slip)
-    ]  # fmt: skip
+    pairs = sorted(zip(found, slips, strict=True), key=lambda pair: -max(map(abs, pair[1])))
+    remarks = [text for one, slip in pairs for text in traction_warnings(scene, one, slip)]
     return LoadTrial(
         counts=OutcomeCounts(
             controller,

@@ -118,7 +118,8 @@ def on_load(
         if best is not None and reach is not None:
             texts.append(
                 f"{best.controller} keeps the contacts within {millimetres(reach)} of the "
-                f"pivots; there the robots hold up to {mass_text(limits.heaviest_within(reach))} kg"
+                f"pivots; there no robot tips and no palm sags up to "
+                f"{mass_text(limits.heaviest_within(reach))} kg, but wheels may slip before"
             )
             verdict = "likely" if reach <= limits.held_within_m else "partly"
     if trial is None:
@@ -179,6 +180,7 @@ def on_angles(trial: AngleTrial | None, name: str) -> Answer:
     question, command = "Are the palm angles right?", f"palmbots design {name}"
     if trial is None:
         return Answer(question, "open", "no other pair of angles could be tried", command)
+    command += f" -c {trial.controller}"
     least, most = 100 * trial.least_failure_rate, 100 * trial.most_failure_rate
     spread = f"{least:.3g} to {most:.3g} % at the {trial.tried} pairs tried"
     if most == 0:
@@ -244,7 +246,10 @@ def on_change(trial: ChangeTrial | None, name: str) -> Answer:
     if trial.noise_factor == 1:
         noise = ""
     if not trial.is_better:
-        text = f"{noise}{controller} fails in {own} of carries; none of {trial.tried} changes helps"
+        text = (
+            f"{noise}{controller} fails in {own} of carries; none of the {trial.tried} changes "
+            "that were tried makes it fail less often"
+        )
         return Answer(question, "no", text, f"palmbots noise-limit {name} -c {controller}")
     changed = ", ".join(
         f"{key} from {format_number(trial.before[key])} to {format_number(value)}"
@@ -255,15 +260,15 @@ def on_change(trial: ChangeTrial | None, name: str) -> Answer:
     if trial.holds and not trial.own_holds:
         text = f"{text}; then all properties hold"
     elif noise:
-        text = f"not needed here, but gives more reserve: {text}"
+        text = f"more reserve: {text}"
     if trial.is_for_load:
         place = "at the start" if trial.own_failures is None else "as far out as contacts get"
         masses = " instead of ".join(
             f"{mass_text(mass)} kg" for mass in (trial.heaviest_kg, trial.own_heaviest_kg)
         )
         text = (
-            f"{changed}: the robots hold {masses} {place}; {controller} then fails in {after} of "
-            "carries"
+            f"{changed}: no robot tips and no palm sags up to {masses} {place}; {controller} then "
+            f"fails in {after} of carries"
         )
     return Answer(question, "yes", "; ".join([text, *_costs(trial)]), setting)
 
