@@ -45,4 +45,5 @@ def test_wheels_that_slip_and_robots_that_run_away_are_reported() -> None:
         assert done.wheel_slip_m[first] == pytest.approx(sense * slip, abs=1e-3)
         assert done.wheel_slip_m[first] < -0.1
         printed = " ".join(done.warnings)
-        assert f"wheels of the {first} robot slip" in printed and "robot.speed_m_s is 6 cm/s" in printed
+        assert f"wheels of the {first} robot slip" in printed
+        assert "robot.speed_m_s is 6 cm/s" in printed
