@@ -8,7 +8,7 @@ Every scene has the noise at which the design law expects about 1 % of drops, an
 The attackers know the world: they read both contacts, or filter the signs, with several times of
 correction, and the optimal policies read the noise, too. `table` is the best of a random search
 over all tables that give palms and wheels for each pair of contact signs. `level table` is the same
-with palms that can be level, in every fourth scene. Their robots keep driving. `standing` and
+with palms that can be level, in every eighth scene. Their robots keep driving. `standing` and
 `creeping`, whose robots stand, are measured beside them: the bound does not hold for them. A z
 above 3 of one that drives would mean that it beats the bound; a carry that stalls counts as a drop.
 Writes benchmarks/results/attack_bound.csv. SCENES are 0 (the default scene, at 5.9 cm/s) and random
@@ -43,11 +43,11 @@ TIMES_S = (0.1, 0.2, 0.3, 0.6, 1.0)
 STANDING = ("standing", "creeping")
 PALMS, DRIVES = ("shallow", "steep"), ("hold", "away", "closer")
 Row = tuple[tuple[str, str], tuple[str, str]]
-SEARCH = ((20, 200), (50, 300), (200, 200), (800, 100))
+SEARCH = ((20, 150), (50, 150), (200, 80), (800, 30))
 """Carries for each of so many tables, the first of which are random."""
-SHORT = ((10, 50), (30, 100), (100, 40))
-LEVEL_EVERY = 4
-"""Level palms are slow to simulate: a shorter search, and only in every fourth scene."""
+SHORT = ((6, 20), (20, 40), (60, 15))
+LEVEL_EVERY = 8
+"""Level palms are slow to simulate: a shorter search, and only in every eighth scene."""
 
 
 def linear(exact: bool, time_s: float) -> ControllerEntry:
