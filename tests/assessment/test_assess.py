@@ -13,7 +13,7 @@ import palmbots as pb
 from palmbots._util.confidence_intervals import rate_interval
 from palmbots.assessment.angles import try_angles
 from palmbots.assessment.assess import QUESTIONS
-from palmbots.assessment.changes import try_changes
+from palmbots.assessment.changes import _revealing_noise, try_changes
 from palmbots.cli.main import run
 from palmbots.simulation import count_outcomes
 
@@ -167,3 +167,12 @@ def test_changes_help_on_seeds_that_did_not_choose_them(
 
 def test_changes_are_none_without_noise() -> None:
     assert try_changes(pb.load_scene("paper", {"robot.noise_m_s": 0}), "silent", {}, None) is None
+
+
+def test_changes_are_compared_where_few_carries_show_a_difference() -> None:
+    """No failure of 120 says nothing about a change, so that the noise is raised; a scene without
+    noise that fails in one of 40 carries is compared as it is."""
+    factor = _revealing_noise(pb.load_scene("paper"), "shared-sign", 120)
+    assert factor is not None and factor > 1
+    keys = {"robot.noise_m_s": 0, "robot.left.bias_m_s": 0.004, "radio.loss": 0.001}
+    assert _revealing_noise(pb.load_scene("paper", keys), "distributed", 40) == 1

@@ -220,7 +220,7 @@ def _revealing_noise(scene: Scene, controller: str, count: int) -> float | None:
     else the least one that makes it fail; None: none does."""
     own = count_failures(prepare(scene, controller), 0, count)
     makes_noise = any(scene.robot_of(side).noise_m_s > 0 for side in SIDES)
-    if rate_interval(own, count)[0] > SMALL:
+    if rate_interval(own, count)[0] > SMALL or (own > 0 and not makes_noise):
         return 1.0
     for factor in NOISE_FACTORS if makes_noise else ():
         try:
