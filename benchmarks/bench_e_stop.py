@@ -71,7 +71,7 @@ def stops_s(loss: float, count: int) -> list[float]:
                     ("arm", {"armed"}),
                     ("start", {"carrying", "holding"}),
                 ):
-                    client.wish(wish)  # type: ignore[arg-type]
+                    client.wish(wish)
                     wait_for(client, lambda found, modes=modes: found <= modes)
                 time.sleep(0.3)
                 start_s = time.monotonic()

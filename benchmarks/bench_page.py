@@ -16,7 +16,7 @@ import sys
 import threading
 from pathlib import Path
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
 from _machine import load, processor
 
@@ -27,7 +27,7 @@ from serve_site import server  # noqa: E402
 
 RESULTS = Path(__file__).parent / "results" / "page.csv"
 LOADS = 9
-SIZE = {"width": 1280, "height": 900}
+SIZE = ViewportSize(width=1280, height=900)
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
 SECONDS = "() => parseFloat(document.querySelector('.time')?.innerText ?? 0)"
 RATE = """async seconds => {
@@ -78,11 +78,11 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=ARGUMENTS)
         loads = []
         for _ in range(LOADS):
-            context = browser.new_context(viewport=SIZE)  # pyright: ignore[reportArgumentType]
+            context = browser.new_context(viewport=SIZE)
             loads.append(first_motion_ms(context.new_page(), address))
             context.close()
         rows.append(("cold load to first motion, median", statistics.median(loads), "ms"))
-        page = browser.new_context(viewport=SIZE).new_page()  # pyright: ignore[reportArgumentType]
+        page = browser.new_context(viewport=SIZE).new_page()
         page.goto(address)
         page.wait_for_function(f"() => ({SECONDS})() > 0")
         for what, place, before in (

@@ -35,7 +35,8 @@ gc.set_threshold(20_000, 20, 20)
 
 # A checker of addresses, which comes with the tools of the docs: jsonschema would import it, which
 # takes seconds, and no schema here has addresses.
-sys.modules["rfc3987_syntax"] = None  # pyright: ignore[reportArgumentType]
+modules: dict[str, Any] = sys.modules
+modules["rfc3987_syntax"] = None
 
 # The processes of a run have one new cache: what one has solved, the others read, and no result of
 # earlier code.
@@ -85,7 +86,8 @@ def pytest_sessionstart() -> None:
     # Which ones are depends on the tests that this worker has run, so `ci` draws none of them.
     if not is_soak():
         assert hasattr(providers, "_get_local_constants")
-        providers._get_local_constants = lambda: providers._local_constants
+        drawn: Any = providers
+        drawn._get_local_constants = lambda: providers._local_constants
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -9,7 +9,7 @@ import math
 import time
 from collections import deque
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -62,7 +62,7 @@ def carry(engine: Engine, seed: int, controlled: bool = True) -> Result:
     memory = math.exp(-PERIOD / TAU)
     noise = rng.normal(0, NOISE, 2)
     controllers = (pb.control.DistributedController(), pb.control.DistributedController())
-    inbox: tuple[deque[tuple[int, str]], deque[tuple[int, str]]] = (deque(), deque())
+    inbox: tuple[deque[tuple[int, Any]], deque[tuple[int, Any]]] = (deque(), deque())
     speed, angle, target = [0.0, 0.0], [STEEP, STEEP], [STEEP, STEEP]
     squares, in_engine, outcome, ticks = 0.0, 0.0, "delivered", 0
     started = time.process_time()
@@ -79,7 +79,7 @@ def carry(engine: Engine, seed: int, controlled: bool = True) -> Result:
             due = inbox[side] and inbox[side][0][0] <= tick
             letter = inbox[side][0][1] if due else None
             turned = angle[side] == target[side]
-            out = controllers[side].step(pb.control.StepInput(sign, letter, turned))  # type: ignore[arg-type]
+            out = controllers[side].step(pb.control.StepInput(sign, letter, turned))
             if due and out.consume:
                 inbox[side].popleft()
             if out.send is not None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from elftools.elf.elffile import ELFFile
+from elftools.elf.sections import SymbolTableSection
 from intelhex import IntelHex
 
 from emulator.peripherals.analog import Adc, Power, Rng
@@ -66,7 +67,8 @@ def load_image(hex_file: Path, elf_file: Path) -> Image:
     flash = IntelHex(str(hex_file)).tobinstr(start=0, size=0x10000)
     with elf_file.open("rb") as stream:
         table = ELFFile(stream).get_section_by_name(".symtab")
-        symbols = {s.name: (s["st_value"], s["st_size"]) for s in table.iter_symbols()}  # type: ignore[union-attr]
+        assert isinstance(table, SymbolTableSection)
+        symbols = {s.name: (s["st_value"], s["st_size"]) for s in table.iter_symbols()}
     return Image(flash, symbols)
 
 
@@ -325,7 +327,7 @@ class Board(Processor):
         for peripheral, state in zip(self._peripherals(), states, strict=True):
             peripheral.restore(state)
         type(self.meter).from_buffer(self.meter)
-        for name, _ in self.meter._fields_:  # type: ignore[misc]
+        for name, *_ in self.meter._fields_:
             setattr(self.meter, name, getattr(type(self.meter).from_buffer_copy(meter), name))
 
     # --- events of the peripherals, by the names under which they are scheduled

@@ -12,6 +12,7 @@ from typing import Any
 import unicorn
 from unicorn import arm_const
 from unicorn.unicorn_py3 import Uc, UcError
+from unicorn.unicorn_py3.unicorn import uclib
 
 from emulator.native import Meter, hooks, near_it_blocks
 
@@ -73,16 +74,15 @@ class Processor:
 
     def _add_hooks(self) -> None:
         library = hooks()
-        native = unicorn.unicorn_py3.unicorn.uclib  # type: ignore[attr-defined]
         library.use(
-            *(ctypes.cast(getattr(native, name), ctypes.c_void_p)
+            *(ctypes.cast(getattr(uclib, name), ctypes.c_void_p)
               for name in ("uc_emu_stop", "uc_reg_read", "uc_reg_write"))
         )  # fmt: skip
-        handle = self.uc._uch  # type: ignore[attr-defined]
+        handle = self.uc._uch
 
         def add(kind: int, callback: Any, begin: int, end: int) -> None:
             number = ctypes.c_size_t()
-            status = native.uc_hook_add(
+            status = uclib.uc_hook_add(
                 handle, ctypes.byref(number), ctypes.c_int(kind),
                 ctypes.cast(callback, ctypes.c_void_p), ctypes.byref(self.meter),
                 ctypes.c_uint64(begin), ctypes.c_uint64(end),
@@ -221,7 +221,7 @@ class Processor:
             raise self.error
         if meter.trespasses:
             raise Violation(f"memory of a peripheral used at {meter.trespassed_by:#x}")
-        self.pc = self.uc.reg_read(arm_const.UC_ARM_REG_PC)  # type: ignore[assignment]
+        self.pc = self.uc.reg_read(arm_const.UC_ARM_REG_PC)
         if meter.instructions < meter.limit and self.bytes_at(self.pc - 2, 2) == _WFI:
             self.is_asleep = True
             self.slept()

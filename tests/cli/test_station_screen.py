@@ -62,10 +62,10 @@ def shown(app: Any) -> str:
 
 
 def run(
-    client: Client, act: Callable[[Any, Any], Awaitable[None]], size: tuple[int, int] = (80, 24)
+    client: Any, act: Callable[[Any, Any], Awaitable[None]], size: tuple[int, int] = (80, 24)
 ) -> Any:
     async def main() -> Any:
-        app = station_app(client)  # type: ignore[arg-type]
+        app = station_app(client)
         async with app.run_test(size=size) as pilot:
             await pilot.pause()
             await act(app, pilot)

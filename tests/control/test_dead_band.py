@@ -71,7 +71,7 @@ def test_zero_zone_from_the_tactile_zones() -> None:
     zero = {"sign": "0", "from_m": -0.002, "to_m": 0.006}
     plus = {"sign": "+", "from_m": 0.003, "to_m": 0.075}
 
-    def width(*zones: dict[str, object]) -> float:
+    def width(*zones: dict[str, Any]) -> float:
         return zero_zone_m(load_scene("paper", {"tactile.zones": list(zones)}))
 
     assert width(minus, zero, plus) == pytest.approx(0.010)  # zero wins over plus

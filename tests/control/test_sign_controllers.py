@@ -63,8 +63,8 @@ def test_times_in_the_default_scene() -> None:
 @pytest.mark.parametrize("start", ["together", "touch"])
 def test_table_agrees_with_the_rules(controller: str, leads: bool, brake: bool, start: str) -> None:
     """Over random signs, messages and ages, with signs and silences that last."""
-    keys = {"palm.length_m": 0.03, "robot.correction_m_s": 0.06, "control.brake": brake}
-    keys |= {"control.start": start}
+    keys: dict[str, Any] = {"palm.length_m": 0.03, "robot.correction_m_s": 0.06}
+    keys |= {"control.brake": brake, "control.start": start}
     by_touch = start == "touch"
     spec = to_spec(load_scene("paper", keys))
     shares = controller == "shared-sign"

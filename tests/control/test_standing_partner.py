@@ -137,7 +137,7 @@ def share(controller: str, outcome: int, count: int = 400, **keys: Any) -> float
     return float((run_seeds(to_spec(scene), controller, 0, count)["outcome"] == outcome).mean())
 
 
-RANDOM = {
+RANDOM: dict[str, Any] = {
     "faults.random_reboots": 1, "faults.reboot_s": LASTS_S, "robot.noise_m_s": 0.02,
     "task.timeout_s": 100.0,
 }  # fmt: skip

@@ -210,7 +210,9 @@ def test_hardware_as_it_is_passes_the_guard(note: Path) -> None:
     # 0.05 m/s with wheels of 4 cm: 1.25 rad/s at most.
     assert raw.wheel_counts == (0.5, pytest.approx(1.25))
     assert raw.closed == (False, True, False)
-    assert driver.read().palm_at_target is False  # type: ignore[union-attr]
+    seen = driver.read()
+    assert seen is not None
+    assert seen.palm_at_target is False
     wait_until(lambda: (raw := driver.read_raw()) and raw.wheel_counts == (0.0, 0.0))  # watchdog
     driver.close()
 

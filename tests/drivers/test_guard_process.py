@@ -77,7 +77,8 @@ def run(
     settings = DriverSettings(
         side="left", leads=False, address="", period_s=0.01, watchdog_s=W_S
     )  # fmt: skip
-    guard = guard_process._Guard(driver, settings, program, object())  # type: ignore[arg-type]
+    parts: Any = (driver, settings, program, object())
+    guard = guard_process._Guard(*parts)
     with pytest.raises(ConnectionLost):
         guard.run()
     return [(name, at_s - start_s) for name, at_s in driver.notes], program

@@ -14,7 +14,7 @@ import palmbots as pb
 import serial_oracle
 from motor_board import Board, board
 from palmbots.drivers import serial_board
-from palmbots.drivers.driver import Drive, DriverSettings, RawCommand
+from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, Reading
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.serial_board import SerialDriver
 from serial_lines import Line
@@ -31,6 +31,12 @@ def settings(device: Path, **changes: Any) -> DriverSettings:
         hardware=HARDWARE, on_line=LINES.append,
     )  # fmt: skip
     return replace(made, **changes)
+
+
+def reading(driver: SerialDriver) -> Reading:
+    found = driver.read()
+    assert found is not None
+    return found
 
 
 def drive(speed_m_s: float, palm_rad: float = 0.5, *, wheels: bool = True) -> Drive:
@@ -52,9 +58,9 @@ def test_readings_and_commands(tmp_path: Path) -> None:
         # 4 cm/s with wheels of 4 cm: 1 rad/s, after the ramp; the palm goes to 90° + 0.5 rad.
         wait_until(lambda: (driver.write(drive(0.04)), driver.read())[1] and _turns(made, 1.0))
         assert made.commands[-1].palm_rad == pytest.approx(math.pi / 2 + 0.5, abs=1e-3)
-        wait_until(lambda: (driver.write(drive(0.04)), driver.read())[1].palm_at_target)  # type: ignore[union-attr]
+        wait_until(lambda: (driver.write(drive(0.04)), reading(driver))[1].palm_at_target)
         before = driver.read()
-        wait_until(lambda: (driver.write(drive(0.04)), driver.read())[1].distance_m > 0.01)  # type: ignore[union-attr]
+        wait_until(lambda: (driver.write(drive(0.04)), reading(driver))[1].distance_m > 0.01)
         assert before is not None
         driver.stop()
         assert (made.wait_resting().left, made.commands[-1].by_watchdog) == (0, False)
@@ -95,15 +101,15 @@ def test_an_unplugged_board_comes_back(tmp_path: Path) -> None:
     with board(tmp_path / "tty") as made:
         driver = SerialDriver(settings(tmp_path / "tty"))
         driver.write_raw(RawCommand((5.0, 5.0)))
-        wait_until(lambda: driver.read_raw().wheel_counts[0] > 20)  # type: ignore[index]
+        wait_until(lambda: (driver.read_raw().wheel_counts or (0,))[0] > 20)
         made.end()
         wait_until(lambda: (driver.read(), not driver.works)[1])
-        covered_m = driver.read().distance_m  # type: ignore[union-attr]
+        covered_m = reading(driver).distance_m
         driver.write(drive(0.04))  # is lost, without an error
         made.start()
         wait_until(lambda: (driver.read(), driver.works)[1])
         # The new board counts from 0: the distance does not jump.
-        assert driver.read().distance_m == covered_m  # type: ignore[union-attr]
+        assert reading(driver).distance_m == covered_m
         driver.close()
     lost, back = LINES
     assert lost.startswith(f"driver.address: {tmp_path / 'tty'} is lost: ")
@@ -114,16 +120,16 @@ def test_a_board_that_boots_does_not_move_the_odometry(tmp_path: Path) -> None:
     with board(tmp_path / "tty") as made:
         driver = SerialDriver(settings(tmp_path / "tty"))
         wait_until(
-            lambda: (driver.write_raw(RawCommand((9.0, 9.0))), driver.read())[1].distance_m > 0.02  # type: ignore[union-attr]
+            lambda: (driver.write_raw(RawCommand((9.0, 9.0))), reading(driver))[1].distance_m > 0.02
         )
         driver.stop()
         made.wait_resting()
         before = driver.read_raw().wheel_counts
         wait_until(lambda: driver.read_raw().wheel_counts == before)
-        covered_m = driver.read().distance_m  # type: ignore[union-attr]
+        covered_m = reading(driver).distance_m
         made.order("reboot")
         wait_until(lambda: (driver.read(), driver._newest and driver._newest.left_count == 0)[1])
-        assert driver.read().distance_m == covered_m  # type: ignore[union-attr]
+        assert reading(driver).distance_m == covered_m
         driver.close()
 
 

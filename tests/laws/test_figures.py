@@ -78,7 +78,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
                  "permitted-com", "tactile-zones"):  # fmt: skip
         yield name, analysis
     for quantity in ("com", "friction"):  # with a unit and without
-        angles = {"angle_range_deg": (5, 15), "resolution_deg": 5}
+        angles: dict[str, Any] = {"angle_range_deg": (5, 15), "resolution_deg": 5}
         yield "palm-angles", pb.design("paper", maximize=quantity, overrides=SHORT, **angles)
     yield "noise_limit", pb.noise_limit("paper", drop_rate=0.2, **COARSE)
     yield "bound", pb.bound("paper", "corrections", overrides=SHORT)
@@ -171,7 +171,7 @@ def colours(figure: Figure) -> Iterator[Any]:
         elif isinstance(artist, Patch):
             yield from (artist.get_facecolor(), artist.get_edgecolor())
         elif isinstance(artist, Collection) and artist.get_array() is None:
-            yield from (*artist.get_facecolor(), *artist.get_edgecolor())  # type: ignore[misc]
+            yield from (*artist.get_facecolor(), *artist.get_edgecolor())
 
 
 def test_colours_are_those_of_the_style(drawn: list[tuple[str, Any, Figure]]) -> None:

@@ -20,7 +20,7 @@ from palmbots.control.registry import shipped_names
 from palmbots.errors import PalmbotsError
 from palmbots.simulation import world_names
 
-NUMBERS = {int: "a whole number", float: "a number"}
+NUMBERS: dict[type, str] = {int: "a whole number", float: "a number"}
 COMMON = {  # a wrong value of an option that several commands have, and what is said
     "--controller": ("magic", f'value is "magic"; allowed: {", ".join(shipped_names())}, '
                      "module:Class, FILE.py:Class, FILE.toml, FILE.toml@station"),

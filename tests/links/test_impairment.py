@@ -4,6 +4,7 @@
 import math
 import random
 import socket
+from typing import Any
 
 import pytest
 
@@ -57,8 +58,8 @@ def test_datagrams_go_to_the_end_they_are_meant_for() -> None:
     for one in ends.values():
         one.bind(("127.0.0.1", 0))
         one.settimeout(30)
-    targets = {end: "{}:{}".format(*one.getsockname()) for end, one in ends.items()}
-    proxy = Proxy(targets, Impairment(duplicate=1))  # type: ignore[arg-type]
+    targets: dict[Any, str] = {end: "{}:{}".format(*one.getsockname()) for end, one in ends.items()}
+    proxy = Proxy(targets, Impairment(duplicate=1))
     with proxy, socket.socket(type=socket.SOCK_DGRAM) as me:
         for end, address in proxy.addresses.items():
             host, port = address.split(":")

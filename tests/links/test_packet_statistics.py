@@ -121,7 +121,7 @@ def test_the_last_seconds_count_gaps_and_round_trips() -> None:
 
 def test_totals_are_the_true_ones_beyond_the_modulus() -> None:
     chance = random.Random(1)
-    true = dict.fromkeys(("sent", "accepted", "stale"), 0)
+    true: dict[Any, int] = dict.fromkeys(("sent", "accepted", "stale"), 0)
     counts = ReportedCounts()
     for _ in range(5000):
         for name in true:
@@ -129,7 +129,7 @@ def test_totals_are_the_true_ones_beyond_the_modulus() -> None:
         item: Any = chance.choice([*true, "progress", "battery", "overruns"])
         counts.note(Status(item=item, value=true.get(item, 77) % 65536))
     for name in true:
-        counts.note(Status(item=name, value=true[name] % 65536))  # type: ignore[arg-type]
+        counts.note(Status(item=name, value=true[name] % 65536))
     assert true["sent"] > 3 * 65536
     assert counts.totals == true
 

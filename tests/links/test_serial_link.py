@@ -4,6 +4,7 @@
 import random
 import struct
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,8 +22,8 @@ LINES: list[str] = []
 
 def opened(device: Path) -> SerialLink:
     LINES.clear()
-    ends = {"left": str(device), "right": "?", "station": "?"}
-    link = open_link("serial", LinkSettings("left", ends, on_line=LINES.append))  # type: ignore[arg-type]
+    ends: dict[Any, str] = {"left": str(device), "right": "?", "station": "?"}
+    link = open_link("serial", LinkSettings("left", ends, on_line=LINES.append))
     assert isinstance(link, SerialLink)
     return link
 

@@ -276,7 +276,7 @@ def test_level_palms_close_to_either_side() -> None:
 
 
 def test_flush_contact_holds_where_a_vertex_does_not() -> None:
-    state = {"theta_left_deg": 0, "overrides": {"palm.friction": 0.1}}
+    state: dict[str, Any] = {"theta_left_deg": 0, "overrides": {"palm.friction": 0.1}}
     result = pb.contact_modes("paper", **state)
     assert not result.feasible and result.held
 

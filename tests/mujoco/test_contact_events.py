@@ -95,10 +95,11 @@ def test_finished_episode_has_contact_events() -> None:
 
 def test_short_interruptions_do_not_split_a_contact_event() -> None:
     tracker = ContactEventTracker()
-    for time, found in [
+    seen: list[tuple[float, list[Any]]] = [
         (0.00, []), (0.01, [(1, "tip")]), (0.02, []), (0.05, [(0, "flush")]), (0.11, []),
         (0.20, [(0, "tip"), (1, "tip"), (1, "flush")]), (0.21, [(0, "flush")]),
-    ]:  # fmt: skip
+    ]  # fmt: skip
+    for time, found in seen:
         tracker.update(time, found)
     assert tracker.rows(0.205) == [(1, "tip", 0.01, 0.05), (1, "flush", 0.20, 0.205)]
 

@@ -24,7 +24,7 @@ def test_at_rest_the_palms_bear_the_weight_within_the_friction_cones(name: str) 
     world.sight()
     measured, scene = world.measured, world.scene
     up = 0.0
-    for k, side in enumerate(("left", "right")):
+    for k, side in enumerate(SIDES):
         palm = scene.palm_of(side)
         angle = world.wrists()[k]
         up += measured.force[k] * math.cos(angle) - measured.friction_force[k] * math.sin(angle)

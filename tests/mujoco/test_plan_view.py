@@ -71,7 +71,8 @@ def test_the_film_turns_with_the_pair_and_shows_the_path(
         turned = studio._camera.azimuth - 96.0
         monkeypatch.setattr(Overlay, "path", lambda *_: None)
         bare = studio.picture(len(studio._times) - 1)
-    assert turned == pytest.approx(np.degrees(done.trace["yaw"][-1].mean()), abs=2)  # type: ignore[index]
+    assert done.trace is not None
+    assert turned == pytest.approx(np.degrees(done.trace["yaw"][-1].mean()), abs=2)
     assert turned > 20
     box = np.abs(np.asarray(image, dtype=int) - (212, 180, 100)).max(axis=2) <= 40
     assert 0.35 < np.nonzero(box)[1].mean() / SMALL[0] < 0.65  # the box is in the middle

@@ -171,7 +171,7 @@ def test_figure_shows_the_front() -> None:
     front = tuple(FrontPoint(27.0 - i, 0.01 * (1 + i)) for i in range(3))
     figure = replace(bound(), speeds="stopping", front=front).plot()
     (axes,) = figure.axes
-    assert axes.lines[0].get_xdata().tolist() == [27.0, 26.0, 25.0]  # type: ignore[union-attr]
+    assert axes.lines[0].get_xdata().tolist() == [27.0, 26.0, 25.0]
     assert axes.get_xlabel() == "mean duration of a carry [s]"
     FigureCanvasAgg(figure).draw()
 

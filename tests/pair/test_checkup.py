@@ -24,11 +24,11 @@ from palmbots.wire import Status
 
 
 def checks(pair: SimulatedPair, seconds: float = 30.0) -> list[Check]:
-    pair.station.step = lambda: None  # type: ignore[method-assign]  # the measurement takes its place
+    pair.station.step = lambda: None  # the measurement takes its place
     verdicts: dict[Any, int] = {}
     figures = measure(
         pair.pair,
-        pair.air.link("station"),  # type: ignore[arg-type]
+        pair.air.link("station"),
         epoch=2,
         seconds=seconds,
         clock=lambda: 0.01 * pair.air.now,
@@ -82,13 +82,12 @@ def test_few_packets_give_no_rate() -> None:
     assert clock_rate([(0.05 * n, n) for n in range(29)], 0.01) is None
 
 
-def figures(**values: Any) -> dict[Any, LinkFigures]:
+def figures(mode: Any = "disarmed", **values: Any) -> dict[Any, LinkFigures]:
     both: dict[Any, LinkFigures] = {}
     for side in ("left", "right"):
         both[side] = LinkFigures()
         both[side].note(1, Status(mode="disarmed"))
-    status = Status(**({"mode": "disarmed"} | values))  # type: ignore[arg-type]
-    both["left"].note(2, status)
+    both["left"].note(2, Status(mode=mode, **values))
     return both
 
 

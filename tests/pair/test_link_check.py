@@ -7,18 +7,19 @@ from pathlib import Path
 import pytest
 
 import palmbots as pb
+from palmbots._types import Side
 from palmbots._util.plain_values import plain
 from palmbots.pair.link_check import PERIOD_S, LinkFigures, measure, needs_of
 from palmbots.station.simulated_pair import Air, SimulatedPair
 
 
-def measured(folder: Path, air: Air, seconds: float = 60.0) -> dict[str, LinkFigures]:
+def measured(folder: Path, air: Air, seconds: float = 60.0) -> dict[Side, LinkFigures]:
     pair = SimulatedPair(folder, "resilient", air)
-    pair.station.step = lambda: None  # type: ignore[method-assign]  # the measurement takes its place
+    pair.station.step = lambda: None  # the measurement takes its place
     link = air.link("station")
-    return measure(  # type: ignore[return-value]
+    return measure(
         pair.pair,
-        link,  # type: ignore[arg-type]
+        link,
         epoch=2,
         seconds=seconds,
         clock=lambda: 0.01 * air.now,

@@ -17,14 +17,14 @@ from palmbots.drivers.driver import Drive, DriverSettings, RawCommand
 from palmbots.drivers.hardware import HardwareParameters
 from waiting import wait_until
 
-PINS = {"left": [17, 27], "right": [22, 23], "servo": 18,
+PINS: dict[str, Any] = {"left": [17, 27], "right": [22, 23], "servo": 18,
         "switches": [5, 6, 12, 13, 16, 19, 20, 21, 26]}  # fmt: skip
-ZONES = [
+ZONES: Any = [
     {"sign": sign, "from_m": -0.09 + 0.02 * i, "to_m": -0.07 + 0.02 * i}
     for i, sign in enumerate("----0++++")
 ]
 HARDWARE = HardwareParameters(
-    switches=ZONES,  # type: ignore[arg-type]
+    switches=ZONES,
     encoder_ticks_per_turn=0.0, right_reversed=True,
 )  # fmt: skip
 
@@ -54,7 +54,7 @@ def driver(options: dict[str, Any]) -> Any:
 def test_switches_give_the_sign(pins: Any) -> None:
     made = driver(PINS)
     signs = []
-    for pin in PINS["switches"]:  # type: ignore[attr-defined]
+    for pin in PINS["switches"]:
         assert made.read().has_contact is False
         pins.pin(pin).drive_low()
         seen = made.read()

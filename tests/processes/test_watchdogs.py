@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -74,7 +75,7 @@ def test_guard(by: signal.Signals, tmp_path: Path) -> None:
     def newest() -> list[str]:
         return note.read_text().splitlines()[-1].split() if note.exists() else [""] * 3
 
-    with running(ROBOT, **environment) as (robot,), operator(file) as user:  # type: ignore[arg-type]
+    with running(ROBOT, **environment) as (robot,), operator(file) as user:
         user.start("left", lambda: newest()[1] == "write" and float(newest()[2]) > 0)
         held_s = time.monotonic()
         robot.send_signal(by)
@@ -90,8 +91,8 @@ def boards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[liv
     made: list[live_world.Board] = []
 
     class Kept(live_world.Board):
-        def __init__(self, *arguments: object, **others: object) -> None:
-            super().__init__(*arguments, **others)  # type: ignore[arg-type]
+        def __init__(self, *arguments: Any, **others: Any) -> None:
+            super().__init__(*arguments, **others)
             made.append(self)
 
     monkeypatch.setattr(live_world, "Board", Kept)

@@ -129,7 +129,8 @@ def test_the_others_hear_of_a_lost_driver_and_it_is_stored(pair: Pair, wheels: b
     with pytest.raises(PalmbotsError, match="is lost"):
         loop.step(1)
     assert len(hardware.sent) == sent + 1
-    assert not loop._log.read[-1]["driver_ok"]  # type: ignore[union-attr]
+    log: Any = loop._log
+    assert not log.read[-1]["driver_ok"]
     assert hardware.kept[-1] == StoredState(7, False, wheels, False)
     assert len(hardware.kept) == 2
 

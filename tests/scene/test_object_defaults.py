@@ -3,6 +3,7 @@
 
 import random
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -83,7 +84,7 @@ def test_override_of_the_outline_alone_is_the_same(tmp_path: Path) -> None:
 
 
 def test_keys_given_beside_the_outline_are_kept() -> None:
-    given = {"com_m": [0.1, 0.02], "mass_kg": 2.0, "contacts": [0, 1]}
+    given: dict[str, Any] = {"com_m": [0.1, 0.02], "mass_kg": 2.0, "contacts": [0, 1]}
     for key, value in given.items():
         changed = load_scene("paper", {"object.vertices_m": L_SHAPE, f"object.{key}": value})
         assert changed.object.model_dump()[key] == (tuple(value) if key != "mass_kg" else 2.0)

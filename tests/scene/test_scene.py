@@ -86,7 +86,7 @@ def test_default_timeout_depends_on_distance_and_slower_robot():
 
 def test_scene_is_immutable_and_hashable():
     with pytest.raises(ValidationError):
-        PAPER.task.distance_m = 2.0
+        PAPER.task.distance_m = 2.0  # ty: ignore[invalid-assignment]  # is refused
     assert hash(PAPER) == hash(load_scene("paper"))
 
 

@@ -19,7 +19,7 @@ import pytest
 import palmbots as pb
 from commands import Run
 from palmbots.errors import MissingExtra
-from shape_files import dxf, gltf, line, obj, prism, stl, svg, written
+from shape_files import Point, dxf, gltf, line, obj, prism, stl, svg, written
 
 TRAPEZOID = [(0.0, 0.0), (240.0, 0.0), (320.0, 120.0), (-80.0, 120.0)]
 DATA = Path(__file__).parents[3] / "shared" / "data" / "shapes"
@@ -67,7 +67,8 @@ def test_prism_has_its_volume_and_centre(
 def test_volume_is_that_of_the_whole_mesh_not_of_its_section(tmp_path: Path) -> None:
     """A pyramid with a square base: a third of the prism, whose section is a triangle."""
     a, h = 300.0, 120.0
-    vertices = [(0.0, 0.0, 0.0), (a, 0.0, 0.0), (a, a, 0.0), (0.0, a, 0.0), (a / 2, a / 2, h)]
+    base: list[Point] = [(0.0, 0.0, 0.0), (a, 0.0, 0.0), (a, a, 0.0), (0.0, a, 0.0)]
+    vertices = [*base, (a / 2, a / 2, h)]
     faces = [(0, 2, 1), (0, 3, 2), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
     found = imported(tmp_path, "p.stl", stl((vertices, faces)), unit="mm", density_kg_m3=100.0)
     assert found.mass_kg == pytest.approx(100 * a * a * h / 3 * 1e-9, rel=1e-5)

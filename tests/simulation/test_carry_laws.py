@@ -3,6 +3,7 @@
 
 import math
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 
 import palmbots as pb
 from abstract_world import NONE, STEEP
+from palmbots._types import SIDES
 from palmbots.control.interface import DistributedController, StepInput, StepOutput
 from palmbots.scene.scene import Scene
 from strategies import scenes
@@ -86,7 +88,7 @@ def check(carry: pb.simulation.Carry) -> None:
     contact = rows["contact"][:-1]
     # In float the squares of 64 ticks are added up in float, and small ones vanish.
     rel, least = (64 * 2**-24, 1e-19) if single else (1e-9, 1e-150)
-    for k, side in enumerate(("left", "right")):
+    for k, side in enumerate(SIDES):
         rms = math.sqrt(np.mean(contact[:, k] ** 2)) if ticks else 0.0
         # Upon more than its vertices the object touches a palm elsewhere than at its vertex.
         if not carry.contact_events:
@@ -171,7 +173,7 @@ class FromTable:
 def test_python_controller_gives_the_trace_of_the_shipped_one(maker: type, precision: str) -> None:
     keys = {"radio.jitter_s": 0.04, "bumps.rate_per_m": 3.0, "tactile.false_rate": 0.003}
     for seed in range(3):
-        arguments = {"precision": precision, "seed": seed, "overrides": keys}
+        arguments: dict[str, Any] = {"precision": precision, "seed": seed, "overrides": keys}
         mine = pb.carry("paper", maker, **arguments)
         shipped = pb.carry("paper", "distributed", **arguments)
         assert mine.trace_hash == shipped.trace_hash
@@ -189,7 +191,7 @@ def test_trace_and_messages_determine_every_step_of_table_2() -> None:
         carry = busy("distributed", seed=seed)
         rows, period = columns(carry), carry.scene.control.period_s
         targets = np.radians([carry.scene.palm.steep_deg, carry.scene.palm.shallow_deg])
-        for k, side in enumerate(("left", "right")):
+        for k, side in enumerate(SIDES):
             post = [ltr for ltr in carry.message_log if ltr.receiver == side]
             inbox = [(round(ltr.received_s / period), ltr.kind) for ltr in post if ltr.received_s]
             sent = [

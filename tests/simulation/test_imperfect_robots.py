@@ -103,7 +103,7 @@ def test_the_driven_world_is_the_quasistatic_one() -> None:
     perfect = PerfectStage(scene, "quasistatic", 0)
     driven = QuasistaticWorld(scene)
     params = Imperfections(motor_acceleration_m_s2=0.5).of("left")
-    robots = [ImperfectRobot(params, scene, side, 0) for side in ("left", "right")]  # type: ignore[arg-type]
+    robots = [ImperfectRobot(params, scene, side, 0) for side in ("left", "right")]
     # Travel, away from the partner, at rest; the palm of the right robot turns up and down.
     script = [((0, 0, False), (0, 0, False), 100), ((0, 1, False), (1, 0, False), 40),
               ((0, 2, False), (1, 2, False), 40), ((0, 0, False), (0, 0, False), 40),
@@ -135,7 +135,8 @@ def test_unequal_pivots_tilt_the_object_in_both_worlds(heights: tuple[float, flo
     """The contact vertices stay where the scene has them on each palm, and rise with the pivots."""
     scene = pb.load_scene("paper", QUIET)
     rise = heights[1] - heights[0]
-    moved: Any = world_entry("mujoco").driven(scene, heights)  # type: ignore[misc]
+    mujoco: Any = world_entry("mujoco")
+    moved = mujoco.driven(scene, heights)
     planar = QuasistaticWorld(scene, heights)
     assert planar.pressed == pytest.approx((0, 0), abs=1e-12)
     assert moved.contacts == pytest.approx((0, 0), abs=5e-4)

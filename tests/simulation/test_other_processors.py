@@ -107,7 +107,7 @@ def test_every_controller_gives_the_same_hash_on_aarch64(controller: str, precis
             [QEMU, executable, controller, str(seed), precision],
             input=to_spec(scene).to_bytes(), capture_output=True, check=True, timeout=300,
         )  # fmt: skip
-        here = pb.carry(scene, controller, precision=precision, seed=seed, record=False)  # type: ignore[arg-type]
+        here = pb.carry(scene, controller, precision=precision, seed=seed, record=False)
         assert run.stdout.decode().strip() == here.trace_hash, seed
 
 

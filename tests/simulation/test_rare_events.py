@@ -8,6 +8,7 @@ tests/cpp/sim/multilevel_splitting_test.cpp.
 import json
 import math
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -175,7 +176,7 @@ def test_scene_that_does_not_drop_has_a_bound(noise: float) -> None:
 def test_budget_ends_the_work_and_its_interval_is_as_wide_as_it_has_to_be() -> None:
     keys = {"robot.noise_m_s": 0.022, "task.distance_m": 0.3}
     values: list[float] = []
-    wanted = {"overrides": keys, "relative_half_width": 0.02, "effort": 50}
+    wanted: dict[str, Any] = {"overrides": keys, "relative_half_width": 0.02, "effort": 50}
     found = estimate_drop_rate(**wanted, budget=20_000, on_progress=values.append)
     assert not found.is_narrow
     assert "the budget of 20,000 carries allows no narrower interval" in repr(found)

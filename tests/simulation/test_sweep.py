@@ -207,7 +207,12 @@ def test_single_carry_has_no_interval() -> None:
 
 def test_entry_of_a_list_can_be_swept() -> None:
     """As in a study, for example one coordinate of the COM."""
-    swept = {"key": "object.com_m[0]", "values": [0.1], "controllers": ["none"], "carries": 3}
+    swept: Any = {
+        "key": "object.com_m[0]",
+        "values": [0.1],
+        "controllers": ["none"],
+        "carries": 3,
+    }
     (row,) = pb.compare(**swept).rows
     given = pb.compare(
         controllers=["none"], values=[0.05], carries=3, overrides={"object.com_m": [0.1, 0.04]}

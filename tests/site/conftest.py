@@ -4,6 +4,7 @@
 import importlib.util
 import threading
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
@@ -55,13 +56,13 @@ def open_page(browser: Browser, address: str) -> Iterator[Open]:
         width: int = 1200,
         height: int = 900,
         touch: bool = False,
-        scheme: str = "light",
-        motion: str = "no-preference",
+        scheme: Any = "light",
+        motion: Any = "no-preference",
         script: bool = True,
     ) -> Page:
         context = browser.new_context(
             viewport={"width": width, "height": height}, has_touch=touch, is_mobile=touch,
-            color_scheme=scheme, reduced_motion=motion, java_script_enabled=script,  # pyright: ignore[reportArgumentType]
+            color_scheme=scheme, reduced_motion=motion, java_script_enabled=script,
             accept_downloads=True,
         )  # fmt: skip
         contexts.append(context)

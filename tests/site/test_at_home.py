@@ -15,7 +15,7 @@ from site_pages import ROOT, Open, hash_of, run_json
 def assert_traces(page: Page, capsys: pytest.CaptureFixture[str], count: int = 1) -> None:
     """The commands that carry have the traces that stand beside them."""
     run = runner(capsys)
-    lines = map(shlex.split, page.locator(".command").inner_text().splitlines())
+    lines = (shlex.split(line) for line in page.locator(".command").inner_text().splitlines())
     carries = [words[1:] for words in lines if words[:2] == ["palmbots", "carry"]]
     assert len(carries) == count
     found = [run_json(run, words)["trace_hash"] for words in carries]
@@ -80,7 +80,8 @@ def test_a_design(
     save(page, "scene.toml", tmp_path)
     monkeypatch.chdir(tmp_path)
     assert_traces(page, capsys)
-    certify, limit = map(shlex.split, page.locator(".command").inner_text().splitlines()[:2])
+    commands = page.locator(".command").inner_text().splitlines()[:2]
+    certify, limit = (shlex.split(line) for line in commands)
     run = runner(capsys)
     assert (certify[1], limit[1]) == ("certify", "noise-limit")
     assert run(*certify[1:]).returncode == 0

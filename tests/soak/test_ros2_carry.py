@@ -32,7 +32,7 @@ SCENE = {
     "control.period_s": 0.05,
     "control.watchdog_s": W,
 }
-PATIENT = {
+PATIENT: dict[str, Any] = {
     "ros2__silence_s": 5.0,
     "limits__station_limit_s": 5.0,
     "limits__partner_lost": "controller",

@@ -83,7 +83,7 @@ def carrying(client: StationClient) -> None:
     seen(client, lambda state: "" not in modes(state))
     for wish, wanted in (("release", None), ("disarm", {"disarmed"}), ("arm", {"armed"}),
                          ("start", CARRYING)):  # fmt: skip
-        client.wish(wish)  # type: ignore[arg-type]
+        client.wish(wish)
         if wanted is None:
             seen(client, lambda state: "stopped" not in modes(state))
         else:
@@ -184,13 +184,14 @@ def test_typed_orders_and_json(robots: Path) -> None:
     """A station with its loop: what is typed happens, and the last line is the result."""
     process = started(["station", "pair.toml", "--json"], robots)
     assert process.stdin is not None
-    assert process.stdout is not None
+    stdout = process.stdout
+    assert stdout is not None
     lines: list[Any] = []
 
     def read_until(is_so: Callable[[Any], object]) -> None:
         give_up = time.monotonic() + 60
         while time.monotonic() < give_up:
-            lines.append(json.loads(process.stdout.readline()))  # type: ignore[union-attr]
+            lines.append(json.loads(stdout.readline()))
             if is_so(lines[-1]):
                 return
         raise AssertionError(lines)

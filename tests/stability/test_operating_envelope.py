@@ -18,10 +18,11 @@ def test_interval_of_com_height_and_slope_is_as_bad_as_its_ends() -> None:
     """And either end may be the one that decides."""
     rng = np.random.default_rng(12)
     decided = np.zeros((2, 2), int)
+    cases: list[tuple[int, Side]] = [*STEEP_CASES, (0, "left")]
     for _ in range(200):
         at = uneven(rng)
         heights, slopes = np.sort(rng.uniform((0.01, -0.1), (0.15, 0.1), (2, 2)), axis=0).T
-        for number, shallow in [*STEEP_CASES, (0, "left")]:
+        for number, shallow in cases:
             box = at.envelope(com_y=(heights[0], heights[1]), slope=(slopes[0], slopes[1]))
             low, high = permitted(box, number, shallow, at.angles)
             ends = np.array(

@@ -31,7 +31,8 @@ from stability_oracle import contacts, happens
 
 def designed(scene: Any, **given: Any) -> Design:
     """A design for a tolerance, of the COM by default, without carries."""
-    return pb.design(scene, **({"maximize": "com", "controller": None} | given))
+    wanted: dict[str, Any] = {"maximize": "com", "controller": None, **given}
+    return pb.design(scene, **wanted)
 
 
 def demands(at: StabilityProblem) -> Iterator[tuple[int, Any, Any, Any]]:

@@ -258,7 +258,9 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
 
         def send(self, receiver: str, data: bytes) -> None:
             if receiver == "right":
-                sent.append(decode(data, pair.key, number, "right").packet.body)  # type: ignore[union-attr]
+                packet = decode(data, pair.key, number, "right").packet
+                assert packet is not None
+                sent.append(packet.body)
 
     def full(*_: Any) -> None:
         raise pb.PalmbotsError("No space left on device")

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from palmbots._types import Side
 from palmbots.links.packet_statistics import PacketStatistics
 from palmbots.pair.launcher import UP
 from palmbots.pair.pair_file import init_pair, load_pair
@@ -191,7 +192,7 @@ class Tap:
                 self.heard.append(data)
             before(sender, receiver, data)
 
-        air.send = send  # type: ignore[method-assign]
+        air.send = send
 
     def send(self, receiver: str, data: bytes) -> None:
         self.sends += 1
@@ -218,7 +219,7 @@ def second_laptop(pair: SimulatedPair, folder: Path, boots: int) -> tuple[Statio
     for boot in range(boots):
         if boot:
             station.close()
-        station = Station(other, tap, lines.append, lambda: 0.01 * pair.air.now)  # type: ignore[arg-type]
+        station = Station(other, tap, lines.append, lambda: 0.01 * pair.air.now)
     return station, tap, lines
 
 
@@ -244,7 +245,7 @@ def test_a_station_that_was_taken_over_says_so(tmp_path: Path) -> None:
     pair.start()
     first = pair.station
     pair.station = Station.__new__(Station)
-    pair.station.step = lambda: None  # type: ignore[method-assign]
+    pair.station.step = lambda: None
     pair.run(300)
     other, _, lines = second_laptop(pair, tmp_path / "laptop", 1)
     for _ in range(60):
@@ -263,7 +264,7 @@ def test_an_e_stop_does_not_wait_until_other_stations_are_ruled_out(tmp_path: Pa
     pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
     pair.start()
     for _ in range(3):  # the newest packets that the robots know are older than one boot
-        Station(pair.pair, pair.air.link("nobody"), pair.lines.append).close()  # type: ignore[arg-type]
+        Station(pair.pair, pair.air.link("nobody"), pair.lines.append).close()
     pair.restart_station()
     pair.station.wish("e_stop")
     pair.run_until(("stopped",), within=30)
@@ -285,8 +286,9 @@ def test_a_wrong_key_moves_nothing(tmp_path: Path) -> None:
     pair.run(50)
     wrong = bytes(16)
     assert wrong != pair.pair.key
-    for number, operation in enumerate(("arm", "start", "e_stop", "release") * 5):
-        sent_by_a_stranger(pair, wrong, Operate(operation, stop=operation == "e_stop"), number + 1)  # type: ignore[arg-type]
+    operations: tuple[Any, ...] = ("arm", "start", "e_stop", "release")
+    for number, operation in enumerate(operations * 5):
+        sent_by_a_stranger(pair, wrong, Operate(operation, stop=operation == "e_stop"), number + 1)
         pair.run(20)
         assert pair.modes() == ("disarmed", "disarmed")
     assert all(robot.count(6) >= 40 for robot in pair.robots.values())  # bad_tag
@@ -313,13 +315,13 @@ def test_replayed_orders_do_nothing(tmp_path: Path) -> None:
             recorded.append((receiver, data))
         before(sender, receiver, data)
 
-    pair.air.send = send  # type: ignore[method-assign]
+    pair.air.send = send
     pair.start()
     pair.wish("stop", "stopped")
     pair.wish("release", "disarmed")
     pair.start()
     pair.wish("stop", "stopped")
-    pair.air.send = before  # type: ignore[method-assign]
+    pair.air.send = before
 
     def replay() -> set[str]:
         seen: set[str] = set()
@@ -354,7 +356,7 @@ def test_a_forged_release_does_not_end_an_e_stop(tmp_path: Path) -> None:
             real.append(data)
         before(sender, receiver, data)
 
-    pair.air.send = send  # type: ignore[method-assign]
+    pair.air.send = send
     pair.run(20)
     for k in range(len(forged)):
         changed = real[-1][:k] + bytes([real[-1][k] ^ 1]) + real[-1][k + 1 :]
@@ -369,7 +371,7 @@ def test_a_forged_release_does_not_end_an_e_stop(tmp_path: Path) -> None:
 def test_a_correction_that_never_ends_is_named_once() -> None:
     watch = CorrectionWatch(6.0)
     for now, side, case in ((1.0, "left", "a"), (1.2, "right", "c"), (5.0, "left", "a")):
-        watch.take(side, case, now)  # type: ignore[arg-type]
+        watch.take(side, case, now)
     assert watch.hanging(7.0) == []
     assert watch.hanging(7.1) == ["correction A of left lasts for more than 6 s: it hangs"]
     assert watch.hanging(7.3) == ["right assists for more than 6 s: it hangs"]
@@ -399,13 +401,11 @@ def test_a_carry_that_does_not_move_on_is_named(left: Any, right: Any, hangs: bo
 
 def test_corrections_get_labels_in_the_order_of_their_start() -> None:
     watch = CorrectionWatch()
-    said = [
-        watch.take(side, case, now)  # type: ignore[arg-type]
-        for now, (side, case) in enumerate(
-            [("left", "a"), ("right", "c"), ("left", " "), ("right", " "), ("right", "b"),
-             ("left", "c"), ("right", "a"), ("right", "a")]
-        )
+    cases: list[tuple[Side, str]] = [
+        ("left", "a"), ("right", "c"), ("left", " "), ("right", " "), ("right", "b"),
+        ("left", "c"), ("right", "a"), ("right", "a"),
     ]  # fmt: skip
+    said = [watch.take(side, case, now) for now, (side, case) in enumerate(cases)]
     assert said == [
         "correction A of left (a) begins", "correction A: right assists",
         "correction A ends after 2.0 s", None, "correction B of right (b) begins",

@@ -57,7 +57,7 @@ def test_every_carry_equals_the_single_carry(small: Path) -> None:
 
 def test_reasons_and_single_precision_equal_the_single_carry(tmp_path: Path) -> None:
     """Objects that fall for unlike reasons, each as the legend of the array names it."""
-    table = {
+    table: dict[str, Any] = {
         "controllers": ["none"],
         "precision": "float",
         "set": {"robot.noise_m_s": 0.03},
@@ -69,8 +69,8 @@ def test_reasons_and_single_precision_equal_the_single_carry(tmp_path: Path) -> 
     outcomes = dict(entry.split(" ", 1) for entry in found.outcome.attrs["long_name"].split(", "))
     seen, unlike = set(), 0
     for slope, com, seed in itertools.product((0, 20), range(2), (0, 5, 11)):
-        keys = {"task.slope_deg": slope, "object.com_m": table["vary"]["object.com_m"][com]}
-        keys |= table["set"]
+        com_m = table["vary"]["object.com_m"][com]
+        keys = {"task.slope_deg": slope, "object.com_m": com_m, **table["set"]}
         one = pb.carry("paper", "none", seed=seed, precision="float", record=False, overrides=keys)
         two = pb.carry("paper", "none", seed=seed, record=False, overrides=keys)
         summary = found.sel({"task.slope_deg": slope, "seed": seed, "controller": "none"})

@@ -154,7 +154,7 @@ def test_cluster_refuses_a_controller_that_cannot_be_pickled(tmp_path: Path) -> 
 def test_controller_that_fails_ends_the_study_in_one_line(tmp_path: Path) -> None:
     class Broken:
         def step(self, seen: control.StepInput) -> control.StepOutput:
-            return control.StepOutput(palm="sideways")  # type: ignore[arg-type]
+            return control.StepOutput(palm="sideways")  # ty: ignore[invalid-argument-type]  # is refused
 
     with pytest.raises(PalmbotsError, match="sideways"):
         pb.study({**TABLE, "controllers": ["none", Broken]}, tmp_path / "study")

@@ -54,9 +54,7 @@ def wrap(action: str, when: str, function: str, count: int) -> None:
     setattr(owner, name, wrapped)
 
 
-def command(
-    action: object, when: str, function: Callable[..., Any] | str, count: int, *words: object
-) -> list[str]:
+def command(action: object, when: str, function: Any, count: int, *words: object) -> list[str]:
     """The command line that does so. A name is needed where a module has imported the function."""
     is_name = isinstance(function, str)
     name = function if is_name else f"{function.__module__}:{function.__qualname__}"

@@ -9,6 +9,7 @@ from typing import Any
 
 from google.protobuf.json_format import MessageToDict
 from jsonschema import Draft202012Validator
+from jsonschema.protocols import Validator
 from mcap.reader import make_reader
 
 from palmbots.cli.json_schemas import schema_of
@@ -16,7 +17,7 @@ from palmbots.logs import decoder_factories
 
 
 @cache
-def validator(command: str) -> Draft202012Validator:
+def validator(command: str) -> Validator:
     return Draft202012Validator(schema_of(command))
 
 

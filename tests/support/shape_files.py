@@ -81,7 +81,7 @@ def svg(shapes: str, size: str = 'width="250mm" height="160mm" viewBox="0 0 250 
 def dxf(entities: Iterable[Sequence[object]], unit: int = 4) -> str:
     """Entities as (type, group code, value, …)."""
     head = [0, "SECTION", 2, "HEADER", 9, "$ACADVER", 1, "AC1015", 9, "$INSUNITS", 70, unit]
-    tags = [*head, 0, "ENDSEC", 0, "SECTION", 2, "ENTITIES"]
+    tags: list[object] = [*head, 0, "ENDSEC", 0, "SECTION", 2, "ENTITIES"]
     for kind, *groups in entities:
         tags += [0, kind, 8, "0", *groups]
     return "\n".join(map(str, [*tags, 0, "ENDSEC", 0, "EOF", ""]))

@@ -3,6 +3,7 @@
 
 from typing import Any
 
+from palmbots.control.interface import Move
 from palmbots.learn import carry_v0
 from palmbots.learn.spaces import action
 
@@ -13,10 +14,10 @@ def short(**keys: Any) -> Any:
     return carry_v0.parallel_env("paper", overrides=SHORT, **keys)
 
 
-def ended(env: Any, seed: int, move: str = "hold") -> tuple[Any, ...]:
+def ended(env: Any, seed: int, move: Move = "hold") -> tuple[Any, ...]:
     env.reset(seed=seed)
     last: tuple[Any, ...] = ()
     while env.agents:
-        order = action("steep", move)  # type: ignore[arg-type]
+        order = action("steep", move)
         last = env.step(dict.fromkeys(env.agents, order))
     return last

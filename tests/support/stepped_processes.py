@@ -85,8 +85,9 @@ class SteppedProcesses:
         self.address = f"unix:{folder / 'world'}"
         with free_addresses(len(ENDS)) as addresses:
             self.own = dict(zip(ENDS, addresses, strict=True))
-        self._targets = {end: _place(address) for end, address in self.own.items()}
-        self._sockets = {end: self._socket() for end in ENDS}
+        targets = ((end, _place(address)) for end, address in self.own.items())
+        self._targets: dict[str, tuple[str, int]] = dict(targets)
+        self._sockets: dict[str, socket.socket] = {end: self._socket() for end in ENDS}
         given = {
             f"link.{end}": "{}:{}".format(*one.getsockname()) for end, one in self._sockets.items()
         }
@@ -98,7 +99,7 @@ class SteppedProcesses:
         self.file = new_pair(folder, chosen, "scene.toml")
         (folder / "pair.key").write_text(KEY + "\n")
         self.pair = load_pair(self.file)
-        self.files = {end: own_file(self.file, end, self.own[end]) for end in ENDS}  # type: ignore[arg-type]
+        self.files: dict[str, Path] = {end: own_file(self.file, end, self.own[end]) for end in ENDS}
         self.packets = ImpairedPackets(radio or Impairment(delay_ms=2.0), seed)
         self._door = self._stack.enter_context(listen(f"unix:{folder / 'steps'}"))
         self.programs: dict[str, Program] = {}

@@ -6,6 +6,7 @@
 
 import random
 from pathlib import Path
+from typing import Any
 
 GOLDEN = Path(__file__).parent.parent / "fixtures" / "wire_packets.txt"
 KEY = bytes.fromhex("0f1e2d3c4b5a69788796a5b4c3d2e1f0")
@@ -69,7 +70,7 @@ ITEMS = ["progress", "battery", "overruns", "sent",
 
 Stamp = tuple[int, int]
 """Epoch and sequence."""
-Content = tuple[str, str, str, tuple[str, ...]]
+Content = tuple[Any, Any, str, tuple[str, ...]]
 """Sender, receiver, kind, and the values of the kind's fields, in words."""
 
 # The fields of each kind, with the values that they may have.

@@ -102,8 +102,8 @@ def test_no_packet_of_a_log_has_the_tag_of_the_pair(tmp_path: Path) -> None:
         for _, tick in log.messages["ticks"]:
             for data in tick.received:
                 packets += 1
-                assert decode(data, pair.pair.key, number, log.end).verdict == "bad_tag"  # type: ignore[arg-type]
-                assert decode(data, bytes.fromhex(log.facts["key"]), number, log.end).packet  # type: ignore[arg-type]
+                assert decode(data, pair.pair.key, number, log.end).verdict == "bad_tag"
+                assert decode(data, bytes.fromhex(log.facts["key"]), number, log.end).packet
     assert packets > 20
 
 

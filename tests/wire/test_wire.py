@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import get_args
+from typing import Any, get_args
 
 import pytest
 
@@ -33,7 +33,7 @@ def body(kind: str, said: tuple[str, ...]) -> wire.Body:
 
 def packet(content: oracle.Content, sent: oracle.Stamp, acknowledged: oracle.Stamp) -> wire.Packet:
     sender, receiver, kind, said = content
-    return wire.Packet(sender, receiver, PAIR, *sent, acknowledged, body(kind, said))  # type: ignore[arg-type]
+    return wire.Packet(sender, receiver, PAIR, *sent, acknowledged, body(kind, said))
 
 
 def test_siphash_of_the_oracle_matches_the_published_vectors() -> None:
@@ -159,6 +159,7 @@ def test_packets_of_an_earlier_epoch_are_stale() -> None:
 def test_used_up_sequence_numbers_are_refused() -> None:
     """tests/cpp/wire/endpoint_test.cpp uses up the real numbers."""
     left = wire.Endpoint(KEY, PAIR, "left", 3)
-    left._core = SimpleNamespace(send=lambda *_: None)  # type: ignore[assignment]
+    core: Any = SimpleNamespace(send=lambda *_: None)
+    left._core = core
     with pytest.raises(pb.PalmbotsError, match=r"^sequence: all 4294967295 are used up; needed: "):
         left.send("right")

@@ -42,13 +42,13 @@ def one_of(key: str, value: object, legal: tuple[str, ...]) -> None:
         raise PalmbotsError(f"{key}: value is {show(value)}; {hint}allowed: {', '.join(legal)}")
 
 
-def whole_number(key: str, value: object, least: int, most: int, allowed: str = "") -> int:
+def whole_number(key: str, value: Any, least: int, most: int, allowed: str = "") -> int:
     """The value as an int; accepts NumPy's integers, too.
 
     Raises `PalmbotsError` with the allowed values for other types and outside the limits.
     """
     try:
-        number = None if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
+        number = None if isinstance(value, bool) else operator.index(value)
     except TypeError:
         number = None
     if number is None or not least <= number <= most:
@@ -58,13 +58,13 @@ def whole_number(key: str, value: object, least: int, most: int, allowed: str = 
     return number
 
 
-def two_numbers(key: str, value: object) -> tuple[float, float]:
+def two_numbers(key: str, value: Any) -> tuple[float, float]:
     """The ends of an interval, in the given order; NaN is not checked.
 
     Raises `PalmbotsError` for anything but a pair of numbers.
     """
     try:
-        low, high = value  # type: ignore[misc]
+        low, high = value
         return float(low), float(high)
     except (TypeError, ValueError):
         raise PalmbotsError(

@@ -21,10 +21,10 @@ class derived(property):  # used like property
 
 
 @cache
-def keys_of(kind: type) -> tuple[str, ...]:
+def keys_of(kind: Any) -> tuple[str, ...]:
     """The keys that JSON has of a dataclass or named tuple: fields, derived values, the scene."""
     if not is_dataclass(kind):
-        return kind._fields  # type: ignore[attr-defined]
+        return kind._fields
     own = [field.name for field in fields(kind) if field.metadata.get("json", True)]
     further = [
         name

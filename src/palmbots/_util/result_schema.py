@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import is_dataclass
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace, UnionType
+from types import GenericAlias, SimpleNamespace, UnionType
 from typing import (
     Annotated,
     Any,
@@ -86,7 +86,7 @@ def _json_type(hint: Any) -> Any:
         of: Any = origin
         return of[tuple(_json_type(i) if i is not ... else i for i in inner)]
     if isinstance(origin, type) and issubclass(origin, Mapping):
-        return dict[str, _json_type(inner[1])]
+        return GenericAlias(dict, (str, _json_type(inner[1])))
     return hint
 
 
@@ -99,7 +99,7 @@ def _table(kind: Any, arguments: tuple[Any, ...]) -> Any:
 
 def _closed(name: str, types: Mapping[str, Any]) -> Any:
     """A typed dictionary without further keys."""
-    table: Any = TypedDict(name, types)  # type: ignore[operator,misc]
+    table: Any = TypedDict(name, types)  # ty: ignore[invalid-argument-type]  # made at run time
     table.__pydantic_config__ = ConfigDict(extra="forbid")
     return table
 

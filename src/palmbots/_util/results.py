@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from pkgutil import resolve_name
-from typing import Any
+from typing import Any, ClassVar
 
 from palmbots._util.arguments import one_of
 from palmbots._util.named_registry import Registry
@@ -30,17 +30,17 @@ class Result:
     elements of sets, pickled and copied.
     """
 
-    figure: str | None = None
+    figure: ClassVar[str | None] = None
     """Name of the figure in `FIGURES` that `plot` draws; None: there is no figure."""
-    more_figures: tuple[str, ...] = ()
+    more_figures: ClassVar[tuple[str, ...]] = ()
     """Names of the other figures in `FIGURES` that `plot` draws on request."""
-    lines_of: str | None = None
+    lines_of: ClassVar[str | None] = None
     """``module:function`` that yields the `lines` of this kind of result; None: it has no module
     of its own for them."""
 
     def __init_subclass__(cls) -> None:
         """Keep `dataclass` from comparing fields, which may be arrays, and from hashing them."""
-        cls.__eq__, cls.__hash__ = Result.__eq__, Result.__hash__  # type: ignore[method-assign]
+        cls.__eq__, cls.__hash__ = Result.__eq__, Result.__hash__
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Result) or type(self) is not type(other):

@@ -209,7 +209,8 @@ def assess(
         load = try_load(straight, best.controller, LOAD_CARRIES, lambda n: report(0.2 + 0.2 * n))
     rough = None
     if friction is not None:
-        rough = try_friction(straight, friction, best and best.controller, counts[0].carries)
+        rules = best.controller if best else None
+        rough = try_friction(straight, friction, rules, counts[0].carries)
     radio = tuple(_with_losses(straight, counts))
     report(0.45)
     if best is not None or limits.refusal():

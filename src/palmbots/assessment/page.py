@@ -75,7 +75,8 @@ def _sheet(assessment: Assessment) -> Figure:
         level = tall - _MARGIN_IN
         for text, style in lines:
             x, y = _MARGIN_IN / _WIDTH_IN, level / tall
-            figure.text(x, y, text.replace("$", r"\$"), va="top", **{"size": 8, **style})
+            look: dict[str, Any] = {"size": 8, **style}
+            figure.text(x, y, text.replace("$", r"\$"), va="top", **look)
             level -= _LINE_IN
         for picture, height in zip(pictures, heights, strict=True):
             level -= height

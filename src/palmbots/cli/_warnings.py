@@ -40,7 +40,8 @@ def hold_warnings() -> Iterator[None]:
     _held = []
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = _show_warning
+            # It passes on what it is given.
+            warnings.showwarning = _show_warning  # ty: ignore[invalid-assignment]
             yield
         print_held_warnings()
     finally:

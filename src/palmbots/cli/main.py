@@ -109,15 +109,15 @@ class _Command(TyperCommand):
     """A command whose help lists the worlds where it says ``{worlds}``."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        texts = {option: getattr(option, "help", None) for option in self.params}
+        texts: dict[Any, str | None] = {p: getattr(p, "help", None) for p in self.params}
         for option, text in texts.items():
-            if "{worlds}" in (text or ""):
+            if text and "{worlds}" in text:
                 from palmbots.simulation import world_names
 
-                option.help = text.replace("{worlds}", " or ".join(world_names()))  # type: ignore[attr-defined, union-attr]
+                option.help = text.replace("{worlds}", " or ".join(world_names()))
         super().format_help(ctx, formatter)
         for option, text in texts.items():  # other worlds may be registered until it is asked again
-            option.help = text  # type: ignore[attr-defined]
+            option.help = text
 
 
 class _Group(TyperGroup):

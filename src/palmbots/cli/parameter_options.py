@@ -115,7 +115,7 @@ def option_of(key: str, option: Option, annotation: str, default: Any) -> Given:
             show_default="[default:" not in option.help,
             parser=output_path if kind.is_path else None,
         )
-    parsed = kind.parsed | None if default is None else kind.parsed
+    parsed: Any = kind.parsed | None if default is None else kind.parsed
     return Given(option, names[0], kind, Annotated[parsed, made], default)
 
 

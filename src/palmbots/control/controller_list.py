@@ -66,7 +66,7 @@ def _listed(name: str) -> ListedController:
         entry.description,
         entry.messages,
         entry.requirements,
-        noise and noise.sigma_star_m_s,
-        noise and noise.interval,
-        noise and noise.command,
+        noise.sigma_star_m_s if noise else None,
+        noise.interval if noise else None,
+        noise.command if noise else None,
     )

@@ -20,12 +20,11 @@ Source: section 6 of the paper asks for this transformation, from section 2 to s
 
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 from palmbots._types import SIDES
 from palmbots.derivation.contact_motion import improves, passed_through, sliders, why
 from palmbots.derivation.global_policy import (
-    Angle,
     Angles,
     Drives,
     Move,
@@ -225,12 +224,12 @@ def _parts_of(done: Derivation, step: Step) -> list[_Part]:
         asked = next((k for k in turned if turners[k] != owner), 1)
         rule = Rule(
             (guard[owner], guard[1 - owner]),
-            cast("Angles", (palms[0], palms[1])),
+            (palms[0], palms[1]),
             step.move.direction,
             tuple((int(u.contact != owner), u.relation) for u in step.move.until),
             len(by_owner) < len(turned),
-            cast("Angles", (palms[asked], rest[asked])),
-            cast("Angle", by_owner[0]) if by_owner else None,
+            (palms[asked], rest[asked]),
+            by_owner[0] if by_owner else None,
         )
         drives = (done.policy[step.case - 1].drives or (owner == 0, owner == 1))[own]
         source = (step.case, step.number)

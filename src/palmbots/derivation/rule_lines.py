@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What people read of derived rules."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from palmbots._types import SIDES
@@ -47,7 +47,7 @@ def rule_lines(found: "DerivedRules") -> Iterator[Item]:
             yield from _departures(controller, refinement, found.shows_runs)
 
 
-def titled(title: str, rows: list[tuple[str, ...]], *heads: str) -> Iterator[Item]:
+def titled(title: str, rows: Sequence[Sequence[str]], *heads: str) -> Iterator[Item]:
     """An empty line, and a table with a title."""
     yield ""
     yield Table(rows, heads, gap=2, title=title)

@@ -139,14 +139,16 @@ class HardwareParameters(Section):
         return self
 
 
-HardwareOverride = override_of(HardwareParameters, "HardwareOverride")
+@override_of(HardwareParameters)
+class HardwareOverride(Section):
+    """What differs on one side."""
 
 
 class Hardware(HardwareParameters):
     """[hardware] Both robots; [hardware.left] and [hardware.right] override keys for one."""
 
-    left: HardwareOverride = HardwareOverride()  # type: ignore[valid-type]
-    right: HardwareOverride = HardwareOverride()  # type: ignore[valid-type]
+    left: HardwareOverride = HardwareOverride()
+    right: HardwareOverride = HardwareOverride()
 
     @model_validator(mode="after")
     def _check_sides(self) -> Self:

@@ -154,7 +154,7 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         self._ticks = ticks_per_step
         self._rewards = rewards if rewards is not None else RewardWeights()
         entries = observation_size(self._messages)
-        self._spaces = {
+        self._spaces: dict[str, tuple[Box, MultiDiscrete]] = {
             name: (
                 Box(-1.0, 1.0, (entries,), np.float32),
                 MultiDiscrete(action_sizes(self._messages)),
@@ -299,7 +299,7 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
         return EnvState(
             (self._world, self._ticks, self._messages, self._record),
             self._random.bit_generator.state,
-            episode and episode.scene,
+            episode.scene if episode else None,
             episode.seed if episode else 0,
             tuple(self._steps) if episode else (),
             self._is_taken,

@@ -248,7 +248,7 @@ class PacketStatistics:
 
     def summary(self, details: Mapping[str, Any]) -> StatisticsTable:
         """All counts as a table, with what the link says about itself."""
-        found: StatisticsTable = {end: one.summary() for end, one in self.ends.items()}  # type: ignore[assignment,misc]
+        found: Any = {end: one.summary() for end, one in self.ends.items()}
         if details:
             found["details"] = dict(details)
         return found

@@ -67,7 +67,7 @@ class RunLog:
     """The log of one program."""
 
     path: Path
-    end: str
+    end: Role
     """``left``, ``right`` or ``station``."""
     epoch: int
     """Number of the program's boots."""

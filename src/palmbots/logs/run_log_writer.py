@@ -49,17 +49,17 @@ class RunLogWriter:
         on_warning: Callable[[str], None],
     ) -> None:
         self.path = folder / f"{end}-{epoch:06d}.mcap"
+        self._start_ns = _now_ns()
         self._facts = dict(facts) | {
             "format": RUN_FORMAT,
             "end": end,
             "epoch": epoch,
             "host": socket.gethostname(),
             "started": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
-            "monotonic_ns": _now_ns(),
+            "monotonic_ns": self._start_ns,
         }
         self._warn: Callable[[str], None] | None = on_warning
         self._queue: queue.Queue[tuple[int, str, Fill] | None] = queue.Queue(_MOST_WAITING)
-        self._start_ns: int = self._facts["monotonic_ns"]
         self._closes = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()

@@ -8,7 +8,7 @@ the right contact can carry (paper, section 3.1).
 
 import math
 
-from palmbots._types import BySide
+from palmbots._types import SIDES, BySide
 
 MOTION_MEANINGS = {"ST": "sticks", "SL": "slides left", "SR": "slides right"}
 """What the symbols of a contact mode mean."""
@@ -76,7 +76,7 @@ def decision_sentence(squeeze: BySide[tuple[float, float]], *, closing: bool, he
             right_low=_number(right_low), right_high=_number(right_high),
         )  # fmt: skip
     ends = {side: ends[1 if closing else 0] for side, ends in squeeze.items()}
-    near, far = sorted(("left", "right"), key=lambda side: ends[side], reverse=not closing)
+    near, far = sorted(SIDES, key=lambda side: ends[side], reverse=not closing)
     first, second = ends[near], ends[far]
     if not math.isfinite(first):
         return SENTENCES["endless"]

@@ -82,11 +82,12 @@ class CarriedWorld:
     """A world in MuJoCo during a carry: a `palmbots.simulation.episode.MovedWorld` that records,
     tick by tick, what only it measures."""
 
-    slack = SLACK
+    slack: float = SLACK
 
     def __init__(self, world: MujocoWorld, engine: Engine, record: bool) -> None:
         """`world` is at its start."""
-        self.world, self.move = world, world.move
+        self.world = world
+        self.move: Callable[[Pair, Pair], None] = world.move
         self._engine, self._record = engine, record
         self._measured: list[Measured] = []
         self._states = [world.state()] if record else []

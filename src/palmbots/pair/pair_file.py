@@ -306,7 +306,7 @@ def init_pair(
     names = {"key_file": f"{path.stem}.key", "state_folder": f"{path.stem}-state"}
     names |= {"log_folder": f"{path.stem}-logs"}
     number = secrets.randbelow(2**16)
-    chosen = {
+    chosen: dict[str, object] = {
         "pair.number": number,
         "pair.scene": scene,
         "pair.controller": controller or RECOMMENDED,

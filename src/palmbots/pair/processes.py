@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from palmbots._util.end_signal import lifeline
 from palmbots.errors import PalmbotsError
@@ -40,7 +40,7 @@ class Processes:
         self._started: dict[str, tuple[Sequence[str], Path | None]] = {}
         self._environment = dict(environment or {})
         self._in_main = False
-        self._before: object = None
+        self._before: Any = None
         self._pipe: tuple[int, int] | None = None
 
     def start(self, name: str, arguments: Sequence[str], *, output: Path | None = None) -> None:
@@ -131,7 +131,7 @@ class Processes:
         for end in self._pipe:
             os.close(end)
         if self._in_main:
-            signal.signal(signal.SIGTERM, self._before)  # type: ignore[arg-type]
+            signal.signal(signal.SIGTERM, self._before)
 
 
 def _leave(number: int, _: object) -> None:

@@ -60,14 +60,16 @@ class PalmParameters(Section):
         return 0.5 * (self.length_m if self.usable_m is None else self.usable_m)
 
 
-PalmOverride = override_of(PalmParameters, "PalmOverride")
+@override_of(PalmParameters)
+class PalmOverride(Section):
+    """What differs on one side."""
 
 
 class Palm(PalmParameters):
     """[palm] Both palms; [palm.left] and [palm.right] override keys for one."""
 
-    left: PalmOverride = PalmOverride()  # type: ignore[valid-type]
-    right: PalmOverride = PalmOverride()  # type: ignore[valid-type]
+    left: PalmOverride = PalmOverride()
+    right: PalmOverride = PalmOverride()
 
     @model_serializer(mode="wrap")
     def _without_unset(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:

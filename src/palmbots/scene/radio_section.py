@@ -80,19 +80,19 @@ class RadioParameters(Section):
     shared-sign only up to 0.39 (in the default scene) that no contact leaves its palm."""
 
 
-DirectionOverride = override_of(
-    RadioParameters, "DirectionOverride", ("latency_s", "jitter_s", "loss")
-)
+@override_of(RadioParameters, ("latency_s", "jitter_s", "loss"))
+class DirectionOverride(Section):
+    """What differs in the packets of one sender."""
 
 
 class Radio(RadioParameters):
     """[radio] The links; [radio.left], [radio.right] and [radio.station] override one sender's."""
 
-    left: DirectionOverride = DirectionOverride()  # type: ignore[valid-type]
+    left: DirectionOverride = DirectionOverride()
     """Packets of the left robot."""
-    right: DirectionOverride = DirectionOverride()  # type: ignore[valid-type]
+    right: DirectionOverride = DirectionOverride()
     """Packets of the right robot."""
-    station: DirectionOverride = DirectionOverride()  # type: ignore[valid-type]
+    station: DirectionOverride = DirectionOverride()
     """Packets of the station."""
 
     def of(self, sender: Sender) -> "Radio":

@@ -36,14 +36,16 @@ class RobotParameters(Section):
     most control.watchdog_s. Without it: control.period_s."""
 
 
-RobotOverride = override_of(RobotParameters, "RobotOverride")
+@override_of(RobotParameters)
+class RobotOverride(Section):
+    """What differs on one side."""
 
 
 class Robot(RobotParameters):
     """[robot] Both robots; [robot.left] and [robot.right] override keys for one."""
 
-    left: RobotOverride = RobotOverride()  # type: ignore[valid-type]
-    right: RobotOverride = RobotOverride()  # type: ignore[valid-type]
+    left: RobotOverride = RobotOverride()
+    right: RobotOverride = RobotOverride()
 
     def of(self, side: Side) -> RobotParameters:
         """The robot of one side, with its overrides applied."""

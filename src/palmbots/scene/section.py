@@ -4,7 +4,7 @@
 None means "not set". A dump leaves such keys out, so that it is valid TOML.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Annotated, Any, Optional
 
 from pydantic import (
@@ -51,12 +51,9 @@ def key_of_side(override: Section, side: str, name: str) -> str:
 
 
 def override_of(
-    model: type[Section], name: str, keys: Collection[str] | None = None
-) -> type[Section]:
-    """A table with `keys` (all) of `model`, none of which is set: what differs on one side.
-
-    The module of `model` has it under this `name`, where pickle looks for it.
-    """
+    model: type[Section], keys: Collection[str] | None = None
+) -> Callable[[type[Section]], Any]:
+    """Gives a class the `keys` (all) of `model`, none of which is set: what differs on one side."""
     fields: dict[str, Any] = {}
     for key, field in model.model_fields.items():
         if keys is not None and key not in keys:
@@ -65,7 +62,9 @@ def override_of(
         for part in field.metadata:
             kind = Annotated[kind, part]
         fields[key] = (Optional[kind], None)  # noqa: UP045 (an expression)
-    return create_model(name, __base__=Section, __module__=model.__module__, **fields)
+    return lambda own: create_model(
+        own.__name__, __base__=own, __module__=own.__module__, __doc__=own.__doc__, **fields
+    )
 
 
 def check_sides(both: Section, overrides: Mapping[str, Section], model: type[Section]) -> None:

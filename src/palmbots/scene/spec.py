@@ -41,4 +41,4 @@ def _spec_from_bytes(data: bytes) -> _core.Spec:
 
 
 # How pickle and `copy` treat a spec.
-copyreg.pickle(_core.Spec, lambda spec: (_spec_from_bytes, (spec.to_bytes(),)))  # type: ignore[arg-type]
+copyreg.pickle(_core.Spec, lambda spec: (_spec_from_bytes, (spec.to_bytes(),)))

@@ -4,6 +4,7 @@
 Observations and actions are those of `palmbots.learn.spaces`, as the numbers of the core.
 """
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import palmbots._core as _core
@@ -22,10 +23,9 @@ class MovedWorld(Protocol):
     slack: float
     """How far from the angle commanded a palm counts as turned [rad]."""
 
-    def move(self, speeds: Pair, angles: Pair) -> None:
-        """One control period: robots that keep their heading at these speeds [m/s, towards +x],
-        palms that turn at a constant rate to these angles [rad]."""
-        ...
+    move: Callable[[Pair, Pair], None]
+    """One control period: robots that keep their heading at these speeds [m/s, towards +x], palms
+    that turn at a constant rate to these angles [rad]."""
 
     def sight(self, first: bool = False) -> _core.WorldObservation:
         """The world after a control period, or at its start."""

@@ -91,14 +91,16 @@ class ImperfectionParameters(Section):
         return self
 
 
-ImperfectionOverride = override_of(ImperfectionParameters, "ImperfectionOverride")
+@override_of(ImperfectionParameters)
+class ImperfectionOverride(Section):
+    """What differs on one side."""
 
 
 class Imperfections(ImperfectionParameters):
     """Both robots; the tables left and right override keys for one."""
 
-    left: ImperfectionOverride = ImperfectionOverride()  # type: ignore[valid-type]
-    right: ImperfectionOverride = ImperfectionOverride()  # type: ignore[valid-type]
+    left: ImperfectionOverride = ImperfectionOverride()
+    right: ImperfectionOverride = ImperfectionOverride()
 
     @model_validator(mode="after")
     def _check_sides(self) -> Self:

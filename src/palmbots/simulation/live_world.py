@@ -106,7 +106,9 @@ class LiveRobots:
     def __init__(self, scene: Scene, stage: Stage, door: socket, rate: float) -> None:
         self._stage = stage
         watchdog_ticks = round(scene.control.watchdog_s / scene.control.period_s)
-        self._boards = {side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)}
+        self._boards: dict[str, Board] = {
+            side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)
+        }
         self._entrance = Entrance(door, SIDES, scene_number(scene))
 
     def missing(self) -> list[str]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What `palmbots station --auto` does in place of an operator."""
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 
 from palmbots._types import SIDES
 from palmbots.station.station import GONE_AFTER_S, UNDER_WAY, Station
@@ -53,7 +53,7 @@ def carry_once(station: Station, within_s: float) -> Iterator[bool | None]:
         yield None
 
 
-def _started(station: Station, give_up: float) -> Iterator[bool | None]:
+def _started(station: Station, give_up: float) -> Generator[None, None, bool]:
     """Arm and start; the value is whether both robots have started."""
     tries = 0
     for operation in ("arm", "start"):

@@ -237,7 +237,7 @@ class SimulatedPair:
             hardware=self._hardware.get(side), leads=leads, time=self.now_s,
         )  # fmt: skip
         line.peer.poll()  # the greeting, which an entrance takes
-        board.plug(line.peer)  # type: ignore[arg-type]
+        board.plug(line.peer)  # ty: ignore[invalid-argument-type]  # has all that a board uses
         board.send(self.stage.frames()[SIDES.index(side)])
         memory = self.keepers[side]
         state = memory.boot()

@@ -169,7 +169,8 @@ def _layout(place: Path, recorded: Mapping[str, Any], expected: ChunkGrid) -> Ch
     """The layout in a record. It has to divide the same study as the expected one."""
     try:
         shape, block = tuple(recorded["shape"]), tuple(recorded["block"])
-        layout = ChunkGrid(**{**recorded, "shape": shape, "block": block})
+        given: dict[str, Any] = {**recorded, "shape": shape, "block": block}
+        layout = ChunkGrid(**given)
         sizes = (*layout.block, layout.seeds_a_chunk)
         limits = (*expected.shape, expected.seeds)
         fits = all(type(n) is int and 1 <= n <= m for n, m in zip(sizes, limits, strict=True))

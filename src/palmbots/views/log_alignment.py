@@ -71,7 +71,7 @@ def traffic(log: RunLog) -> Traffic:
         known = ((to, data) for to, data in said if to < len(ends) and to not in tick.withheld)
         left = [(ends[to], data, sent) for to, data in known]
         for receiver, data, times in [*arrived, *left]:
-            packet = decode(data, key, pair, receiver).packet  # type: ignore[arg-type]
+            packet = decode(data, key, pair, receiver).packet
             if packet is not None:
                 stamp = (packet.sender, packet.receiver, packet.epoch, packet.sequence)
                 times.setdefault(stamp, now)

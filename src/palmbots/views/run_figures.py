@@ -268,5 +268,5 @@ def _messages(
         for (stamp, now), name in zip(sent.items(), said, strict=False):
             if name and start_s <= now <= end_s:
                 got = arrived.get(stamp)
-                found.append(Message(now - start_s, got, log.end, receiver, name))  # type: ignore[arg-type]
+                found.append(Message(now - start_s, got, log.end, receiver, name))
     return tuple(sorted(found, key=lambda message: message.sent_s))

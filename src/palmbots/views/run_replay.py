@@ -184,7 +184,7 @@ def _program(log: RunLog) -> Any:
         return _core.runtime.Robot(
             spec,
             entry.for_core(spec),
-            SIDES.index(log.end),  # type: ignore[arg-type]
+            SIDES.index(log.end),
             bytes.fromhex(facts["key"]),
             facts["pair"],
             epoch=state["epoch"],

@@ -11,7 +11,7 @@ half of its robot (left above, right below). Source: paper, section 5.2.
 import math
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -36,6 +36,10 @@ from palmbots.viz.style import (
     styled,
 )
 from palmbots.viz.timeline import add_timeline, message_key
+
+_NOTE: dict[str, Any] = {
+    "xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"
+}  # fmt: skip
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -246,8 +250,7 @@ def _draw_contact(panel: Axes, view: _View, side: Side, reach: float) -> None:
             panel.axhline(end, color=DROP, lw=0.9)
         part = "palm" if palm.usable_m is None else "usable palm"
         note = f"ends of the {part}, ±{half:.0f} mm"
-        place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"}
-        panel.annotate(note, (0.004, half), (0, -2), size=6.5, color=DROP, **place)
+        panel.annotate(note, (0.004, half), (0, -2), size=6.5, color=DROP, **_NOTE)
     panel.set_ylim(-reach, reach)
     panel.set_ylabel(axis_label(f"{side}\ncontact", "mm"))
 
@@ -281,11 +284,10 @@ def _draw_lateral(panel: Axes, view: _View) -> None:
         for end in (-edge, edge):
             panel.axhline(end, color=DROP, lw=0.9)
         what = "lips" if has_lips else "sides of the palm"
-        place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"}
         note = f"{what}, ±{edge:.0f} mm"
         if has_lips and seen > edge:
             note += "; farther out, the object is askew and leans on a lip"
-        panel.annotate(note, (0.004, edge), (0, -2), size=6.5, color=DROP, **place)
+        panel.annotate(note, (0.004, edge), (0, -2), size=6.5, color=DROP, **_NOTE)
     if scene.task.path.is_curved:
         note = "on a curve an edge lies askew: the sensor reads where it presses, not its middle"
         panel.text(0.004, 0.04, note, transform=panel.transAxes, size=6.5, color=QUIET)

@@ -2,9 +2,10 @@
 """Draws a noise limit: the drop rate over the noise, the fitted curve, and where it crosses."""
 
 from statistics import NormalDist
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palmbots.viz.style import (
@@ -70,13 +71,17 @@ def draw_noise_limit(result: "NoiseLimit") -> Figure:
         return figure
 
 
-def _draw_point(axes: "object", point: "NoisePoint", colour: str, marker: str) -> None:
+def _draw_point(axes: Axes, point: "NoisePoint", colour: str, marker: str) -> None:
     x, rate = 100 * point.noise_m_s, 100 * point.drop_rate
     low, high = (100 * end for end in point.interval)
-    look = {"color": colour if point.counts else QUIET, "elinewidth": 0.8, "capsize": 2}
+    look: Any = {
+        "color": colour if point.counts else QUIET,
+        "elinewidth": 0.8,
+        "capsize": 2,
+    }
     face = colour if point.counts else BACKGROUND
     if point.drops == 0:
-        axes.errorbar(x, high, yerr=[[0.4 * high], [0]], uplims=True, **look)  # type: ignore[attr-defined]
+        axes.errorbar(x, high, yerr=[[0.4 * high], [0]], uplims=True, **look)
         return
     spread = [[rate - low], [high - rate]]
-    axes.errorbar(x, rate, yerr=spread, marker=marker, ms=4.5, mfc=face, ls="", **look)  # type: ignore[attr-defined]
+    axes.errorbar(x, rate, yerr=spread, marker=marker, ms=4.5, mfc=face, ls="", **look)

@@ -15,7 +15,7 @@ import math
 import os
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -218,7 +218,13 @@ def _draw_cases(panel: Axes, carry: "Carry", side: str, start: float, end: float
             bar = Rectangle(place, _BAR, high - low, fc=colour, alpha=0.3, lw=0, zorder=2)
             panel.add_patch(bar)
             if case == "c":  # the robot assists
-                over = {"fc": "none", "ec": colour, "hatch": HATCH[side], "lw": 0, "alpha": 0.6}
+                over: Any = {
+                    "fc": "none",
+                    "ec": colour,
+                    "hatch": HATCH[side],
+                    "lw": 0,
+                    "alpha": 0.6,
+                }
                 panel.add_patch(Rectangle(place, _BAR, high - low, zorder=2, **over))
             labels.append((low, case))
     outward = -1 if side == "left" else 1

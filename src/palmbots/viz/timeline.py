@@ -9,7 +9,7 @@ the resilient algorithm are left out too: only beacons with a new content are dr
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,7 +28,7 @@ _ROW = {"left": 1.0, "right": -1.0}
 _BAR = 0.3  # half the height of a bar, in the panel's own unit
 _LEVEL = 0.62  # height of one level of labels
 _MOST_PER_INCH = 10  # bars; above that, labels and messages would not be legible
-_MARKERS = {
+_MARKERS: dict[str, Any] = {
     "TiltUp": "^", "Ack": "o", "TiltDown": "v", "Closing": "s", "Raised": "D", "Hello": ".",
     "Plus": "^", "PlusShallow": 6, "Zero": "o", "Minus": "v", "MinusShallow": 7,
 }  # fmt: skip
@@ -180,6 +180,7 @@ def _draw_row(
     outward = math.copysign(1.0, _ROW[row])
     for bar in bars:
         place, duration = (bar.start, _ROW[row] - _BAR), bar.end - bar.start
+        look: dict[str, Any]
         if bar.assists:
             look = {"fc": BACKGROUND, "ec": HUE[row], "hatch": HATCH[row], "lw": 0.7, "zorder": 2}
         else:
@@ -212,7 +213,7 @@ def _draw_messages(panel: Axes, messages: "Sequence[Message]", end: float, size:
     A marker at the arrival shows its kind. A lost message ends halfway between the rows.
     """
     lines = []
-    arrivals: dict[str, list[tuple[float, float]]] = {}
+    arrivals: dict[Any, list[tuple[float, float]]] = {}
     for m in messages:
         direction = math.copysign(1.0, _ROW[m.receiver] - _ROW[m.sender])
         start = _ROW[m.sender] + direction * _BAR

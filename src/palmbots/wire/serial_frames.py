@@ -96,7 +96,7 @@ _WRITERS: dict[type[Content], tuple[FrameKind, Any]] = {
     BoardCommand: ("board_command", _core.serial.board_command),
     BoardReading: ("board_reading", _core.serial.board_reading),
 }
-_READERS = {
+_READERS: dict[int, tuple[Any, Any]] = {
     FRAME_NUMBERS["bridge_report"]: (BridgeReport, _core.serial.bridge_report_in),
     FRAME_NUMBERS["board_identity"]: (BoardIdentity, _core.serial.board_identity_in),
     FRAME_NUMBERS["board_command"]: (BoardCommand, _core.serial.board_command_in),

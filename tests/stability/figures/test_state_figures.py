@@ -3,6 +3,7 @@
 
 import math
 from itertools import combinations, product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -77,7 +78,7 @@ def test_the_state_closes_the_loop_and_agrees_with_modes(analysis: Analysis) -> 
         state = state_of(analysis.problem, (left, right))
         corner = state.point("outline")[analysis.problem.spec.contact_right]
         assert corner == pytest.approx(state.point("contact", 1), abs=1e-9)
-        theta = dict(zip(ANGLES, map(math.degrees, state.angles), strict=True))
+        theta: dict[str, Any] = dict(zip(ANGLES, map(math.degrees, state.angles), strict=True))
         try:
             found = pb.contact_modes(analysis.scene, p_left_m=left, p_right_m=right, **theta)
         except PalmbotsError:  # the state would put a palm into the object

@@ -51,7 +51,7 @@ def _agreement(panel: Axes, validation: Validation) -> None:
                 for t in validation.trials
                 if (t.engine, t.state.friction) == (own.engine, friction) and t.decisive
             ]
-            rates.append(100 * np.mean(some) if some else np.nan)
+            rates.append(100 * float(np.mean(some)) if some else np.nan)
         where = np.arange(len(frictions)) + 0.12 * (k - 0.5 * (len(validation.agreement) - 1))
         label = f"{own.engine}: {100 * own.decisive_rate:.1f} % of {own.decisive_n}"
         colour, marker = _ENGINES[own.engine]

@@ -23,8 +23,14 @@ from palmbots.viz.style import (
     styled,
 )
 
-_BEST_LOOK = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
-_OWN_LOOK = {"marker": "o", "ms": 6.5, "mfc": PAPER_PAIR, "mec": BACKGROUND, "mew": 0.9}
+_BEST_LOOK: Any = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
+_OWN_LOOK: Any = {
+    "marker": "o",
+    "ms": 6.5,
+    "mfc": PAPER_PAIR,
+    "mec": BACKGROUND,
+    "mew": 0.9,
+}
 
 
 def delivery(result: Design) -> Figure:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib import rc_context
@@ -40,9 +40,20 @@ from palmbots.viz.style import (
     styled,
 )
 
-_BARRED = {"facecolor": EXCLUDED, "edgecolor": QUIET, "hatch": "////", "linewidth": 0.0}
-_BEST = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
-_PAPER_LOOK = {"marker": "o", "ms": 6, "mfc": PAPER_PAIR, "mec": BACKGROUND, "mew": 0.9}
+_BARRED: Any = {
+    "facecolor": EXCLUDED,
+    "edgecolor": QUIET,
+    "hatch": "////",
+    "linewidth": 0.0,
+}
+_BEST: Any = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
+_PAPER_LOOK: Any = {
+    "marker": "o",
+    "ms": 6,
+    "mfc": PAPER_PAIR,
+    "mec": BACKGROUND,
+    "mew": 0.9,
+}
 _LEVELS = 5
 _MARGIN_DEG = 2.0
 
