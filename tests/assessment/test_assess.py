@@ -136,6 +136,10 @@ def test_rough_friction_is_proved_and_carried_at_both_ends() -> None:
         assert one == count_outcomes(
             "paper", one.controller, seeds=one.carries, overrides=near | {"palm.friction": end}
         )
+    heaviest = [pb.load_limits(overrides=near | {"palm.friction": mu}) for mu in (0.2, 0.35, 0.5)]
+    masses = [one.heaviest_kg or 0.0 for one in heaviest]
+    assert masses[2] < masses[1] < masses[0]  # more friction permits a harder squeeze
+    assert "all with friction 0.5, the worse end" in found.answers.load.text
     certificate = pb.certify("paper", friction=(0.2, 0.5), overrides=near)
     assert certificate.verdict == found.friction.unlike
     assert pb.assess(friction=(0.02, 0.5), turn_radius_m=0.0, overrides=near).verdict == "no"

@@ -90,6 +90,22 @@ def test_compare_writes_its_figure(here: Run, tmp_path: Path) -> None:
     assert (tmp_path / "compare.png").stat().st_size > 10_000
 
 
+@pytest.mark.parametrize(
+    "words", [("compare", "--values", "0", "-n", "2", "--controllers", "none"), ("carry",)]
+)
+def test_out_with_the_name_of_a_picture_is_that_picture(
+    here: Run, tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    """Of a folder with such a name the figure is put into the folder."""
+    file, folder = tmp_path / "one.pdf", tmp_path / "folder.pdf"
+    folder.mkdir()
+    assert f"wrote {file}" in " ".join(here(*words, *SHORT, "--out", str(file)).stdout.split())
+    assert file.read_bytes().startswith(b"%PDF-")
+    if words[0] == "compare":
+        here(*words, *SHORT, "--out", str(folder))
+        assert [path.name for path in folder.iterdir()] == ["compare.png"]
+
+
 def test_compare_sweeps_a_key_of_whole_numbers(here: Run) -> None:
     result = here(
         *("compare", "--sweep", "faults.random_reboots", "--values", "0,1", "--json"),
@@ -125,9 +141,7 @@ def test_refusal_of_several_values_appears_once(
 
 def test_column_of_swept_values_is_headed_by_the_key(here: Run) -> None:
     text = here("compare", "--values", "0.1", "--controllers", "none", "-n", "1", *SHORT).stdout
-    assert re.search(
-        r"\ncontroller +radio.latency_s +dropped \[%\] +rms \[mm\] +per m +B/s\n", text
-    )
+    assert re.search(r"\ncontroller +radio.latency_s +dropped +rms \[mm\] +per m +B/s\n", text)
 
 
 def test_unanswered_requests_are_reported(here: Run) -> None:

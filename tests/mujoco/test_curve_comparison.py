@@ -113,3 +113,17 @@ def test_trial_beyond_the_budget_is_not_carried(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(curve_trial, "forecast_drift", lambda *a, **k: FORECAST)
     trial = curve_trial.try_curve(pb.load_scene("paper"), "silent", {}, print, carries=1)
     assert trial.counts is None and trial.forecast is FORECAST and trial.refusal == ""
+
+
+@pytest.mark.parametrize(
+    ("carries", "dropped", "word"),
+    [(5, 0, "LIKELY"), (400, 0, "YES"), (5, 2, "PARTLY"), (5, 5, "NO")],
+)
+def test_few_carries_do_not_say_yes(carries: int, dropped: int, word: str) -> None:
+    """None of five drops also if one in three does; a drop names its reason."""
+    reasons = {"tipping": dropped} if dropped else {}
+    counts = OutcomeCounts("silent", carries, dropped, 0, reasons=reasons)
+    own = CurveTrial("silent", {}, FORECAST, counts, "")
+    text = repr(curve_comparison.CurveComparison(own, (), pb.load_scene("paper")))
+    assert text.startswith(f"{word}  as it is: ")
+    assert ("most often tipping: " in text) == (dropped > 0)

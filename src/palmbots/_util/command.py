@@ -116,6 +116,7 @@ class command(_Declaration):  # used as a decorator
             status 1.
         results: what ``--json`` prints, as ``module:Class``, where the function does not return
             it.
+        then: what to run next, with parameters in braces; empty: nothing in particular.
         options: the options, by parameter.
     """
 
@@ -130,11 +131,12 @@ class command(_Declaration):  # used as a decorator
         figure: str = "",
         failure: tuple[str, str] = ("", ""),
         results: tuple[str, ...] = (),
+        then: str = "",
         **options: Option,
     ) -> None:
         super().__init__(name, options)
         self.order, self.example, self.progress = order, example, progress
-        self.figure, self.failure, self.results = figure, failure, results
+        self.figure, self.failure, self.results, self.then = figure, failure, results, then
 
 
 class writes(_Declaration):  # used as a decorator

@@ -17,7 +17,7 @@ from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots.assessment.angles import AngleTrial, try_angles
 from palmbots.assessment.changes import ChangeTrial, try_changes
-from palmbots.assessment.friction import FrictionTrial, try_friction
+from palmbots.assessment.friction import FrictionTrial, hardest_to_hold, try_friction
 from palmbots.assessment.load import LoadTrial, try_load
 from palmbots.assessment.verdicts import (
     WORDS,
@@ -202,15 +202,16 @@ def assess(
     counts = tuple(_counted(straight))
     report(0.1)
     best = best_of(counts)
-    limits = load_limits(straight)
-    angles = curve = load = change = None
-    if best is not None:
-        angles = try_angles(straight, best.controller, lambda done: report(0.1 + 0.1 * done))
-        load = try_load(straight, best.controller, LOAD_CARRIES, lambda n: report(0.2 + 0.2 * n))
-    rough = None
+    rough, loaded = None, straight
     if friction is not None:
         rules = best.controller if best else None
         rough = try_friction(straight, friction, rules, counts[0].carries)
+        loaded = hardest_to_hold(straight, friction)
+    limits = load_limits(loaded)
+    angles = curve = load = change = None
+    if best is not None:
+        angles = try_angles(straight, best.controller, lambda done: report(0.1 + 0.1 * done))
+        load = try_load(loaded, best.controller, LOAD_CARRIES, lambda n: report(0.2 + 0.2 * n))
     radio = tuple(_with_losses(straight, counts))
     report(0.45)
     if best is not None or limits.refusal():
@@ -232,9 +233,9 @@ def assess(
     report(1.0)
     answers = Answers(
         carried=on_mechanics(analysis, planar),
-        load=on_load(load_limits(chosen), best, load, name),
+        load=on_load(limits, best, load, name, rough),
         drops=on_drops(counts, planar),
-        controllers=on_controllers(counts, planar),
+        controllers=on_controllers(counts, planar, straight.robot.noise_m_s),
         angles=on_angles(angles, planar),
         friction=on_friction(rough, analysis, planar),
         radio=on_radio(radio, planar),

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from palmbots._types import SIDES, Interval
 from palmbots.errors import PalmbotsError
+from palmbots.mechanics.load_limits import load_limits
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
 from palmbots.stability.certificates.prover import Verdict, certify
@@ -39,11 +41,24 @@ def try_friction(
         raise PalmbotsError(
             f"friction: value is {low:g} {high:g}; allowed: two numbers, the smaller one first"
         )
-    palms = ("palm", *(f"palm.{side}" for side in SIDES))
-    ends = [load_scene(scene, {f"{palm}.friction": end for palm in palms}) for end in (low, high)]
+    ends = [_with_friction(scene, end) for end in (low, high)]
     alike = certify(scene, friction=(low, high), common_friction=True).verdict
     unlike = certify(scene, friction=(low, high)).verdict
     counts = tuple(
         count_outcomes(end, controller, seeds=carries) for end in ends if controller is not None
     )
     return FrictionTrial((low, high), alike, unlike, counts)
+
+
+def hardest_to_hold(scene: Scene, friction: Interval) -> Scene:
+    """The scene with that end of the interval at which the robots hold least.
+
+    More friction permits a harder squeeze, so no friction between the ends is worse than both.
+    """
+    ends = [_with_friction(scene, float(end)) for end in friction]
+    return min(ends, key=lambda one: load_limits(one).heaviest_kg or math.inf)
+
+
+def _with_friction(scene: Scene, friction: float) -> Scene:
+    palms = ("palm", *(f"palm.{side}" for side in SIDES))
+    return load_scene(scene, {f"{palm}.friction": friction for palm in palms})

@@ -20,7 +20,8 @@ from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits, mass_text
 from palmbots.mujoco.curve_trial import CurveTrial
 from palmbots.scene.scene import Scene
-from palmbots.simulation.carry_lines import reason_text
+from palmbots.simulation.carry_lines import usual_reason
+from palmbots.simulation.noise_limit import NOISE_KEY
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.stability.analysis import Analysis
 
@@ -104,10 +105,17 @@ def on_mechanics(analysis: Analysis, name: str) -> Answer:
 
 
 def on_load(
-    limits: LoadLimits, best: OutcomeCounts | None, trial: LoadTrial | None, name: str
+    limits: LoadLimits,
+    best: OutcomeCounts | None,
+    trial: LoadTrial | None,
+    name: str,
+    rough: FrictionTrial | None = None,
 ) -> Answer:
-    """Whether the robots hold the weight: by statics, and in carries of the MuJoCo world."""
+    """Whether the robots hold the weight: by statics, and in carries of the MuJoCo world. If the
+    friction is known only roughly, `limits` and `trial` are those with the worse end."""
     question, command = "Can these robots hold it?", f"palmbots load {name}"
+    if rough is not None:
+        command += f" --set palm.friction={limits.scene.palm.friction:g}"
     if refusal := limits.refusal():
         return Answer(question, "no", refusal, command)
     verdict: Verdict = "yes"
@@ -130,7 +138,9 @@ def on_load(
         texts.append(f"in MuJoCo {counts.carries - failed} of {counts.carries} carries arrive")
         if failed or trial.remarks:
             verdict = "no" if failed == counts.carries else "partly"
-            texts += [*_reason(counts), *trial.remarks[:1]]
+            texts += [*filter(None, [usual_reason(counts, "mujoco")]), *trial.remarks[:1]]
+    if rough is not None:
+        texts.append(f"all with friction {limits.scene.palm.friction:g}, the worse end")
     return Answer(question, verdict, "; ".join(texts), command)
 
 
@@ -146,9 +156,12 @@ def on_drops(counts: Sequence[OutcomeCounts], name: str) -> Answer:
     return Answer(question, verdict, text, command)
 
 
-def on_controllers(counts: Sequence[OutcomeCounts], name: str) -> Answer:
+def on_controllers(counts: Sequence[OutcomeCounts], name: str, noise_m_s: float) -> Answer:
     """Which controllers suffice, and what each of them needs."""
     question, command = "Which controllers suffice?", f"palmbots compare {name}"
+    if noise_m_s:
+        noises = ",".join(f"{factor * noise_m_s:g}" for factor in (1, 2, 4))
+        command += f" --sweep {NOISE_KEY} --values {noises}"
     enough = [one.controller for one in counts if suffices(one)]
     if not enough:
         text = f"none fails in less than {100 * SMALL:g} % of carries"
@@ -182,9 +195,10 @@ def on_angles(trial: AngleTrial | None, name: str) -> Answer:
         return Answer(question, "open", "no other pair of angles could be tried", command)
     command += f" -c {trial.controller}"
     least, most = 100 * trial.least_failure_rate, 100 * trial.most_failure_rate
-    spread = f"{least:.3g} to {most:.3g} % at the {trial.tried} pairs tried"
+    tried = f"{trial.tried} pairs tried, with {trial.carries:,} carries each"
+    spread = f"{least:.3g} to {most:.3g} % at the {tried}"
     if most == 0:
-        spread = f"no failures at any of the {trial.tried} pairs tried, so the angles do not matter"
+        spread = f"no failures at any of the {tried}, so the angles do not matter"
     own, best = (rate_text(n, trial.carries) for n in (trial.own_failures, trial.best_failures))
     if not trial.is_better:
         text = f"{trial.controller} fails in {own} at the scene's angles; {spread}"
@@ -204,17 +218,20 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
     if trial is None:
         ranges = ", or ".join(f"from {low:.3f} to {high:.3f}" for low, high in analysis.friction)
         hold = f"hold for friction {ranges}" if ranges else "fail for every friction"
-        text = f"properties 1 and 2 {hold}; to try an interval of your own, use --friction"
+        text = (
+            f"properties 1 and 2 {hold} (accelerations neglected); to try an interval of your own, "
+            "use --friction"
+        )
         low, high = (factor * min(analysis.problem.friction) for factor in (0.9, 1.1))
         command = f"palmbots assess {name} --friction {low:.3g} {high:.3g}"
         return Answer(question, "open", text, command)
     low, high = trial.friction
     where = f"--friction {low:g} {high:g}"
     command = f"palmbots certify {name} {where}"
-    proofs = [f"with any friction from {low:g} to {high:g} all properties hold (proved)"]
+    proofs = [f"with any friction from {low:g} to {high:g} all properties hold"]
     verdict: Verdict = "yes"
     if trial.unlike != "holds" and trial.alike == "holds":
-        proofs[0] += " if it is the same on both palms"
+        proofs[0] += ", with the same on both palms"
         command += " --common-friction"
         word = "fails for some pairs of values" if trial.unlike == "fails" else "may fail"
         proofs.append(f"if the palms differ within the interval, a property {word}")
@@ -223,6 +240,7 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
         verdict = "no" if trial.alike == "fails" else "partly"
         word = "fails" if trial.alike == "fails" else "may fail"
         proofs = [f"with some friction from {low:g} to {high:g} a property {word}"]
+    proofs[0] += " (accelerations neglected" + ("; proved)" if trial.alike == "holds" else ")")
     if trial.counts:
         ends = zip(trial.counts, trial.friction, strict=True)
         rates = [f"{failures(one)} with friction {end:g}" for one, end in ends]
@@ -256,7 +274,8 @@ def on_change(trial: ChangeTrial | None, name: str) -> Answer:
         for key, value in trial.changes.items()
     )
     after = rate_text(trial.failures, trial.carries)
-    text = f"{changed}: {noise}{controller} fails in {after} of carries instead of {own}"
+    rates = f"{after} instead of {own} of {trial.carries:,} carries each"
+    text = f"{changed}: {noise}{controller} fails in {rates}"
     if trial.holds and not trial.own_holds:
         text = f"{text}; then all properties hold"
     elif noise:
@@ -327,14 +346,9 @@ def on_curve(trial: CurveTrial | None, scene: Scene) -> Answer:
     doubt = ""
     if verdict == "no" and not forecast.lips and forecast.mean_m < forecast.budget_m:
         doubt = ", so something else makes it fall"
-    text = "; ".join([f"{where}: {fails}", *_reason(counts), f"{drift} {room}{doubt}"])
+    reason = usual_reason(counts, "mujoco")
+    text = "; ".join(filter(None, [f"{where}: {fails}", reason, f"{drift} {room}{doubt}"]))
     return Answer(question, verdict, text, command)
-
-
-def _reason(counts: OutcomeCounts) -> Iterator[str]:
-    """Why carries in MuJoCo most often dropped the object."""
-    for reason in list(counts.reasons)[:1]:
-        yield reason_text(reason, "mujoco")
 
 
 def counts_table(counts: Sequence[OutcomeCounts]) -> Table:

@@ -118,16 +118,28 @@ def _announced(entry: "ControllerEntry") -> "ControllerEntry":
     return replace(entry, policy_maker=maker)
 
 
-def check_output(out: Path | None) -> None:
-    """Check, before the work, that figures can be written to the folder `out`.
+def check_output(out: Path | None, *, or_picture: bool = False) -> bool:
+    """Check, before the work, that figures can be written to the folder `out`, or that one can be
+    written to the file `out` if its name is that of a picture.
+
+    Returns:
+        Whether it is the name of a picture.
 
     Raises:
-        PalmbotsError: `out` cannot be a folder.
+        PalmbotsError: `out` cannot be written.
     """
-    if out is not None:
-        from palmbots._util.atomic_files import check_folder
+    if out is None:
+        return False
+    from palmbots._util.atomic_files import check_file, check_folder
 
-        check_folder(out)
+    if or_picture:
+        from palmbots.viz.save_figure import is_picture
+
+        if is_picture(out) and not out.is_dir():
+            check_file(out)
+            return True
+    check_folder(out)
+    return False
 
 
 def print_result(
@@ -148,13 +160,14 @@ def print_result(
         about: of what it is, such as the name of a scene.
         written: the files.
         after: further lines for people.
-        out: the folder for its figure; None: draw none.
+        out: the folder for its figure, or the figure itself; None: draw none.
         file: name of the figure in the folder.
     """
     if out is not None and file:
         from palmbots._util.atomic_files import folder
 
-        written = [*written, folder(out) / file]
+        is_picture = check_output(out, or_picture=True)
+        written = [*written, out if is_picture else folder(out) / file]
         result.save_figure(written[-1])
     if as_json:
         print_json(result)

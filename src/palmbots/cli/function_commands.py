@@ -46,8 +46,8 @@ def typer_function(one: Declared) -> Callable[..., int]:
         shown.setdefault("overrides", shared_option("overrides", "Overrides", None))
     shown |= {key: (option.annotation, option.default) for key, option in written.items()}
     if one.declaration.figure:
-        help = f"Write {one.declaration.figure} to this folder."
-        place = option_of("out", Option(help=help, metavar="DIR"), "Path | None", None)
+        help = f"Write {one.declaration.figure} to this folder, or to this .png, .svg or .pdf file."
+        place = option_of("out", Option(help=help, metavar="PLACE"), "Path | None", None)
         shown["out"] = place.annotation, None
     shown.setdefault("as_json", shared_option("as_json", "bool", False))
 
@@ -89,7 +89,7 @@ def _run(
     unproved = chosen.pop("unproved", False)
     figure, failure = one.declaration.figure, one.declaration.failure[0]
     out = chosen.pop("out") if figure else None
-    check_output(out)
+    check_output(out, or_picture=True)
     to_write = _arguments(written, {key: chosen.pop(key) for key in written})
     _check_place(written, to_write)
     arguments = _arguments({key: given[key] for key in chosen}, chosen)
@@ -116,11 +116,19 @@ def _run(
         as_json=as_json,
         about="" if isinstance(result, Files) else about,
         written=[item for item in items if isinstance(item, Path)],
-        after=[item for item in items if not isinstance(item, Path)],
+        after=[*(item for item in items if not isinstance(item, Path)), *_then(one, arguments)],
         out=out,
         file=figure,
     )
     return DONE if not failure or getattr(result, failure) else FAILED
+
+
+def _then(one: Declared, arguments: dict[str, Any]) -> Iterator[Any]:
+    """What to run next."""
+    from palmbots._util.report import Line
+
+    if text := one.declaration.then.format(**arguments):
+        yield Line(f"next: {text}", indent=2, is_whole=True)
 
 
 def _result(found: Any) -> Any:

@@ -37,6 +37,8 @@ from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.path_curve import RADIUS_M
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import to_spec
+from palmbots.simulation.carry_lines import usual_reason
+from palmbots.simulation.outcome_counts import SMALL
 
 LIP_HEIGHT_M = 0.03
 LONGER, RADII = 1.5, (1.5, 2.0)
@@ -73,10 +75,14 @@ class CurveComparison(Result):
         elif own.counts is None:
             yield Line(bad("NO"), bold("  nothing that was tried gets around this curve"))
         elif own.counts.failure_rate == 0:
-            yield Line(good("YES"), bold(f"  as it is: {_failures(own)}"))
+            is_sure = own.counts.failure_interval[1] <= SMALL
+            word = good("YES" if is_sure else "LIKELY")
+            yield Line(word, bold(f"  as it is: {_failures(own)}"))
         else:
             word = bad("NO") if own.counts.failure_rate == 1 else warn_word("PARTLY")
             yield Line(word, bold(f"  as it is: {_failures(own)}"))
+            if reason := usual_reason(own.counts, "mujoco"):
+                yield Line(f"most often {reason}", indent=2)
             yield "no change that was tried helps measurably"
         yield Table(
             [_row(own, "as it is"), *(_row(one, _name(own, one)) for one in self.others)],

@@ -269,6 +269,7 @@ def pair_keys() -> tuple[SceneKey, ...]:
     "init pair",
     order=190,
     example="palmbots init pair pair.toml",
+    then="palmbots robot {file} --side left, --side right, and palmbots station {file}",
     file=Option(is_argument=True, metavar="FILE"),
 )
 def init_pair(

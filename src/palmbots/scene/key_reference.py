@@ -144,6 +144,7 @@ def _first_sentence(text: str) -> str:
     "init scene",
     order=190,
     example="palmbots init scene my.toml",
+    then="palmbots assess {path}",
     path=Option(is_argument=True, metavar="FILE"),
 )
 def init_scene(path: str | os.PathLike[str]) -> Path:

@@ -12,6 +12,7 @@ from palmbots.control.registry import describe
 
 if TYPE_CHECKING:
     from palmbots.control.resilient_timing import Bounds
+    from palmbots.simulation.outcome_counts import OutcomeCounts
     from palmbots.simulation.result import Carry
 
 TURNED = "the object turned by more than 60° on the palms"
@@ -33,6 +34,11 @@ def reason_text(reason: str, world: str) -> str:
     is_turned = reason == "tipping" and world == "mujoco"
     meaning = TURNED if is_turned else REASONS.get(reason, "")
     return f"{reason}: {meaning}".rstrip(": ")
+
+
+def usual_reason(counts: "OutcomeCounts", world: str) -> str | None:
+    """The most frequent reason of the drops, and what it means; None: nothing dropped."""
+    return next((reason_text(reason, world) for reason in counts.reasons), None)
 
 
 def carry_lines(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from palmbots._types import Interval, MaybeNaN, Overrides
 from palmbots._util.arguments import seed_of, show
 from palmbots._util.command import Option, command
-from palmbots._util.confidence_intervals import Z95, wilson
+from palmbots._util.confidence_intervals import Z95, rate_interval, rate_text
 from palmbots._util.optional_imports import require
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Table, quiet
@@ -53,10 +53,10 @@ class Row:
     """Number of carries."""
     drop_rate: float
     interval: Interval
-    """Wilson's interval of the drop rate."""
+    """Wilson's; where none or all were dropped, the exact one-sided bound."""
     stall_rate: float
     stall_interval: Interval
-    """Wilson's interval of the stall rate."""
+    """As `interval`."""
     rms_m: float
     """Root mean square of both contact coordinates; of a dropped carry until the drop."""
     rms_interval_m: tuple[MaybeNaN, MaybeNaN]
@@ -70,12 +70,11 @@ class Row:
 
     def cells(self) -> tuple[str, ...]:
         """Value, drop rate, contacts and messages, for people."""
-        low, high = (100 * end for end in self.interval)
         half = 0.5 * (self.rms_interval_m[1] - self.rms_interval_m[0])
         spread = "" if math.isnan(half) else f" ± {1e3 * half:.1f}"
         return (
             format_number(self.value),
-            f"{100 * self.drop_rate:.1f} ({low:.1f}–{high:.1f})",
+            rate_text(round(self.drop_rate * self.n), self.n),
             f"{1e3 * self.rms_m:.1f}{spread}",
             f"{self.messages_per_m:.0f}",
             f"{self.bytes_per_s:.0f}",
@@ -135,7 +134,7 @@ class Comparison(Result):
         section, _, name = self.key.rpartition(".")
         is_long = len(self.key) > _LONGEST_HEAD and section  # takes two lines
         key_head = f"{section}.\n{name}" if is_long else self.key
-        heads = (key_head, "dropped [%]", "contact\nrms [mm]", "messages\nper m", "B/s")
+        heads = (key_head, "dropped", "contact\nrms [mm]", "messages\nper m", "B/s")
         cells = [("" if same else row.controller, *row.cells()) for same, row in _marked(rows)]
         yield Table(cells, ("controller", *heads), right=heads, gap=2)
         if stalled := sum(round(row.stall_rate * row.n) for row in rows):
@@ -345,9 +344,9 @@ def _cell(
         value=value,
         n=n,
         drop_rate=dropped / n,
-        interval=wilson(dropped, n),
+        interval=rate_interval(dropped, n),
         stall_rate=(n - dropped - delivered) / n,
-        stall_interval=wilson(n - dropped - delivered, n),
+        stall_interval=rate_interval(n - dropped - delivered, n),
         rms_m=math.sqrt(square),
         rms_interval_m=(math.sqrt(low), math.sqrt(high)),
         messages_per_m=messages,

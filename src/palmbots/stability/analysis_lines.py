@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from palmbots._types import Interval
 from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, verdict, warning
-from palmbots._util.text import millimetres
+from palmbots._util.text import millimetres, plural
 from palmbots.scene.object_frame import object_frame
 from palmbots.scene.palm_section import friction_limit
 
@@ -52,7 +52,9 @@ def _verdict(analysis: "Analysis") -> Line:
         claim = "  the object touches a palm elsewhere, although all properties hold"
         return Line(bad("TOUCHES"), bold(claim))
     word = verdict(analysis.holds, "HOLDS", "FAILS")
-    return Line(word, bold("  all properties, either palm shallow"))
+    count = len(analysis.warnings)
+    doubts = f"; {plural(count, 'warning')} at the end" if analysis.holds and count else ""
+    return Line(word, bold(f"  all properties, either palm shallow{doubts}"))
 
 
 def _margins(analysis: "Analysis") -> Table:

@@ -5,6 +5,7 @@ The files contain no date, so the same figure gives the same file.
 """
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palmbots._util.atomic_files import check_suffix, whole_file
@@ -19,6 +20,11 @@ _SAVING: dict[str, dict[str, Any]] = {
     ".svg": {"metadata": {"Date": None}},
     ".pdf": {"metadata": {"CreationDate": None}},
 }
+
+
+def is_picture(path: str | os.PathLike[str]) -> bool:
+    """Whether the name says that the file is a figure."""
+    return Path(path).suffix.lower() in _SAVING
 
 
 def write_figure(path: str | os.PathLike[str], figure: "Figure") -> None:

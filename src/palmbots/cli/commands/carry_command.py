@@ -22,7 +22,7 @@ from palmbots.errors import PalmbotsError
     results=("palmbots.cli.carried:Carried",),
     forks=Option("--fork", metavar="TIME:SEED"),
     seeds=Option(least=1, most=10**8),
-    out=Option(metavar="DIR"),
+    out=Option(metavar="PLACE"),
     animation=Option(metavar="KIND"),
     accept_excess=Option("--allow-drift-beyond-budget"),
 )
@@ -57,7 +57,8 @@ def carry(
         forks: from this time [s] on, use the random numbers of another seed (repeatable).
         seeds: count the outcomes of this many seeds, from 0; None: up to 1000, and none where
             carries take long.
-        out: write figures, animation and log to this folder.
+        out: write figures, animation and log to this folder; or only the figure, to this .png, .svg
+            or .pdf file.
         animation: ``gif``, mp4 or none; None: gif.
         video: write a 3-D video and a still of the MuJoCo world.
         view: show the MuJoCo world in MuJoCo's viewer.
@@ -72,17 +73,18 @@ def carry(
     from palmbots.simulation.single import carry as run_carry
     from palmbots.stability.scene_limits import self_check
 
-    _check_options(animation, video, view, world, out)
+    is_picture = check_output(out, or_picture=True)
+    folder = None if is_picture else out
+    _check_options(animation, video, view, world, folder)
     chosen = load(scene, overrides)
-    check_output(out)
-    earlier = _earlier(out)
+    earlier = _earlier(folder)
     entry = controller_of(controller, unproved=unproved, quiet=as_json)
     prepared = prepare(chosen, entry, world)
     check_precision(prepared.world, precision)
     seed_of(seed)
     forked = [_fork(text) for text in forks or ()]
-    if video and out is not None:
-        _check_video(out)
+    if video and folder is not None:
+        _check_video(folder)
     early_warnings = warnings_before(chosen, prepared.controller)
     limits = () if prepared.controller.team == "none" else self_check(chosen)
     budget = None
@@ -115,12 +117,12 @@ def carry(
         )
     written: list[Path] = []
     removed: list[Path] = []
-    if out is not None:
+    if folder is not None:
         from palmbots.mujoco.carry_files import save_carry
 
         with staged_progress(as_json) as stage:
             written, removed = save_carry(
-                result, out, animation=animation or "gif", video=video, earlier=earlier,
+                result, folder, animation=animation or "gif", video=video, earlier=earlier,
                 on_stage=stage,
             )  # fmt: skip
     from palmbots.stability.drop_diagnosis import analyze_hint, touch_start_hint
@@ -136,7 +138,10 @@ def carry(
         to_measure=_to_measure(one_s, scene, controller, world, unproved, accept_excess, overrides),
     )
     after = [Line(f"removed {path} of an earlier carry", is_whole=True) for path in removed]
-    print_result(shown, as_json=as_json, about=scene, written=written, after=after)
+    print_result(
+        shown, as_json=as_json, about=scene, written=written, after=after,
+        out=out if is_picture else None, file="carry",
+    )  # fmt: skip
     return DONE if result.outcome == "delivered" else FAILED
 
 
