@@ -5,7 +5,7 @@
 
 The C++ test programs and the extension are compiled a second time, in build/coverage, with GCC's
 counters. The programs run first, then the Python tests (TESTS: some of them) with that extension,
-under coverage.py. gcovr adds up the counters. Writes benchmarks/results/coverage.csv: for each room
+under coverage.py. gcov reads the counters. Writes benchmarks/results/coverage.csv: for each room
 the number of lines that can run, and of those that did. Python lines that run in other processes
 than the tests' own are not counted.
 """
@@ -13,7 +13,6 @@ than the tests' own are not counted.
 import csv
 import json
 import os
-import shutil
 import subprocess
 import sys
 from collections import defaultdict
@@ -69,21 +68,20 @@ def _python_tests(tests: list[str]) -> int:
 
 
 def _cpp_rows() -> list[tuple[str, str, int, int]]:
-    report = WORK / "cpp.json"
-    command = [shutil.which("gcovr", path=str(Path(sys.executable).parent)) or "gcovr"]
-    command += ["--root", str(ROOT), "--filter", f"{ROOT}/include/", "--json", str(report)]
-    # GCC sometimes writes negative counts (bug 68080), and long tests give very large ones.
-    command += ["--gcov-ignore-errors=all"]
-    for fault in ("negative_hits", "suspicious_hits"):
-        command += [f"--gcov-ignore-parse-errors={fault}.warn_once_per_file"]
-    command += ["--merge-mode-functions=merge-use-line-min", str(WORK)]
-    subprocess.run(command, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
-    lines: dict[str, dict[tuple[str, int], bool]] = defaultdict(dict)
-    for file in json.loads(report.read_text())["files"]:
-        room = Path(file["file"]).parent.name
-        for line in file["lines"]:
-            key = (file["file"], line["line_number"])
-            lines[room][key] = lines[room].get(key, False) or line["count"] > 0
+    lines: dict[str, dict[tuple[Path, int], bool]] = defaultdict(dict)
+    for counters in WORK.rglob("*.gcda"):
+        command = ["gcov", "--json-format", "--stdout", counters]
+        found = subprocess.run(command, check=True, cwd=ROOT, capture_output=True, text=True)
+        for report in map(json.loads, filter(None, found.stdout.splitlines())):
+            place = Path(report["current_working_directory"])
+            for source in report["files"]:
+                path = (place / source["file"]).resolve()
+                if not path.is_relative_to(ROOT / "include"):
+                    continue
+                room = lines[path.parent.name]
+                for line in source["lines"]:  # a template has one for each kind
+                    key = (path, line["line_number"])
+                    room[key] = room.get(key, False) or line["count"] > 0
     return _totals("C++", {room: (len(x), sum(x.values())) for room, x in lines.items()})
 
 
