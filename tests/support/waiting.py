@@ -13,10 +13,11 @@ def wait_until(predicate: Callable[[], object], timeout_s: float = 60.0) -> None
 
     The time is long because it only matters to a test that fails: a busy machine is slow.
     """
-    deadline = time.monotonic() + timeout_s
+    deadline, pause_s = time.monotonic() + timeout_s, 0.001
     while not predicate():
         assert time.monotonic() < deadline, f"not within {timeout_s:g} s"
-        time.sleep(0.002)
+        pause_s = min(2 * pause_s, 0.016)  # a long wait looks less often
+        time.sleep(pause_s)
 
 
 @contextlib.contextmanager

@@ -53,6 +53,8 @@ def offscreen(model: Any, size: tuple[int, int]) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the error contains the same information
+            # The buffer is as large as the image: a larger one takes longer to make.
+            model.vis.global_.offwidth, model.vis.global_.offheight = size
             return mujoco().Renderer(model, height=size[1], width=size[0])
     except Exception as error:  # graphics libraries raise errors of many types
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -23,10 +23,11 @@ _KEEP = 1  # disposal method: leave the frame on the screen
 def palette(plain: Sequence[str], samples: Sequence[Image.Image]) -> Image.Image:
     """A palette with the plain colours ("#RRGGBB") exactly, and further colours of the samples."""
     exact = [tuple(bytes.fromhex(colour[1:])) for colour in plain]
-    sheet = Image.new("RGB", (samples[0].width, sum(s.height for s in samples)))
-    for k, sample in enumerate(samples):
-        sheet.paste(sample, (0, k * sample.height))
-    sampled = sheet.quantize(_BLENDS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    # Every other row and column shows the same mixtures, in a quarter of the time.
+    sheet = np.concatenate([np.asarray(sample)[::2, ::2] for sample in samples])
+    sampled = Image.fromarray(sheet).quantize(
+        _BLENDS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE
+    )
     values = (sampled.getpalette() or [])[: 3 * _BLENDS]
     blends = list(zip(values[::3], values[1::3], values[2::3], strict=True))
 

@@ -77,7 +77,6 @@ def carry(
     folder = None if is_picture else out
     _check_options(animation, video, view, world, folder)
     chosen = load(scene, overrides)
-    earlier = _earlier(folder)
     entry = controller_of(controller, unproved=unproved, quiet=as_json)
     prepared = prepare(chosen, entry, world)
     check_precision(prepared.world, precision)
@@ -85,6 +84,7 @@ def carry(
     forked = [_fork(text) for text in forks or ()]
     if video and folder is not None:
         _check_video(folder)
+    earlier = _earlier(folder)
     early_warnings = warnings_before(chosen, prepared.controller)
     limits = () if prepared.controller.team == "none" else self_check(chosen)
     budget = None
