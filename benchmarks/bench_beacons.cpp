@@ -62,9 +62,7 @@ class SparingRobot {
  private:
   int beacon() const { return robot_.clock().times.beacon; }
   int interval() const {
-    using S = SharedSign::State;
-    constexpr EnumSet<S> quiet = {S::rest_steep, S::rest_shallow, S::alone_centred, S::alone_watch};
-    if (quiet.has(robot_.state())) return rule_.quiet;
+    if (SharedSign::quiet.has(robot_.state())) return rule_.quiet;
     return robot_.clock().age >= rule_.old ? beacon() : rule_.busy;
   }
 

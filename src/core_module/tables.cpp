@@ -108,7 +108,7 @@ nb::dict described(const Spec& spec) {
     d["lease_s"] = times.lease * spec.period;
     // The bounds of a table that does without Table::seconds are in control/resilient_timing.hpp.
     if constexpr (Table::mail == Mail::beacons && requires { &Table::seconds; }) {
-      d["shortest_lease_s"] = shortest_table_lease(spec);
+      d["shortest_lease_s"] = shortest_table_lease<Table>(spec);
     }
   }
   d["limits_s"] = limits;

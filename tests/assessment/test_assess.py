@@ -85,9 +85,9 @@ def test_angles_that_cost_carries_are_found_and_judged_on_other_seeds() -> None:
 
 def test_turn_is_tried_in_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("palmbots.assessment.assess.CURVE_CARRIES", 1)
-    found = pb.assess(turn_radius_m=1.0, overrides={"task.distance_m": 0.2})
+    found = pb.assess(turn_radius_m=1.0, turn_angle_deg=45, overrides={"task.distance_m": 0.2})
     assert found.curve is not None and found.curve.counts is not None
-    assert found.curve.changes["task.distance_m"] == 2.03  # the whole turn
+    assert found.curve.changes["task.distance_m"] == 1.24  # the whole turn
     assert found.answers.curve.verdict == "likely"
     # Every command that the page names has these options.
     for name in QUESTIONS:

@@ -36,8 +36,8 @@ def test_times_in_the_default_scene() -> None:
     """A turn with its notice is as long as a palm turns, 10° at 50°/s; the notice is as long as a
     message takes until it is acted on, 0.05 s and a tick; a push as a correction takes from the end
     of a palm, 75 mm at 3 cm/s, of which the other times are parts or multiples; the lease leaves
-    room for four lost beacons. At the start the follower crosses the zero zone of 10 mm at 6 cm/s,
-    0.06 s late because it accelerates at 0.5 m/s²."""
+    room for three beacons, lost or spared. At the start the follower crosses the zero zone of 10 mm
+    at 6 cm/s, 0.06 s late because it accelerates at 0.5 m/s²."""
     alone = {"push": 2.5, "rest": pytest.approx(0.32), "patience": 0.25, "back": 0.75}
     assert table_of("silent", to_spec(Scene()))["limits_s"] == alone | {
         "wait": 2.0,
@@ -50,8 +50,8 @@ def test_times_in_the_default_scene() -> None:
         "watch": 2.0,
         "wait": 10.0,
     }
-    assert table["shortest_lease_s"] == pytest.approx(2 * (0.05 + 0.05 + 0.01))
-    assert table["lease_s"] == pytest.approx(0.22 + 3 * 0.05)
+    assert table["shortest_lease_s"] == pytest.approx(2 * (0.05 + 2 * 0.05 + 0.01))
+    assert table["lease_s"] == pytest.approx(2 * (0.05 + 0.05 + 0.01) + 3 * 0.05)
     assert _core.transition_table("centralized", to_spec(Scene())) is None
     late = table_of("shared-sign", to_spec(load_scene({"radio": {"latency_s": 0.2}})))
     assert (late["limits_s"]["turn"], late["limits_s"]["notice"]) == (0.21, 0.21)
@@ -152,8 +152,11 @@ def test_wrong_rules_would_be_noticed() -> None:
 
 
 def test_brake_costs_little_time() -> None:
-    """At most 3 % at 3 cm/s and none at 1 cm/s, in the mean over the same seeds."""
-    for noise, most in ((0.03, 1.03), (0.01, 1.0005)):
+    """3.2 % at 3 cm/s and 2.2 % at 1 cm/s, in the mean over the same seeds. A leader that hears
+    nothing keeps its palm steep, so that it feels whether its partner stands. While robots that
+    spared beacons do not hear each other yet, one of them corrects alone, and that takes longer.
+    """
+    for noise, most in ((0.03, 1.035), (0.01, 1.025)):
         with_brake, without = (
             lot("shared-sign", 400, **{"robot.noise_m_s": noise, "control.brake": brake})
             for brake in (True, False)

@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lease of `shared-sign`: the warning for a short one agrees with what the carries do.
+"""The lease of `shared-sign`: the warning for a short one agrees with what its robots do, and how
+soon robots that spared beacons hear each other again.
 
-The oracle is the carry itself. Where the lease is long enough, its length changes nothing as long
-as no message is lost. Where no beacon can be answered within it, the robots carry as `silent` does.
+The oracle is two shipped robots with a radio that loses nothing, and the carry itself: where no
+beacon can be answered within the lease, the robots carry as `silent` does.
 """
 
+import random
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 import palmbots as pb
+import palmbots._core as _core
 from palmbots.control.dead_band import warnings_before
 from palmbots.control.registry import shipped_names
+from palmbots.scene.spec import to_spec
 
 TICK_S = 0.01
 RADIOS: list[dict[str, float]] = [
@@ -37,16 +42,61 @@ def is_warned_of(keys: dict[str, float], lease_s: float) -> bool:
     return len(lines) == 1
 
 
+def talk(keys: dict[str, float], seed: int, centred: bool, ticks: int = 2000) -> Iterator[bool]:
+    """Two robots whose contacts wander, `centred` or with one always off centre. For each tick
+    after the first two seconds: whether one of them hears nothing while a contact is off centre."""
+    scene = pb.load_scene("paper", keys)
+    chance = random.Random(seed)
+    robots = [_core.table_robot("shared-sign", to_spec(scene), leads) for leads in (False, True)]
+    heard = [(-1, 0, -60000)] * 2  # of the newest message: when sent, which, and what it echoes
+    under_way: list[list[tuple[int, tuple[int, int, int]]]] = [[], []]
+    signs = [0 if centred else 1, 0]
+    for now in range(ticks):
+        for side in (0, 1):
+            if chance.random() < (0.02 if signs[side] == 0 else 0.05):
+                signs[side] = chance.choice((-1, 1) if side == 0 and not centred else (-1, 0, 0, 1))
+            arrived = [m for at, m in under_way[side] if at <= now]
+            under_way[side] = [(at, m) for at, m in under_way[side] if at > now]
+            number = age = 0
+            if arrived and max(arrived) > heard[side]:
+                heard[side] = max(arrived)
+                number, age = heard[side][1], min(now - heard[side][2], 60000)
+            _, _, _, message, sends = robots[side].step(signs[side], True, number, age)
+            if sends:
+                late_s = scene.radio.latency_s + chance.random() * scene.radio.jitter_s
+                said = (now, int(_core.MessageKind[message]), heard[side][0])
+                under_way[1 - side].append((now + max(1, -int(-late_s // TICK_S)), said))
+        if now * TICK_S > 2:
+            yield any(signs) and any(robot.state.startswith("alone") for robot in robots)
+
+
 @pytest.mark.parametrize("keys", RADIOS, ids=str)
 def test_warning_is_given_below_the_round_trip_of_two_beacons(keys: dict[str, float]) -> None:
-    """There and back, a sign travels, waits for the next beacon, and for the next period."""
+    """There and back, a sign travels, waits for the next beacon, which may be the second one, and
+    for the next period. Robots that correct then hear each other without a gap, but not with much
+    less."""
     radio = pb.load_scene("paper", keys).radio
     travel_s = max(TICK_S, radio.latency_s + radio.jitter_s)
-    round_trip_s = 2 * (travel_s + radio.beacon_s + TICK_S)
+    round_trip_s = 2 * (travel_s + 2 * radio.beacon_s + TICK_S)
     assert is_warned_of(keys, round_trip_s - TICK_S)
     assert not is_warned_of(keys, round_trip_s)
-    assert contacts("shared-sign", keys, round_trip_s) == contacts("shared-sign", keys)
-    assert contacts("shared-sign", keys, 2 * round_trip_s) == contacts("shared-sign", keys)
+    lost = {
+        lease_s: any(
+            any(talk(keys | {"radio.lease_s": lease_s}, seed, centred=False)) for seed in range(4)
+        )
+        for lease_s in (round_trip_s, 2 * round_trip_s, 0.7 * round_trip_s)
+    }
+    assert list(lost.values()) == [False, False, True]
+
+
+def test_robots_that_spared_beacons_hear_each_other_within_three_cycles() -> None:
+    """Of 0.1 s, in the default scene, as the model checker assumes (HUSH in verify/runs.toml)."""
+    longest = run = 0
+    for seed in range(8):
+        for is_apart in talk({}, seed, centred=True):
+            run = run + 1 if is_apart else 0
+            longest = max(longest, run)
+    assert 0.15 < longest * TICK_S <= 0.3
 
 
 @pytest.mark.parametrize("keys", RADIOS, ids=str)
@@ -70,7 +120,7 @@ def test_between_the_two_the_lease_changes_the_carry() -> None:
 def test_warning_names_key_values_and_remedy() -> None:
     scene = pb.load_scene("paper", {"radio.lease_s": 0.05})
     (line,) = warnings_before(scene, "shared-sign")
-    assert line.startswith(f"radio.lease_s: 0.05 s {WORDS}, 0.22 s: ")
+    assert line.startswith(f"radio.lease_s: 0.05 s {WORDS}, 0.32 s: ")
     assert line.endswith("shared-sign works like silent meanwhile (raise it, or lower "
                          "radio.latency_s or radio.beacon_s)")  # fmt: skip
     assert "\n" not in line

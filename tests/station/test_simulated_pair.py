@@ -145,6 +145,40 @@ def test_a_lost_partner_ends_the_carry_if_the_pair_says_so(lost: Any, tmp_path: 
     assert pair.robots[lost].mode == "fault"  # it has heard that the other does not carry
 
 
+@pytest.mark.parametrize(
+    ("values", "least", "most", "lease_s"),
+    [({}, 300, 500, 0.5), (UP, 5, 40, 4.5)],
+    ids=["stop", "controller"],
+)
+def test_robots_that_spare_beacons_are_lost_only_when_they_are_not_heard(
+    values: dict[str, object], least: int, most: int, lease_s: float, tmp_path: Path
+) -> None:
+    """They spare none where silence ends the carry: `least` to `most` packets pass in 9 s."""
+    keys = {"task.distance_m": 1.0, "robot.noise_m_s": 0.0}
+    pair = SimulatedPair(tmp_path, "shared-sign", Air(), values, keys)
+    pair.start()
+    pair.run(20)
+    packets: list[str] = []
+    send = pair.air.send
+
+    def count(sender: str, receiver: str, data: bytes) -> None:
+        packets.append(f"{sender} {receiver}")
+        send(sender, receiver, data)
+
+    pair.air.send = count  # ty: ignore[invalid-assignment]
+    for _ in range(900):
+        pair.run(1)
+        assert {status.fault for status in pair.station.status.values()} == {"none"}
+        assert all(mode in CARRYING for mode in pair.modes())
+    assert least <= sum("station" not in ends for ends in packets) <= most
+    pair.air.cut(("right", "left"), ("left", "right"))
+    silent = 0
+    while pair.station.status["left"].fault != "partner_lost":
+        pair.run(1)
+        silent += 1
+        assert silent * pair.period_s <= lease_s + 0.2
+
+
 def test_robots_with_other_settings_are_not_armed(tmp_path: Path) -> None:
     pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     pair.boot("right", pb.load_scene(pair.scene, {"task.distance_m": 0.4}))

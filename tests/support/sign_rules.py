@@ -58,6 +58,7 @@ class SignRobot:
     ) -> tuple[str, str, bool, tuple[int, str], bool]:
         """One tick: (palm, move, stop, own message, whether it is sent)."""
         self.now += 1
+        answers = news is not None and self.now - self.heard_at > self.clock.lease
         if news is not None and self.shares:
             self.partner_sign, self.partner_palm = news
             self.heard_at = self.now - age
@@ -72,13 +73,20 @@ class SignRobot:
         names = self.tie is not None and self.leads
         says = other(self.palm) if self.ending else self.palm
         message = (sign, says if names else "shallow" if sign < 0 else "steep")
-        due = self.shares and (
-            message != self.message or self.now - self.said_at >= self.clock.beacon
-        )
+        interval = self.clock.beacon if answers else self._interval(sign)
+        due = self.shares and (message != self.message or self.now - self.said_at >= interval)
         if due:
             self.said_at = self.now
         self.message = message
         return self.palm, move, stop, message, due
+
+    def _interval(self, sign: int) -> int:
+        """The time between two beacons."""
+        partner_is_off = self.phase is None and self.partner_sign != 0
+        if sign == 0 and self.phase != "wait" and not partner_is_off:
+            return max(self.clock.watch, self.clock.beacon)
+        is_young = 4 * (self.now - self.heard_at) < 3 * self.clock.lease
+        return 2 * self.clock.beacon if is_young else self.clock.beacon
 
     def _alone(self, sign: int) -> tuple[str, bool]:
         phase = self._next_phase(sign)

@@ -175,6 +175,10 @@ deed robot_step(int side, int sign, int choice) {
 
 void robot_skip(int side) { say(side); }
 
+int is_quiet(int side) {
+  return talks && SharedSign::quiet.has(static_cast<SharedSign::State>(pair.mind[side].state));
+}
+
 char robot_case(int side) { return output_of(side).name; }
 
 const char* robot_doing(int side) {

@@ -61,6 +61,8 @@ int choices(int side, int delay, int quiet);
 struct deed robot_step(int side, int sign, int choice);
 /* A robot that makes no step in a cycle; its message stays the same. */
 void robot_skip(int side);
+/* Whether a robot of shared-sign sends hardly any beacons in its state. */
+int is_quiet(int side);
 
 #ifdef __cplusplus
 }

@@ -70,6 +70,8 @@ byte FEELS; /* 1: while a robot is off, the contact of the other one slides wher
             /* and the left robot does not reboot while a property says otherwise */
 byte KEPT;  /* until the radio is calm, no contact goes farther off the zone; 0: it may */
 byte WITHIN; /* see ARRIVE */
+byte HUSH;  /* cycles for which robots that were both quiet may still hear nothing when the radio is calm: */
+            /* one of them speaks, the other one answers, and is answered */
 byte NEAR;  /* cells by which a contact at its goal may be off the zone */
 bool CALMS; /* whether faults come to an end */
 
@@ -82,6 +84,7 @@ byte reboots;   /* that may still happen */
 byte bumps;     /* shifts of a contact by a cell that may still happen */
 bool calm;      /* no fault will come any more */
 bool goal;      /* both contacts at 0, or NEAR it */
+byte hush;      /* see HUSH */
 byte since;     /* cycles since the radio is calm, see ARRIVE */
 byte wheels[2]; /* what each robot commands its wheels */
 byte rolls[2];  /* and what they do */
@@ -124,7 +127,7 @@ inline step()
        }
   :: down[who] == 0 ->
        d_step {
-         c_code { now.options = choices(now.who, now.calm ? now.DELAY : now.LEASE, !now.calm); };
+         c_code { now.options = choices(now.who, now.calm ? now.DELAY : now.LEASE, !now.calm || now.hush > 0); };
          if
          :: !calm && ((links[who] == 0 && !linked) || lone[who] > LEASE) -> options = 1
          :: else
@@ -247,6 +250,8 @@ inline check()
     int side;
     for (side = 0; side < 2; ++side)
       now.lone[side] = pair.message[side] != 0 && pair.message[1 - side] == 0 ? now.lone[side] + 1 : 0;
+    if (now.hush > 0) --now.hush;
+    if (now.calm && is_quiet(LEFT) && is_quiet(RIGHT)) now.hush = now.HUSH;
   };
   opposed = (rate(LEFT) * rate(RIGHT) < 0 && both_hear && (ARMED & FIGHT) -> opposed + 1 : 0);
   claim(FIGHT, opposed <= OPPOSED);
@@ -293,6 +298,7 @@ active proctype cycle()
       now.begun = !now.TOUCH;
       now.KEPT = parameter("KEPT");
       now.WITHIN = parameter("WITHIN");
+      now.HUSH = parameter("HUSH");
       now.NEAR = parameter("NEAR");
       now.CALMS = parameter("CALMS");
       now.links[LEFT] = now.LINKS;

@@ -38,6 +38,7 @@ class BitslicedTableTeam {
   using Messages = BitslicedMessage<message_bits>;
   using Content = BitslicedMessage<content_bits>;
   using Time = BitslicedCount<12>;
+  using Beacons = TableBeacons<Table>;
 
   static constexpr bool stops(const TableOutput& output) {
     return output.command.stop || output.brakes;
@@ -60,7 +61,8 @@ class BitslicedTableTeam {
           if (limit > BitslicedCounter::most) return false;
         }
       }
-      if (is_beacons && std::max(std::uint32_t{t.beacon}, t.lease + 1U) > BitslicedCounter::most) {
+      if (is_beacons &&
+          (t.lease + 1U > BitslicedCounter::most || Beacons::longest(t) > Time::most)) {
         return false;
       }
     } else if (team.faults().any()) {
@@ -76,6 +78,11 @@ class BitslicedTableTeam {
       const auto& t = team.robot(left).clock().times;
       for (std::size_t k = 0; k < Table::limits; ++k) limits_[k].assign(here, t.limits[k]);
       beacon_.assign(here, t.beacon);
+      if constexpr (Beacons::spares) {
+        quiet_.assign(here, Beacons::quiet(t));
+        sparing_.assign(here, Beacons::sparing(t));
+        old_.assign(here, Beacons::old(t));
+      }
       stale_.assign(here, t.lease + 1U);
       if constexpr (has_memory) {
         const auto own = Memory::limits(t);
@@ -192,7 +199,7 @@ class BitslicedTableTeam {
       says_.erase(whose);
       says_.insert(whose, messages());
       age_.assign(whose, BitslicedCounter::most);
-      since_sent_.assign(whose, BitslicedCounter::most);
+      since_sent_.assign(whose, Time::most);
       mail_.boot(whose);
     }
   }
@@ -218,7 +225,9 @@ class BitslicedTableTeam {
     } else if constexpr (is_beacons) {
       age_.increment();
       since_sent_.increment();
+      const RobotMask silent = age_.at_least(stale_);
       const RobotMask news = mail_.hear(tick, run, newest_, age_, stale_);
+      answers_ = news & silent;
       if constexpr (has_memory) own_.hear(news, newest_.bit[rests_bit], newest_.bit[ready_bit]);
       const RobotMask silence = heard.message[0] = age_.at_least(stale_);
       for (std::size_t k = 1; k < Known::count; ++k) {
@@ -237,7 +246,7 @@ class BitslicedTableTeam {
     if constexpr (has_memory)
       centred = robots_.in(Table::idle) & ~(sensed.positive | sensed.negative);
     const auto own = own_.finish(run, robots_, centred, age_, fresh, own_limits_);
-    const RobotMask send = (says_.differ(said) | own.is_news | since_sent_.at_least(beacon_)) & run;
+    const RobotMask send = (says_.differ(said) | own.is_news | repeats()) & run;
     since_sent_.assign(send, 0);
     Content content;
     content.insert(~RobotMask{}, says_);
@@ -246,6 +255,18 @@ class BitslicedTableTeam {
       content.bit[ready_bit] = own.ready;
     }
     mail_.post(tick, send, lost.from_robot, content);
+  }
+
+  // The robots that repeat their message (TableBeacons).
+  [[gnu::always_inline]] RobotMask repeats() const {
+    const RobotMask beacon = since_sent_.at_least(beacon_);
+    if constexpr (Beacons::spares) {
+      const RobotMask quiet = robots_.where([](State state) { return Table::quiet.has(state); });
+      const RobotMask busy = since_sent_.at_least(sparing_) | (beacon & age_.at_least(old_));
+      return (since_sent_.at_least(quiet_) & quiet) | (busy & ~quiet) | (beacon & answers_);
+    } else {
+      return beacon;
+    }
   }
 
   // The messages that the robots say in their states.
@@ -271,9 +292,13 @@ class BitslicedTableTeam {
   Content newest_;  // the partner's newest beacon
   Messages says_;   // its own message
   BitslicedCounter age_;
-  BitslicedCounter since_sent_;
-  BitslicedCounter beacon_;  // the beacon period
-  BitslicedCounter stale_;   // the smallest age at which a message is too old
+  RobotMask answers_{};  // they have heard something after silence
+  Time since_sent_;
+  Time beacon_;  // the beacon period
+  Time quiet_;   // as in TableBeacons
+  Time sparing_;
+  BitslicedCounter old_;
+  BitslicedCounter stale_;  // the smallest age at which a message is too old
   std::conditional_t<is_queue, BitslicedQueue<message_bits>, BitslicedBeacons<content_bits>> mail_;
 
   BitslicedCommand commands_;

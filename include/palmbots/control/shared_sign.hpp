@@ -199,6 +199,9 @@ struct SharedSign {
   using P = ContactCondition;
   using Set = EnumSet<State>;
   static constexpr Set any = Set::all();
+  // Silence changes nothing for a robot whose contact is centred while its partner's is.
+  static constexpr Set quiet = {S::rest_steep, S::rest_shallow, S::alone_centred, S::alone_watch};
+  static constexpr std::int8_t quiet_limit = watch;
   static constexpr Set backed = {S::alone_inward_back, S::alone_wait};
   static constexpr Set together = [] {
     Set before;  // the states in which the partner is heard come first

@@ -23,13 +23,17 @@
 //   idle                            … the state of a robot that neither corrects nor assists
 //   assisting, initial_assisting    optional: the states that a robot stores, and its state after a
 //                                   boot if it was in one of them
+//   quiet, quiet_limit              optional, with beacons: the states in which a robot does the same
+//                                   whether or not it hears its partner, and the number of the time
+//                                   limit for which it may be silent then. Such a table spares beacons
 //
 // MAIL. With *beacons* a robot has one message in each state. It is sent at once when it changes, and
 // repeated in every beacon period. A robot acts on its partner's newest message while that message
 // is at most `lease` old (control/beacon.hpp bounds its age). When the lease has expired, it hears
-// silence. With a *queue* a row may send a message, once. The message waits at the partner until a
-// row of the partner reads it. A robot hears the oldest message that it has not read. A row that
-// names what it hears reads that message.
+// silence. A table that names its `quiet` states needs fewer beacons (TableBeacons). With a *queue* a
+// row may send a message, once. The message waits at the partner until a row of the partner reads it.
+// A robot hears the oldest message that it has not read. A row that names what it hears reads that
+// message.
 #pragma once
 
 #include <array>
@@ -151,6 +155,37 @@ struct TableTimes {
   std::uint16_t beacon;
   std::uint16_t lease;
   std::array<std::uint16_t, Table::limits> limits;
+};
+
+// When a robot repeats its message: one time for each table, and one that depends on the state if the
+// table spares beacons. In a quiet state the robot then leaves its partner to its own sign for as long
+// as the limit says. In the others it sends every second beacon while its partner's message is
+// young. An old one shows that beacons are lost. And a robot that had heard nothing answers at
+// once, because its partner may be waiting to be heard, too. All this only leaves out beacons, so what
+// holds where any of them may be lost holds here (docs/theory/verification.md).
+template <class Table>
+struct TableBeacons {
+  static constexpr bool spares = requires { Table::quiet; };
+
+  // The age from which a message counts as old.
+  static constexpr std::uint16_t old(const TableTimes<Table>& times) {
+    return static_cast<std::uint16_t>((3 * times.lease + 3) / 4);
+  }
+  static constexpr std::uint16_t quiet(const TableTimes<Table>& times) {
+    if constexpr (spares) {
+      const std::uint16_t limit = times.limits[static_cast<std::size_t>(Table::quiet_limit)];
+      if (limit > times.beacon) return limit;
+    }
+    return times.beacon;
+  }
+  static constexpr std::uint16_t sparing(const TableTimes<Table>& times) {
+    constexpr int most = 0xFFFE;
+    const int every = (spares ? 2 : 1) * times.beacon;
+    return static_cast<std::uint16_t>(every < most ? every : most);
+  }
+  static constexpr std::uint16_t longest(const TableTimes<Table>& times) {
+    return quiet(times) > sparing(times) ? quiet(times) : sparing(times);
+  }
 };
 
 // The values of the conditions `If` of a row.

@@ -113,6 +113,8 @@ struct TableRole {
 // What a robot with time limits or beacons remembers besides its state.
 template <class Table>
 struct TableClock {
+  using Beacons = TableBeacons<Table>;
+
   TableTimes<Table> times;
   TableRole role;
   MessageKind message = MessageKind::none;  // the partner's newest
@@ -122,11 +124,14 @@ struct TableClock {
   TableMemory<Table, bool, std::uint16_t> own{};
 
   constexpr TableClock(const TableTimes<Table>& its_times, const TableRole& its_role)
-      : times(its_times), role(its_role), age(stale()), since_sent(times.beacon) {
+      : times(its_times), role(its_role), age(stale()), since_sent(most_since_sent()) {
     own.boot(true, own_limits());
   }
 
   constexpr std::uint16_t stale() const { return static_cast<std::uint16_t>(times.lease + 1); }
+  constexpr std::uint16_t most_since_sent() const {
+    return Beacons::spares ? std::uint16_t{0xFFFE} : times.beacon;
+  }
   constexpr bool silence() const { return age >= stale(); }
   constexpr MessageKind heard() const { return silence() ? MessageKind::none : message; }
   constexpr auto own_limits() const {
@@ -136,7 +141,7 @@ struct TableClock {
   constexpr void pass(std::uint16_t elapsed, std::uint16_t limit) {
     advance(age, elapsed, stale());
     advance(since_entered, elapsed, limit);
-    advance(since_sent, elapsed, times.beacon);
+    advance(since_sent, elapsed, most_since_sent());
     own.pass(elapsed, own_limits());
   }
   constexpr void hear(const RobotInput& in) {
@@ -157,6 +162,7 @@ class TableRobot {
   using StateOutput = TableOutput;
   using Times = TableTimes<Table>;  // each is below 65535
   using Role = TableRole;
+  using Beacons = TableBeacons<Table>;
   static_assert(is_sound<Table>());
   static constexpr Mail mail = Table::mail;
   static constexpr int states = Table::states;
@@ -186,8 +192,12 @@ class TableRobot {
   constexpr TableRobot booted() const { return booted(assists()); }
 
   RobotOutput step(const RobotInput& in) {
+    bool answers = false;  // it has heard something after silence
     if constexpr (has_clock) {
       clock_.pass(in.elapsed, limit());
+      if constexpr (Beacons::spares) {
+        answers = in.message != MessageKind::none && clock_.silence();
+      }
       clock_.hear(in);
     }
     const State before = state_;
@@ -200,7 +210,7 @@ class TableRobot {
       out.send = out.message != MessageKind::none;
       out.read = in.message != MessageKind::none && row_masks.reads(row);
     }
-    if constexpr (has_clock) finish(in, before, out);
+    if constexpr (has_clock) finish(in, before, answers, out);
     return out;
   }
 
@@ -222,8 +232,9 @@ class TableRobot {
     if constexpr (has_clock) {
       const TableClock<Table>& clock = next.clock_;
       if constexpr (mail == Mail::beacons) {
-        until(clock.since_sent, clock.times.beacon);
+        until(clock.since_sent, next.interval());
         until(clock.age, clock.stale());
+        if constexpr (Beacons::spares) until(clock.age, Beacons::old(clock.times));
       }
       until(clock.since_entered, next.limit());
       clock.own.until(palm_at_target, clock.own_limits(), until);
@@ -305,6 +316,26 @@ class TableRobot {
   {
     return now().limit < 0 ? 0 : clock_.times.limits[static_cast<std::size_t>(now().limit)];
   }
+  // The time after which it repeats its message [ticks].
+  constexpr std::uint16_t interval() const
+    requires has_clock
+  {
+    const Times& times = clock_.times;
+    if constexpr (Beacons::spares) {
+      if (Table::quiet.has(state_)) return Beacons::quiet(times);
+      if (clock_.age < Beacons::old(times)) return Beacons::sparing(times);
+    }
+    return times.beacon;
+  }
+  constexpr bool is_due(bool answers) const
+    requires has_clock
+  {
+    const bool beacon = clock_.since_sent >= clock_.times.beacon;
+    if constexpr (Beacons::spares) {
+      return beacon && (answers || clock_.since_sent >= interval());
+    }
+    return beacon;
+  }
   constexpr MessageKind heard(const RobotInput& in) const {
     if constexpr (mail == Mail::queue) {
       return in.message;
@@ -326,7 +357,7 @@ class TableRobot {
     }
     return met;
   }
-  constexpr void finish(const RobotInput& in, State before, RobotOutput& out) {
+  constexpr void finish(const RobotInput& in, State before, bool answers, RobotOutput& out) {
     if (state_ != before) clock_.since_entered = 0;
     if constexpr (brakes) {
       if (now().brakes && clock_.role.may_stop) {
@@ -339,7 +370,7 @@ class TableRobot {
                                           clock_.own_limits());
       out.message = now().message;
       out.send = out.message != outputs[static_cast<int>(before)].message || done.is_news ||
-                 clock_.since_sent >= clock_.times.beacon;
+                 is_due(answers);
       if (out.send) clock_.since_sent = 0;
       out.ready = done.ready;
       out.assists = assists();

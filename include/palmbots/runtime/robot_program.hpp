@@ -8,6 +8,9 @@
 //   hear(decoded)      a packet that arrived, with its verdict; returns how it was taken
 //   step(observation)  → Decision: one tick
 //   name(), awaits(), waits()   the case, and what it waits for, for logs
+//   silence()          how long it may say nothing to its partner by its own rules [ticks]; 0: it
+//                      repeats what it says
+//   repeats            whether what it said may be said again at any time
 //   answers_with_hello whether a packet of the partner without a session is answered by a hello
 //   greets             whether a hello opens a session before a carry in lockstep, and with_station
 //                      whether that is with the station
@@ -60,6 +63,7 @@ class PartnerProgram {
  public:
   // Robots that send beacons send each other nothing else.
   static constexpr bool answers_with_hello = mail == Mail::queue;
+  static constexpr bool repeats = mail == Mail::beacons;
   static constexpr bool greets = mail == Mail::queue;
   static constexpr bool with_station = false;
 
@@ -92,7 +96,7 @@ class PartnerProgram {
     const RobotOutput out = program_.step(seen.sign, seen.palm_at_target);
     Decision decision{out.command, out.send};
     decision.assists = out.assists;
-    if (out.send) {
+    if (out.send || repeats) {
       decision.state.language = language;
       decision.state.message = decision.message = out.message;
       decision.state.ready = out.ready;
@@ -104,6 +108,12 @@ class PartnerProgram {
   char name() const { return controller().name(); }
   bool waits() const { return controller().waits(); }
   MessageKind awaits() const { return controller().awaits(); }
+  std::uint32_t silence() const {
+    if constexpr (requires { requires Controller::Beacons::spares; }) {
+      return Controller::Beacons::longest(controller().clock().times);
+    }
+    return 0;
+  }
   const Controller& controller() const { return program_.controller(); }
 
  private:
@@ -127,6 +137,7 @@ class PartnerProgram {
 class ReportProgram {
  public:
   static constexpr bool answers_with_hello = false;  // reports answer
+  static constexpr bool repeats = false;
   static constexpr bool greets = true;
   static constexpr bool with_station = true;
 
@@ -156,6 +167,7 @@ class ReportProgram {
   static constexpr char name() { return ' '; }  // the station knows the case
   static constexpr bool waits() { return false; }
   static constexpr MessageKind awaits() { return MessageKind::none; }
+  static constexpr std::uint32_t silence() { return 0; }
 
  private:
   Command command_{Palm::steep, Move::hold};

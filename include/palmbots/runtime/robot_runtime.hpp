@@ -11,8 +11,9 @@
 // TO THE PARTNER a robot sends the messages of the controller. While the controller does not run,
 // or says nothing, it sends a state without a message at intervals, and sometimes a hello with the
 // number of the settings. Robots whose controllers send beacons send each other nothing else while
-// these controllers run. TO THE STATION a robot sends its status, in which a few numbers take
-// turns.
+// these controllers run. They repeat the newest one at the same intervals, also where the controller
+// spares it, as long as the partner may wait for it: to start, or because silence ends its carry. TO
+// THE STATION a robot sends its status, in which a few numbers take turns.
 #pragma once
 
 #include <array>
@@ -178,11 +179,19 @@ class RobotRuntime {
   // The age of what was sent, or arrived, in that tick; `never` for nothing.
   std::uint32_t age(std::uint32_t tick) const { return tick == never ? never : tick_ - tick; }
 
-  // In this carry the partner has not been heard for longer than the lease.
+  // The partner does not wait for what this robot may leave out.
+  bool may_spare() const {
+    const bool carries =
+        partner_mode_ == wire::RobotMode::carrying || partner_mode_ == wire::RobotMode::holding;
+    return carries && settings_.mode.partner_lost == PartnerLost::controller;
+  }
+
+  // In this carry the partner has not been heard for longer than the lease. A partner that spares
+  // what it says may say nothing for its time of silence, and then acknowledge what is as old.
   bool is_alone() const {
     const ModeSettings& mode = settings_.mode;
-    return mode.has_radio && age(partner_tick_) > mode.lease &&
-           machine_.memory().carried > mode.lease;
+    const std::uint32_t limit = mode.lease + (may_spare() ? 2 * program_.silence() : 0);
+    return mode.has_radio && age(partner_tick_) > limit && machine_.memory().carried > limit;
   }
 
   // What the mode machine has to know of a packet. Without a session only an e-stop counts. An order
@@ -220,8 +229,9 @@ class RobotRuntime {
     }
     // A change of the mode is news for the partner: it is sent at once.
     const bool has_changed = out.mode.mode != said_mode_;
-    const bool is_due =
-        settings_.state_period > 0 && (has_changed || since_said_ >= settings_.state_period);
+    const bool is_late = settings_.state_period > 0 && since_said_ >= settings_.state_period;
+    const bool is_due = is_late || (settings_.state_period > 0 && has_changed);
+    if (Program::repeats && runs_ && is_late && !may_spare()) said.speaks = true;
     const bool may_add = !runs_ || Program::answers_with_hello;
     const bool is_asked = unanswered_[index(partner())];
     if (!said.speaks && !(may_add && (is_due || is_asked))) return;

@@ -161,7 +161,7 @@ void warn_of_short_lease(const runtime::TableProgramMaker<Table>&, const Spec& s
                          const ControllerInfo& controller, std::vector<std::string>& lines) {
   if constexpr (Table::mail == Mail::beacons && requires { &Table::seconds; }) {
     const double lease = table_times_of<Table>(spec).lease * spec.period;
-    const double shortest = shortest_table_lease(spec);
+    const double shortest = shortest_table_lease<Table>(spec);
     if (lease > shortest - 1e-9) return;
     lines.push_back(sentence(
         "radio.lease_s: %g s is shorter than the round trip of two beacons, %g s: a robot "

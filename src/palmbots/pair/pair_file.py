@@ -120,7 +120,8 @@ class LimitsTable(Section):
     station_lost: Literal["stop", "carry-on"] = "stop"
     """What happens if the station falls silent: stop, or carry-on."""
     partner_lost: Literal["stop", "controller"] = "stop"
-    """What happens if the partner falls silent: stop, or what the controller does then."""
+    """What happens if the partner falls silent: stop, or what the controller does then. With stop,
+    robots repeat what they say all the time, also those of shared-sign."""
     station_limit_s: Limit = 1.0
     """Silence of the station after which it counts as lost. Words that arrive late are as old as
     the robot's own packet that they acknowledge."""

@@ -72,7 +72,7 @@ class RadioParameters(Section):
     """Longest time until a recorded packet is sent again."""
     beacon_s: float = key("radio.beacon_s")
     """Controllers resilient and shared-sign: time between two beacons of a robot whose state stays
-    the same."""
+    the same; shared-sign leaves out most of them."""
     lease_s: float | None = key("radio.lease_s")
     """Controllers resilient and shared-sign: longest age at which a beacon is valid. Not set:
     resilient 0.5, longer if the latency requires it, shorter if the palms and the noise leave less

@@ -136,8 +136,8 @@ void test_supported_times_and_clocks_of_the_resilient_algorithm() {
     const Channel channel = Channel::of(0.05, 0, 0, 0.01);
     return BitslicedTeam<ResilientTeam>::supports(resilient_team(times, drift, channel, 0, left));
   };
-  CHECK(goes({255, 254, {4095, 255, 254}}, {0, 0}));
-  CHECK(!goes({256, 254, {255, 255, 254}}, {0, 0}) && !goes({255, 255, {255, 255, 254}}, {0, 0}));
+  CHECK(goes({4095, 254, {4095, 255, 254}}, {0, 0}));
+  CHECK(!goes({4096, 254, {255, 255, 254}}, {0, 0}) && !goes({255, 255, {255, 255, 254}}, {0, 0}));
   CHECK(!goes({255, 254, {4096, 255, 254}}, {0, 0}));
   CHECK(!goes({255, 254, {255, 256, 254}}, {0, 0}) && !goes({255, 254, {255, 255, 255}}, {0, 0}));
   CHECK(!goes({5, 50, {70, 5, 6}}, {1e-6, 0}) && !goes({5, 50, {70, 5, 6}}, {0, -1e-6}));
