@@ -165,7 +165,7 @@ def test_robots_that_spare_beacons_are_lost_only_when_they_are_not_heard(
         packets.append(f"{sender} {receiver}")
         send(sender, receiver, data)
 
-    pair.air.send = count  # ty: ignore[invalid-assignment]
+    pair.air.send = count
     for _ in range(900):
         pair.run(1)
         assert {status.fault for status in pair.station.status.values()} == {"none"}
