@@ -47,7 +47,7 @@ def typer_function(one: Declared) -> Callable[..., int]:
     shown |= {key: (option.annotation, option.default) for key, option in written.items()}
     if one.declaration.figure:
         help = f"Write {one.declaration.figure} to this folder, or to this .png, .svg or .pdf file."
-        place = option_of("out", Option(help=help, metavar="PLACE"), "Path | None", None)
+        place = option_of("out", Option(help=help, metavar="DIR"), "Path | None", None)
         shown["out"] = place.annotation, None
     shown.setdefault("as_json", shared_option("as_json", "bool", False))
 

@@ -22,7 +22,7 @@ from palmbots.errors import PalmbotsError
     results=("palmbots.cli.carried:Carried",),
     forks=Option("--fork", metavar="TIME:SEED"),
     seeds=Option(least=1, most=10**8),
-    out=Option(metavar="PLACE"),
+    out=Option(metavar="DIR"),
     animation=Option(metavar="KIND"),
     accept_excess=Option("--allow-drift-beyond-budget"),
 )
