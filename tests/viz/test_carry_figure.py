@@ -115,7 +115,8 @@ def test_every_controller_is_drawn(controller):
     if registry.resolve(controller).is_periodic:
         for one, two in itertools.pairwise([m for m in news if m.sender == "left"]):
             assert one.kind != two.kind
-        assert 10 < len(news) < len(done.message_log) / 5
+        # shared-sign spares beacons, so that fewer of its messages are repeated.
+        assert 10 < len(news) < len(done.message_log) / (3 if controller == "shared-sign" else 5)
     else:
         assert news == list(done.message_log)
 

@@ -260,7 +260,7 @@ def on_change(trial: ChangeTrial | None, name: str) -> Answer:
     if trial.own_failures is not None:
         own = rate_text(trial.own_failures, trial.carries)
     setting = f"palmbots assess {name}{trial.settings}"
-    noise = f"at {trial.noise_factor:g} times the noise of the wheels, "
+    noise = f"at {trial.noise_factor:g} times the noise, "
     if trial.noise_factor == 1:
         noise = ""
     if not trial.is_better:
@@ -274,7 +274,7 @@ def on_change(trial: ChangeTrial | None, name: str) -> Answer:
         for key, value in trial.changes.items()
     )
     after = rate_text(trial.failures, trial.carries)
-    rates = f"{after} instead of {own} of {trial.carries:,} carries each"
+    rates = f"{after} instead of {own}"
     text = f"{changed}: {noise}{controller} fails in {rates}"
     if trial.holds and not trial.own_holds:
         text = f"{text}; then all properties hold"
