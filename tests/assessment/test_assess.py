@@ -128,6 +128,19 @@ def test_load_is_judged_where_the_contacts_get() -> None:
     assert found.answers.load.verdict == "likely" and found.load.counts.dropped == 0
 
 
+def test_what_is_held_is_that_of_robots_that_drive_the_path(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On a curve the wheels stand below the pivots, and robots tip earlier."""
+    for name in ("angles", "curve"):
+        monkeypatch.setattr(f"palmbots.assessment.assess.try_{name}", lambda *_, **__: None)
+    strong = {"mujoco.palm_torque_n_m": 10.0}
+    curved = strong | {"task.path.kind": "arc", "task.path.radius_m": 1.0}
+    limits = pb.load_limits(overrides=curved)
+    assert limits.heaviest_kg != pb.load_limits(overrides=strong).heaviest_kg
+    assert pb.assess(overrides=curved).answers.load.text.startswith(limits.sentence())
+
+
 def test_rough_friction_is_proved_and_carried_at_both_ends() -> None:
     near = {"task.distance_m": 0.3}
     found = pb.assess(friction=(0.2, 0.5), turn_radius_m=0.0, overrides=near)
@@ -140,6 +153,8 @@ def test_rough_friction_is_proved_and_carried_at_both_ends() -> None:
     masses = [one.heaviest_kg or 0.0 for one in heaviest]
     assert masses[2] < masses[1] < masses[0]  # more friction permits a harder squeeze
     assert "all with friction 0.5, the worse end" in found.answers.load.text
+    command = found.answers.load.command.split(" --set ")[1:]
+    assert command == ["palm.left.friction=0.5", "palm.right.friction=0.5"]
     certificate = pb.certify("paper", friction=(0.2, 0.5), overrides=near)
     assert certificate.verdict == found.friction.unlike
     assert pb.assess(friction=(0.02, 0.5), turn_radius_m=0.0, overrides=near).verdict == "no"

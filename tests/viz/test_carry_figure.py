@@ -113,10 +113,11 @@ def test_every_controller_is_drawn(controller):
     assert all(key.get_window_extent().x1 < figure.bbox.x1 for key in figure.legends)
     news = [m for m, new in message_news(done) if new]
     if registry.resolve(controller).is_periodic:
-        for one, two in itertools.pairwise([m for m in news if m.sender == "left"]):
-            assert one.kind != two.kind
-        # shared-sign spares beacons, so that fewer of its messages are repeated.
-        assert 10 < len(news) < len(done.message_log) / (3 if controller == "shared-sign" else 5)
+        for side in ("left", "right"):
+            said = [m.kind for m in done.message_log if m.sender == side]
+            changes = [kind for kind, _ in itertools.groupby(said)]
+            assert [m.kind for m in news if m.sender == side] == changes
+        assert 10 < len(news) < len(done.message_log)
     else:
         assert news == list(done.message_log)
 

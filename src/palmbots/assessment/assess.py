@@ -197,24 +197,24 @@ def assess(
     name = chosen.spelled
     planar = f"{name} --set task.path.kind=straight" if chosen.task.path.is_curved else name
     report = on_progress or (lambda fraction: None)
-    straight = chosen.model_copy(update={"task": chosen.task.model_copy(update={"path": Path()})})
+    straight = _straightened(chosen)
     analysis = analyze(straight)
     counts = tuple(_counted(straight))
     report(0.1)
     best = best_of(counts)
-    rough, loaded = None, straight
+    rough, loaded = None, chosen
     if friction is not None:
         rules = best.controller if best else None
         rough = try_friction(straight, friction, rules, counts[0].carries)
-        loaded = hardest_to_hold(straight, friction)
-    limits = load_limits(loaded)
+        loaded = hardest_to_hold(chosen, friction)
     angles = curve = load = change = None
     if best is not None:
         angles = try_angles(straight, best.controller, lambda done: report(0.1 + 0.1 * done))
-        load = try_load(loaded, best.controller, LOAD_CARRIES, lambda n: report(0.2 + 0.2 * n))
+        held = _straightened(loaded)
+        load = try_load(held, best.controller, LOAD_CARRIES, lambda n: report(0.2 + 0.2 * n))
     radio = tuple(_with_losses(straight, counts))
     report(0.45)
-    if best is not None or limits.refusal():
+    if best is not None or load_limits(straight).refusal():
         change = try_changes(
             straight,
             best.controller if best else RECOMMENDED,
@@ -233,7 +233,7 @@ def assess(
     report(1.0)
     answers = Answers(
         carried=on_mechanics(analysis, planar),
-        load=on_load(limits, best, load, name, rough),
+        load=on_load(load_limits(loaded), best, load, name, rough),
         drops=on_drops(counts, planar),
         controllers=on_controllers(counts, planar, straight.robot.noise_m_s),
         angles=on_angles(angles, planar),
@@ -243,6 +243,10 @@ def assess(
         change=on_change(change, planar),
     )
     return Assessment(answers, counts, angles, load, rough, radio, curve, change, chosen, analysis)
+
+
+def _straightened(scene: Scene) -> Scene:
+    return scene.model_copy(update={"task": scene.task.model_copy(update={"path": Path()})})
 
 
 def _counted(scene: Scene) -> Iterator[OutcomeCounts]:

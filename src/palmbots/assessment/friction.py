@@ -56,9 +56,15 @@ def hardest_to_hold(scene: Scene, friction: Interval) -> Scene:
     More friction permits a harder squeeze, so no friction between the ends is worse than both.
     """
     ends = [_with_friction(scene, float(end)) for end in friction]
-    return min(ends, key=lambda one: load_limits(one).heaviest_kg or math.inf)
+    heaviest = [load_limits(one).heaviest_kg for one in ends]
+    masses = [math.inf if one is None else one for one in heaviest]
+    return ends[masses.index(min(masses))]
+
+
+def friction_keys(friction: float) -> dict[str, float]:
+    """The keys that give both palms this friction, whatever else the scene says of them."""
+    return {f"palm.{side}.friction": friction for side in SIDES}
 
 
 def _with_friction(scene: Scene, friction: float) -> Scene:
-    palms = ("palm", *(f"palm.{side}" for side in SIDES))
-    return load_scene(scene, {f"{palm}.friction": friction for palm in palms})
+    return load_scene(scene, friction_keys(friction))

@@ -12,13 +12,13 @@ from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, qu
 from palmbots._util.text import format_number, millimetres
 from palmbots.assessment.angles import AngleTrial
 from palmbots.assessment.changes import ChangeTrial
-from palmbots.assessment.friction import FrictionTrial
+from palmbots.assessment.friction import FrictionTrial, friction_keys
 from palmbots.assessment.load import LoadTrial
 from palmbots.control.dead_band import overrun_m, zero_zone_m
 from palmbots.control.registry import WIDE_ZONE, describe
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits, mass_text
-from palmbots.mujoco.curve_trial import CurveTrial
+from palmbots.mujoco.curve_trial import CurveTrial, settings_of
 from palmbots.scene.scene import Scene
 from palmbots.simulation.carry_lines import usual_reason
 from palmbots.simulation.noise_limit import NOISE_KEY
@@ -114,8 +114,9 @@ def on_load(
     """Whether the robots hold the weight: by statics, and in carries of the MuJoCo world. If the
     friction is known only roughly, `limits` and `trial` are those with the worse end."""
     question, command = "Can these robots hold it?", f"palmbots load {name}"
+    friction = limits.scene.palm_of("left").friction
     if rough is not None:
-        command += f" --set palm.friction={limits.scene.palm.friction:g}"
+        command += settings_of(friction_keys(friction))
     if refusal := limits.refusal():
         return Answer(question, "no", refusal, command)
     verdict: Verdict = "yes"
@@ -140,7 +141,7 @@ def on_load(
             verdict = "no" if failed == counts.carries else "partly"
             texts += [*filter(None, [usual_reason(counts, "mujoco")]), *trial.remarks[:1]]
     if rough is not None:
-        texts.append(f"all with friction {limits.scene.palm.friction:g}, the worse end")
+        texts.append(f"all with friction {friction:g}, the worse end")
     return Answer(question, verdict, "; ".join(texts), command)
 
 

@@ -12,6 +12,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from palmbots._util.command import Option
@@ -127,7 +128,7 @@ def _then(one: Declared, arguments: dict[str, Any]) -> Iterator[Any]:
     """What to run next."""
     from palmbots._util.report import Line
 
-    if text := one.declaration.then.format(**arguments):
+    if text := one.declaration.then.format(**{k: quote(str(v)) for k, v in arguments.items()}):
         yield Line(f"next: {text}", indent=2, is_whole=True)
 
 

@@ -23,7 +23,7 @@ from palmbots.viz.style import (
     styled,
 )
 
-_BEST_LOOK: Any = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
+BEST_LOOK: Any = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
 _OWN_LOOK: Any = {
     "marker": "o",
     "ms": 6.5,
@@ -59,8 +59,8 @@ def delivery(result: Design) -> Figure:
             ylabel=axis_label("σ*", "cm/s"),
             xlim=(0, None),
         )
-        left.plot(result.steep_deg, result.shallow_deg, ls="", zorder=5, **_BEST_LOOK)
-        _mark(right, scale * result.tolerance, result.noise_limit, _BEST_LOOK, INK)
+        left.plot(result.steep_deg, result.shallow_deg, ls="", zorder=5, **BEST_LOOK)
+        _mark(right, scale * result.tolerance, result.noise_limit, BEST_LOOK, INK)
         own = result.own
         if own.angles_deg is not None:
             left.plot(own.angles_deg[1], own.angles_deg[0], ls="", zorder=5, **_OWN_LOOK)
@@ -68,7 +68,7 @@ def delivery(result: Design) -> Figure:
             _mark(right, scale * own.tolerance, own.noise_limit, _OWN_LOOK, PAPER_PAIR)
         figure.legend(
             handles=[
-                Line2D([], [], ls="", label=_best_text(result), **_BEST_LOOK),
+                Line2D([], [], ls="", label=_best_text(result), **BEST_LOOK),
                 Line2D([], [], ls="", label=_own_text(result), **_OWN_LOOK),
                 Line2D(
                     [], [], ls="", marker="s", ms=4, mfc=QUIET, mew=0,

@@ -25,14 +25,13 @@ from palmbots._util.command import Option, writes
 from palmbots.stability.angle_grid import NOISE, QUANTITIES
 from palmbots.stability.certificates.prover import write_certificate
 from palmbots.stability.design_result import Design
-from palmbots.stability.figures.delivery_figure import delivery
+from palmbots.stability.figures.delivery_figure import BEST_LOOK, delivery
 from palmbots.stability.palm_angles import PAPER_DEG
 from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import (
     BACKGROUND,
     COLOUR_MAP,
     EXCLUDED,
-    INK,
     ON_MAP,
     PAPER_PAIR,
     QUIET,
@@ -46,7 +45,6 @@ _BARRED: Any = {
     "hatch": "////",
     "linewidth": 0.0,
 }
-_BEST: Any = {"marker": "*", "ms": 13, "mfc": BACKGROUND, "mec": INK, "mew": 0.9}
 _PAPER_LOOK: Any = {
     "marker": "o",
     "ms": 6,
@@ -96,7 +94,7 @@ def palm_angles(result: Design) -> Figure:
         lines = axes.contour(steep, shallow, shown, levels, colors=colours, linewidths=0.6)
         bar.add_lines(lines)
         bar.set_ticks([0, *levels])
-        axes.plot(result.steep_deg, result.shallow_deg, ls="", zorder=5, **_BEST)
+        axes.plot(result.steep_deg, result.shallow_deg, ls="", zorder=5, **BEST_LOOK)
         axes.plot(PAPER_DEG[1], PAPER_DEG[0], ls="", zorder=5, **_PAPER_LOOK)
         rows, columns = allowed.any(axis=1), allowed.any(axis=0)
         axes.set(
@@ -128,7 +126,7 @@ def _draw_legend(figure: Figure, result: Design) -> None:
     if result.paper_tolerance is not None:
         paper = result.tolerance_text(result.paper_tolerance)
     handles = [
-        Line2D([], [], ls="", label=best, **_BEST),
+        Line2D([], [], ls="", label=best, **BEST_LOOK),
         Line2D([], [], ls="", label=f"paper, 5° and 15°: {paper}", **_PAPER_LOOK),
         Patch(
             **_BARRED,
