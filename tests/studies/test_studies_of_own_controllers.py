@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Controllers in Python as part of a study."""
 
+import contextlib
 import functools
+import socket
 import threading
 from pathlib import Path
 from typing import Any
@@ -131,7 +133,10 @@ def test_cluster_carries_controllers_in_python(tmp_path: Path) -> None:
 
     (tmp_path / "mine.py").write_text(FILE)
     plan = load_plan({**TABLE, "controllers": ["none", Local, f"{tmp_path}/mine.py:Mine"]})
-    cluster = run_study(plan, tmp_path / "cluster", local_cluster=1)
+    with contextlib.ExitStack() as held:
+        with contextlib.suppress(OSError):  # then it is in use already
+            held.enter_context(socket.create_server(("", 8787)))  # Dask's default port
+        cluster = run_study(plan, tmp_path / "cluster", local_cluster=1)
     assert cluster.hash == run_study(plan, tmp_path / "here").hash
 
 

@@ -11,7 +11,6 @@ import hashlib
 import logging
 import signal
 import sys
-import warnings
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -287,15 +286,14 @@ def _check_main_guard() -> None:
 def _start_cluster(workers: int) -> Any:
     """Local worker processes with a scheduler."""
     distributed = require("distributed", "cluster")
-    with warnings.catch_warnings():
-        # It concerns the dashboard, which this cluster does not have.
-        warnings.filterwarnings("ignore", message=r"Port \d+ is already in use")
-        return distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            dashboard_address=None,
-            silence_logs=logging.CRITICAL,
-        )
+    return distributed.LocalCluster(
+        n_workers=workers,
+        threads_per_worker=1,
+        silence_logs=logging.CRITICAL,
+        # No dashboard; the web server of its metrics starts nevertheless. On the default port it
+        # would disturb another cluster, and every machine of the network could read it.
+        scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
+    )
 
 
 @contextlib.contextmanager
