@@ -6,6 +6,8 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+
 #include "bindings.hpp"
 
 namespace palmbots::bindings {
@@ -51,10 +53,14 @@ void bind_world(nb::module_& m) {
           "constraints",
           [](const W& w) {
             std::vector<std::tuple<std::size_t, bool, std::size_t, double>> contacts;
-            for (std::size_t i = 0; i < w.constraints().count; ++i) {
-              const ActiveContact<double>& h = w.constraints().active[i];
-              contacts.emplace_back(h.side, h.tip, h.feature, h.end);
+            const Regime& regime = w.regime();
+            for (std::size_t i = 0; i < regime.count; ++i) {
+              const FeaturePair pair = regime.active[i].pair;
+              const Surface& surface = w.shapes().surfaces.at[pair.surface];
+              contacts.emplace_back(static_cast<std::size_t>(surface.carrier), surface.tip,
+                                    pair.feature, surface.tip ? surface.at.x : 0.0);
             }
+            std::ranges::sort(contacts);
             return contacts;
           },
           "Contacts as (side, tip, vertex or edge, p of the tip); empty: the two vertices alone.")

@@ -27,6 +27,7 @@ MANY = {
     "control/resilient_world_test": "20000",
     "runtime/mode_search_test": "2",
     "sim/carry_test": "20",
+    "world/contact_step_test": "1000",
     "world/fast_step_test": "600000",
 }
 

@@ -40,10 +40,9 @@ inline constexpr Real instant_tolerance = Real(sizeof(Real) == 8 ? 4e-10 : 5e-4)
 // V is one number or several lanes. A lane stops when its own root is found, and f gets a number
 // from `good` to `bad` in every lane.
 template <class V, class Function>
-V bracketed_root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f) {
-  using Real = typename ScalarOf<V>::type;
+V bracketed_root(MaskOf<V> wanted, V good, V f_good, V bad, V f_bad, Function f,
+                 V tolerance = V(instant_tolerance<typename ScalarOf<V>::type>)) {
   using Mask = MaskOf<V>;
-  const V tolerance(instant_tolerance<Real>);
   V last = bad;  // the end that was replaced last
   V f_last = f_bad;
   V before = bad;  // the previous evaluation

@@ -137,6 +137,26 @@ constexpr SinCos<Real> sin_cos(Real x) {
   return {x < Real(0) ? -sine : sine, cosine};
 }
 
+// The angle with this sine and cosine [rad], in (−π, π]. Odd in the sine to the last bit. Newton's
+// method from a coarse polynomial: each step triples the number of digits.
+template <class Real>
+constexpr Real angle_of(Real sine, Real cosine) {
+  const Real up = sine < Real(0) ? -sine : sine;
+  const Real along = cosine < Real(0) ? -cosine : cosine;
+  const bool steep = up > along;
+  const Real t = steep ? along / up : up / along;
+  Real angle = t * (Real(1.0584) - Real(0.273) * t);
+  for (int i = 0; i < 4; ++i) {
+    const SinCos<Real> at = sin_cos(angle);
+    const Real s = steep ? along : up;
+    const Real c = steep ? up : along;
+    angle = angle + (s * at.cos - c * at.sin) / (s * at.sin + c * at.cos);
+  }
+  if (steep) angle = Real(0.5) * pi<Real> - angle;
+  if (cosine < Real(0)) angle = pi<Real> - angle;
+  return sine < Real(0) ? -angle : angle;
+}
+
 // Tangent of x [rad], |x| < π/2.
 template <class Real>
 constexpr Real tangent(Real x) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Linear systems of at most four equations for four unknowns.
+// Linear systems of few equations for as many unknowns.
 #pragma once
 
 #include <array>
@@ -11,35 +11,35 @@ namespace palmbots {
 
 // Equations row · x = value in echelon form. add() skips an equation that depends on those before
 // it and returns false.
-template <class Real>
+template <class Real, std::size_t n = 4>
 class EchelonForm {
  public:
-  using Row = std::array<Real, 4>;
+  using Row = std::array<Real, n>;
 
   constexpr bool add(Row row, Real value) {
     const Real scale = largest(row);
     for (std::size_t k = 0; k < count_; ++k) {
       const Real factor = row[pivots_[k]] / rows_[k][pivots_[k]];
-      for (std::size_t c = 0; c < 4; ++c) row[c] -= factor * rows_[k][c];
+      for (std::size_t c = 0; c < n; ++c) row[c] -= factor * rows_[k][c];
       row[pivots_[k]] = Real(0);
       value -= factor * values_[k];
     }
-    if (count_ == 4 || !(largest(row) > dependent * scale)) return false;
+    if (count_ == n || !(largest(row) > dependent * scale)) return false;
     std::size_t pivot = 0;
-    for (std::size_t c = 1; c < 4; ++c)
+    for (std::size_t c = 1; c < n; ++c)
       pivot = magnitude(row[c]) > magnitude(row[pivot]) ? c : pivot;
     rows_[count_] = row;
     values_[count_] = value;
     pivots_[count_++] = pivot;
     return true;
   }
-  constexpr bool full() const { return count_ == 4; }
+  constexpr bool full() const { return count_ == n; }
 
   constexpr Row solution() const {
     Row x{};
     for (std::size_t k = count_; k-- > 0;) {
       Real rest = values_[k];
-      for (std::size_t c = 0; c < 4; ++c) {
+      for (std::size_t c = 0; c < n; ++c) {
         if (c != pivots_[k]) rest -= rows_[k][c] * x[c];
       }
       x[pivots_[k]] = rest / rows_[k][pivots_[k]];
@@ -56,9 +56,9 @@ class EchelonForm {
   }
 
  private:
-  std::array<Row, 4> rows_{};
-  std::array<Real, 4> values_{};
-  std::array<std::size_t, 4> pivots_{};
+  std::array<Row, n> rows_{};
+  std::array<Real, n> values_{};
+  std::array<std::size_t, n> pivots_{};
   std::size_t count_ = 0;
 };
 

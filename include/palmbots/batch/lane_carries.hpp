@@ -242,8 +242,7 @@ class LaneCarries {
         step = one.world_.take_apart(change.raw[l], {angle(left), angle(right)});
         put_state(pack, l, one.world_.state());
       }
-      one.metrics_.observe(one.tick_, one.world_.contact_events(),
-                           !one.world_.constraints().none());
+      one.metrics_.observe(one.tick_, one.world_.contact_events(), !one.world_.regime().none());
       if (step.reason != DropReason::none || (pack.over >> l & 1) != 0)
         end(pack, l, tick, step, done);
     });

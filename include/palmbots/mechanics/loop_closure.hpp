@@ -38,8 +38,7 @@ struct Configuration {
   Real separation;                 // of the pivots [m]
   PerSide<PalmAngle<Real>> palms;  // [rad]
   PerSide<Real> contacts;          // p, from the foot of the pivot, outward [m]
-  PerSide<Real>
-      lift{};  // of the contact vertices above their palms (world/multi_contact_step.hpp) [m]
+  PerSide<Real> lift{};  // of the contact vertices above their palms (world/contact_step.hpp) [m]
 };
 
 // The vector from the left palm's foot to the right one's [m]: the contact vector at p = 0.

@@ -91,7 +91,7 @@ class Carry : public RobotPair<Real, Team> {
         actuate(robots_, world_.configuration().palms, {noise_[left][k], noise_[right][k]});
     recorder_.before(*this, sensed);
     const Advance<Real>& step = world_.advance(act.change, act.angles, act.push);
-    metrics_.observe(tick_, world_.contact_events(), !world_.constraints().none());
+    metrics_.observe(tick_, world_.contact_events(), !world_.regime().none());
     const Real before = robots_.midpoint;
     robots_.midpoint =
         before + (step.reason == DropReason::none ? act.travel : act.travel * step.fraction);

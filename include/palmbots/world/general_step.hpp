@@ -20,8 +20,8 @@
 #pragma once
 
 #include "palmbots/base/root_finding.hpp"
+#include "palmbots/world/advance.hpp"
 #include "palmbots/world/fast_step.hpp"
-#include "palmbots/world/multi_contact_step.hpp"
 
 namespace palmbots {
 

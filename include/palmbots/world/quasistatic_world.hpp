@@ -5,8 +5,8 @@
 // regime (one contact slides, or both do) the sliding coordinates are closed-form roots of the loop
 // constraint at any instant. A contact that sticks is never written, so it cannot drift. If one
 // contact slides through a whole step, world/fast_step.hpp computes it; if the regime
-// changes, world/general_step.hpp does. If a further contact closes, world/multi_contact_step.hpp
-// takes over until it opens again.
+// changes, world/general_step.hpp does. If a further contact closes, world/contact_step.hpp takes
+// over until it opens again.
 //
 // `push` is the sideways specific force of the object's inertia when the pair changes its speed
 // (docs/theory/mechanics.md). It affects only which contact slips first. It is small, but so are
@@ -17,9 +17,16 @@
 // Source: docs/theory/mechanics.md.
 #pragma once
 
+#include "palmbots/mechanics/contact_detection.hpp"
+#include "palmbots/world/contact_shapes.hpp"
+#include "palmbots/world/contact_step.hpp"
 #include "palmbots/world/general_step.hpp"
 
 namespace palmbots {
+
+// A gap (times w) below this counts as closed where the object is looked at.
+template <class Real>
+inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
 
 // The world of one carry.
 template <class Real>
@@ -37,9 +44,20 @@ class World {
   // The coordinates at which the palms are touched: p of the contact vertex as long as that is on
   // the palm [m].
   PerSide<Real> touched() const {
-    if (constraints_.none()) return state_.configuration.contacts;
-    return {felt(model_, constraints_, state_.configuration, left),
-            felt(model_, constraints_, state_.configuration, right)};
+    PerSide<Real> places = state_.configuration.contacts;
+    if (regime_.none()) return places;
+    const Frames frames = here();
+    PerSide<bool> known{};
+    for (std::size_t i = 0; i < regime_.count; ++i) {
+      const FeaturePair pair = regime_.active[i].pair;
+      const std::size_t side = problem().carrier(pair);
+      if (known[side]) continue;
+      known[side] = true;
+      const Surface& surface = problem().surface(pair);
+      places[side] =
+          Real(surface.tip ? surface.at.x : problem().contact(frames, pose_, pair).place);
+    }
+    return places;
   }
   const Advance<Real>& last() const { return last_; }
 
@@ -49,21 +67,24 @@ class World {
   void set_state(const WorldState<Real>& state) { state_ = state; }
 
   // The contacts on which the object rests; `none()` if these are its two contact vertices.
-  const ContactConstraints<Real>& constraints() const { return constraints_; }
+  const Regime& regime() const { return regime_; }
+  // Made when first needed: most carries never need them.
+  const ContactShapes& shapes() const {
+    if (shapes_.body.count == 0) shapes_ = shapes_of(model_);
+    return shapes_;
+  }
   const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
 
   // Why the object is not held in its present position, or `none`.
   DropReason check() const {
     const Configuration<Real>& here = state_.configuration;
-    if (!constraints_.none())
-      return InstantMotions<Real>(model_, here, {}, constraints_, state_.push).check();
+    if (!regime_.none()) return check_all();
     const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
     const DropReason reason =
         drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
     if (!adds_contact(reason)) return reason;
-    const InstantMotions<Real> now(model_, here, {}, constraints_, state_.push);
-    const DropReason found = now.check();
-    return now.kind() == ContactKind::none || adds_contact(found) ? reason : found;
+    const DropReason found = check_all();
+    return adds_contact(found) ? reason : found;
   }
 
   // Shifts the contacts suddenly, by `by` [m]. The robots are displaced so that the loop stays
@@ -75,7 +96,7 @@ class World {
     now.separation = closing_separation(now, model_.offset, model_.object.width);
     state_.contact_vector = palmbots::contact_vector(now, model_.offset);
     state_.tied = Real(0);
-    constraints_ = {};
+    regime_ = {};
     state_.multi_contact = Real(0);
     return check();
   }
@@ -102,69 +123,168 @@ class World {
   // undone.
   const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
     last_ = go(change, angles);
-    state_.multi_contact = Real(constraints_.none() ? 0 : 1);
+    state_.multi_contact = Real(regime_.none() ? 0 : 1);
     return last_;
   }
 
  private:
-  static constexpr int most_changes = 6;  // of the constraints per step: limits the work
+  // Why all contacts together do not hold the object.
+  DropReason check_all() const {
+    const Real width = model_.object.width;
+    const Real closed = closed_tolerance<Real> * width;
+    const ContactSet<Real> found =
+        detect_contacts(model_, state_.configuration, closed_tolerance<Real>);
+    // Smaller than the gap of a closed contact: a corner penetrates a palm deeper than the palm
+    // penetrates the corner.
+    const Real deep = closed / Real(64);
+    if (found.sunk[left] > deep || found.sunk[right] > deep) return DropReason::flush;
+    const Pose pose = regime_.none() ? pose_on_vertices() : pose_;
+    const Frames frames = here();
+    const NearPairs near =
+        near_pairs(problem(), left, frames, pose, double(closed), double(closed));
+    ClosedPairs touching{};
+    for (std::size_t k = 0; k < near.count && touching.count < ClosedPairs::most; ++k) {
+      const FeatureContact c = problem().contact(frames, pose, near.at[k].pair);
+      if (c.inside >= -double(closed)) touching.at[touching.count++] = {near.at[k].pair, c};
+    }
+    return off_palm(problem(), frames, pose, double(closed)) ? DropReason::off_palm
+                                                             : reason_of(problem(), touching);
+  }
 
-  // A whole step, alternately on the two vertices alone and under other constraints.
-  [[gnu::noinline]] Advance<Real> go(Real change, const PerSide<Real>& angles) {
-    Configuration<Real>& configuration = state_.configuration;
-    const Real goal = configuration.separation + change;
-    Drive<Real> drive{change, {}};
+  ContactProblem problem() const {
+    return {shapes(), double(model_.object.slope), double(state_.push)};
+  }
+
+  PerSide<Real> angles() const {
+    const auto& palms = state_.configuration.palms;
+    return {palms[left].angle, palms[right].angle};
+  }
+
+  // The palms from here on, while the separation changes by `change` and the palms turn to angles.
+  // Both robots travel alike.
+  Travel travel(double change, const PerSide<Real>& goals) const {
+    Travel travel{};
+    for (const std::size_t side : {left, right}) {
+      const double half = 0.5 * outward<double>(side);
+      const double angle = double(angles()[side]);
+      const double goal = double(goals[side]);
+      travel.palms[side] = {
+          {half * separation(), 0.0}, {half * change, 0.0}, angle, goal - angle, goal};
+    }
+    return travel;
+  }
+  Frames here() const { return travel(0.0, angles()).frames(0.0); }
+  double separation() const {
+    return regime_.none() ? double(state_.configuration.separation) : separation_;
+  }
+
+  // A contact vertex of the object, from its COM.
+  Vec vertex(std::size_t side) const {
+    const Real along = side == left ? model_.object.com_left : model_.object.com_right;
+    return {outward<double>(side) * double(along), -double(model_.object.com_height)};
+  }
+
+  // The pose of the object that rests on its two contact vertices.
+  Pose pose_on_vertices() const {
+    const Configuration<Real>& now = state_.configuration;
+    const ContactVector<Real> across = state_.contact_vector;
+    const Pose turned = Pose::of({0.0, 0.0}, angle_of(double(across.dy), double(across.dx)));
+    const Frames frames = here();
+    PerSide<Vec> com{};
+    for (const std::size_t side : {left, right}) {
+      const Vec place{double(now.contacts[side]), double(model_.offset[side])};
+      com[side] =
+          (frames[side].origin + frames[side].to_world(place)) - turned.to_world(vertex(side));
+    }
+    return Pose::of((com[left] + com[right]) * 0.5, turned.angle);
+  }
+
+  // A whole step: on the two vertices alone and, from a further contact on, on any contacts.
+  [[gnu::noinline]] Advance<Real> go(Real change, const PerSide<Real>& goals) {
+    const Travel step = travel(double(change), goals);
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
-    Real released = Real(-1);  // when the object returned to its two vertices
-    bool by_force = false;
-    for (int changes = 0;; ++changes) {
-      for (const std::size_t side : {left, right}) {
-        drive.turn[side] = angles[side] - configuration.palms[side].angle;
-      }
-      const bool rests = !constraints_.none();
-      const Advance<Real> part =
-          rests ? MultiContactStep<Real>{model_, drive, angles, state_.push}.run(
-                      configuration, constraints_, by_force)
-                : GeneralStep<Real>{model_, state_, drive.change, angles}.run();
-      total = {part.reason, total.fraction + (Real(1) - total.fraction) * part.fraction,
-               part.motion, total.segments + part.segments};
-      if (rests) {
-        state_.tied = Real(0);
-        if (constraints_.none()) {
-          configuration.lift = {};
-          released = contact_events_.ended = total.fraction;
-        }
-        state_.contact_vector =
-            palmbots::contact_vector(configuration, vertex_offset(model_, configuration));
-      } else if (adds_contact(part.reason)) {
-        const InstantMotions<Real> now(model_, configuration, drive, constraints_, state_.push);
-        if (now.kind() == ContactKind::none) return total;  // at the very end of a palm
-        const auto decision =
-            InstantMotions<Real>::decide(model_, configuration, drive, constraints_, state_.push);
-        const bool again = released == total.fraction;
-        if (!again) {
-          contact_events_ = {contact_events_.count + 1, now.kind(), now.side(), total.fraction,
-                             total.fraction};
-        }
-        total.reason = decision.reason;
-        constraints_ = decision.constraints;
-        // A contact may open by balance and still be closed by the motion of the vertices, because
-        // of rounding or because they slide alternately. It persists for the rest of the step.
-        by_force = decision.reason == DropReason::none && constraints_.none() &&
-                   (again || changes > most_changes);
-        if (by_force) constraints_ = now.all();
-        released = total.fraction;
-      }
-      if (changes > 4 * most_changes) total.reason = DropReason::jammed;
-      if (total.reason != DropReason::none || total.fraction >= Real(1)) return total;
-      drive.change = goal - configuration.separation;
+    bool on_vertices = regime_.none();
+    if (on_vertices) {
+      total = GeneralStep<Real>{model_, state_, change, goals}.run();
+      if (!adds_contact(total.reason)) return total;
+      pose_ = pose_on_vertices();
+    }
+    const ContactProblem problem = this->problem();
+    const double rounding = double(Real(64) * std::numeric_limits<Real>::epsilon()) * shapes().size;
+    ContactStep contact_step(problem, step, pose_, regime_, rounding, [&](double t) {
+      const bool before = on_vertices;
+      on_vertices = rests_on_vertices();
+      if (before && !on_vertices) begin_contact_event(step.frames(t), Real(t));
+      if (!before && on_vertices) contact_events_.ended = Real(t);
+    });
+    const ContactStepResult done = contact_step.run(double(total.fraction));
+    total = {done.reason, Real(done.fraction), motion_of_palms(), total.segments + done.pieces};
+    place_vertices(step, done.fraction);
+    if (on_vertices) regime_ = {};
+    return total;
+  }
+
+  // A palm's tip at which an edge lies along the palm is an end of a flush contact.
+  void begin_contact_event(const Frames& frames, Real t) {
+    for (std::size_t i = 0; i < regime_.count; ++i) {
+      const FeaturePair pair = regime_.active[i].pair;
+      if (problem().own_side(pair) < 2) continue;
+      const std::size_t side = problem().carrier(pair);
+      const Surface& surface = problem().surface(pair);
+      const Vec normal = frames[side].from_world(problem().contact(frames, pose_, pair).normal);
+      const bool slants = magnitude(within_tip(surface, normal)) > double(contact_tolerance<Real>);
+      const bool tip = surface.tip && slants;
+      contact_events_ = {contact_events_.count + 1, tip ? ContactKind::tip : ContactKind::flush,
+                         side, t, t};
+      return;
     }
   }
 
+  // The configuration at an instant of a step, from the pose.
+  void place_vertices(const Travel& step, double t) {
+    Configuration<Real>& now = state_.configuration;
+    const Frames frames = step.frames(t);
+    separation_ = frames[right].origin.x - frames[left].origin.x;
+    now.separation = Real(separation_);
+    for (const std::size_t side : {left, right}) {
+      now.palms[side] = PalmAngle<Real>::at(Real(frames[side].angle));
+      const Vec seen =
+          frames[side].from_world((pose_.at + pose_.to_world(vertex(side))) - frames[side].origin);
+      const bool held = regime_.has(shapes().own[side]);
+      // A sticking contact keeps every bit of its coordinate.
+      const Real slack = Real(64) * std::numeric_limits<Real>::epsilon() * model_.object.width;
+      const Real place = Real(seen.x);
+      if (!held || magnitude(place - now.contacts[side]) > slack) now.contacts[side] = place;
+      now.lift[side] = held ? Real(0) : Real(seen.y) - model_.offset[side];
+    }
+    state_.tied = Real(0);
+    state_.contact_vector = palmbots::contact_vector(now, vertex_offset(model_, now));
+  }
+
+  bool rests_on_vertices() const {
+    return regime_.count == 2 && regime_.has(shapes().own[left]) &&
+           regime_.has(shapes().own[right]);
+  }
+  // The motion of each palm's first contact.
+  ContactMode motion_of_palms() const {
+    ContactMode motion{};
+    PerSide<bool> known{};
+    for (std::size_t i = 0; i < regime_.count; ++i) {
+      const std::size_t side = problem().carrier(regime_.active[i].pair);
+      if (side > right || known[side]) continue;
+      known[side] = true;
+      motion[side] = static_cast<SlipDirection>(regime_.active[i].motion);
+    }
+    return motion;
+  }
+
   Model<Real> model_{};
+  mutable ContactShapes shapes_{};
+  Regime regime_{};        // none: the object rests on its two contact vertices
+  Pose pose_{};            // with a regime
+  double separation_ = 0;  // with a regime: without the rounding of Real
   WorldState<Real> state_{};
   Advance<Real> last_{};
-  ContactConstraints<Real> constraints_{};
   ContactEventCounter<Real> contact_events_{};
 };
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The outline of a rounded object: a polygon whose convex corners may be arcs.
+//
+// A corner is an arc about a centre, from the normal of the edge before it to that of the edge after
+// it; a sharp corner has the radius 0. An edge is the straight line that touches two neighbouring
+// arcs. Frame: origin at the COM, x forward, y up; the corners are listed anticlockwise.
+#pragma once
+
+#include "palmbots/mechanics/model.hpp"
+
+namespace palmbots {
+
+// A vector in the plane, or the position of a point [m].
+struct Vec {
+  double x;
+  double y;
+
+  constexpr Vec operator+(Vec o) const { return {x + o.x, y + o.y}; }
+  constexpr Vec operator-(Vec o) const { return {x - o.x, y - o.y}; }
+  constexpr Vec operator*(double k) const { return {x * k, y * k}; }
+  constexpr Vec operator-() const { return {-x, -y}; }
+};
+
+constexpr double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
+
+// > 0 where b is anticlockwise from a.
+constexpr double cross(Vec a, Vec b) { return a.x * b.y - a.y * b.x; }
+
+inline double length(Vec a) { return square_root(dot(a, a)); }
+
+// A corner of a rounded body, and the edge from it to the next one. The edge is measured from the
+// middle of its straight part, so that the mirrored body rounds alike.
+struct Corner {
+  Vec centre;
+  double radius;
+  bool convex;
+  Vec normal;  // of the edge, outward, of unit size
+  Vec middle;
+  double half_length;  // [m]
+};
+
+struct RoundedBody {
+  std::array<Corner, max_outline> corners{};
+  std::size_t count = 0;
+
+  constexpr std::size_t before(std::size_t i) const { return i == 0 ? count - 1 : i - 1; }
+  constexpr std::size_t after(std::size_t i) const { return i + 1 == count ? 0 : i + 1; }
+
+  // By how much a direction lies inside the arc of a corner: the sine of the angle to its nearer
+  // end, negative outside.
+  constexpr double within_arc(std::size_t i, Vec direction) const {
+    return smaller(cross(corners[before(i)].normal, direction),
+                   cross(direction, corners[i].normal));
+  }
+};
+
+// The body of a model, whose corners get these radii [m]. The outline is listed anticlockwise.
+// Mirrored outlines give mirrored bodies to the last bit.
+template <class Real>
+RoundedBody body_of(const Model<Real>& model, const std::array<double, max_outline>& radius) {
+  const Outline<Real>& outline = model.outline;
+  RoundedBody body{};
+  body.count = outline.count;
+  std::array<Vec, max_outline> sharp{};
+  for (std::size_t i = 0; i < body.count; ++i) {
+    const Vertex<Real>& v = outline.vertices[i];
+    // Half of each, because in the mirror both distances change places.
+    sharp[i] = {0.5 * ((double(v.along[left]) - double(model.object.com_left)) -
+                       (double(v.along[right]) - double(model.object.com_right))),
+                double(v.height) - double(model.object.com_height)};
+  }
+  for (std::size_t i = 0; i < body.count; ++i) {
+    const Vec edge = sharp[body.after(i)] - sharp[i];
+    const double size = length(edge);
+    body.corners[i].normal = {edge.y / size, -edge.x / size};
+  }
+  for (std::size_t i = 0; i < body.count; ++i) {
+    Corner& corner = body.corners[i];
+    const Vec in = body.corners[body.before(i)].normal;
+    const Vec out = corner.normal;
+    corner.convex = cross(in, out) > 0.0;
+    corner.radius = corner.convex ? radius[i] : 0.0;
+    // The centre lies on the bisector, r behind both edges.
+    corner.centre = sharp[i] - (in + out) * (corner.radius / (1.0 + dot(in, out)));
+  }
+  for (std::size_t i = 0; i < body.count; ++i) {
+    Corner& corner = body.corners[i];
+    const Corner& next = body.corners[body.after(i)];
+    const Vec from = corner.centre + corner.normal * corner.radius;
+    const Vec to = next.centre + corner.normal * next.radius;
+    corner.middle = (from + to) * 0.5;
+    corner.half_length = 0.5 * length(to - from);
+  }
+  return body;
+}
+
+}  // namespace palmbots

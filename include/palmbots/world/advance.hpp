@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a step of the world did.
+#pragma once
+
+#include <cstdint>
+
+#include "palmbots/mechanics/contact_modes.hpp"
+#include "palmbots/mechanics/drop_reason.hpp"
+
+namespace palmbots {
+
+template <class Real>
+struct Advance {
+  DropReason reason = DropReason::none;
+  Real fraction = Real(1);    // of the step that was done
+  ContactMode motion{};       // of its last piece
+  std::int32_t segments = 1;  // regimes passed through
+};
+
+// Times at which the object rested on a further contact, and the latest: what it was, and when it
+// began and, unless it lasts, ended, as fractions of the steps in which it did.
+template <class Real>
+struct ContactEventCounter {
+  std::uint32_t count = 0;
+  ContactKind kind = ContactKind::none;
+  std::size_t side = left;
+  Real began = Real(0);
+  Real ended = Real(0);
+};
+
+}  // namespace palmbots

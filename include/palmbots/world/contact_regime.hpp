@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// A regime: which contacts persist, and whether each of them sticks or slides. It determines where
+// the object is while the surfaces move.
+//
+// There are three unknowns, the pose. Every contact closes its gap, a sticking one does not slip.
+// If these are fewer than three independent equations, the forces are few, too, and balance gives
+// the rest: with two contacts that both slide, the object takes the pose in which the two forces and
+// the weight are in balance. If even then something is left (a flat object between two flat
+// surfaces that both slide), both sides slide alike.
+#pragma once
+
+#include "palmbots/base/small_linear.hpp"
+#include "palmbots/mechanics/twist_feasibility.hpp"
+#include "palmbots/world/travel.hpp"
+
+namespace palmbots {
+
+// A contact that persists.
+struct ActivePair {
+  FeaturePair pair;
+  Motion motion;  // stick, up or down
+  double held;    // its run while it sticks [m]
+  Vec reference;  // of a tip on an arc (feature_contact.hpp)
+};
+
+struct Regime {
+  std::array<ActivePair, max_supports> active{};
+  std::size_t count = 0;
+  double alike = 0.0;  // difference of the runs of both sides, where nothing else decides [m]
+  bool pushed = true;  // whether forces balance with the push, or only without it
+
+  constexpr bool none() const { return count == 0; }
+  constexpr bool has(FeaturePair pair) const {
+    for (std::size_t i = 0; i < count; ++i)
+      if (active[i].pair == pair) return true;
+    return false;
+  }
+  // Whether the same pairs move alike.
+  constexpr bool is_like(const Regime& other) const {
+    if (count != other.count || pushed != other.pushed) return false;
+    for (std::size_t i = 0; i < count; ++i)
+      if (active[i].pair != other.active[i].pair || active[i].motion != other.active[i].motion)
+        return false;
+    return true;
+  }
+};
+
+// The object and what it can touch.
+struct ContactShapes {
+  RoundedBody body;
+  Surfaces surfaces;
+  PerSide<FeaturePair> own;  // each contact corner of the object on the face of its palm
+  PerSide<double> reach;     // how far from the middle of the face that contact may be [m]
+  double size;               // of the object: the distance of its contact corners [m]
+  double lopsided;           // > 0 or < 0: which way left and right differ; 0: mirror images
+};
+
+// What does not change in a step.
+struct ContactProblem {
+  const ContactShapes& shapes;
+  double slope;         // sideways specific force
+  double push;          // more of it, from acceleration
+  bool on_both = true;  // whether the step ends when the object leaves one palm
+
+  const Surface& surface(FeaturePair pair) const { return shapes.surfaces.at[pair.surface]; }
+  std::size_t carrier(FeaturePair pair) const {
+    return static_cast<std::size_t>(surface(pair).carrier);
+  }
+  FeatureContact contact(const Frames& frames, const Pose& pose, FeaturePair pair,
+                         Vec reference = {}) const {
+    return contact_of(shapes.body, surface(pair), frames[carrier(pair)], pose, pair, reference);
+  }
+  // The palm on which this is the contact corner of the object; 2 if it is another pair.
+  std::size_t own_side(FeaturePair pair) const {
+    return pair == shapes.own[left] ? left : (pair == shapes.own[right] ? right : 2);
+  }
+  // How far such a contact is from the end of what may be used of its palm. A little before it
+  // counts as there, because the palm may end there, too.
+  double left_of_reach(std::size_t side, const FeatureContact& c) const {
+    return shapes.reach[side] - magnitude(c.place) - 4e-10 * shapes.size;
+  }
+  // The weight that the contacts carry, with the push of an acceleration or without it.
+  Triple<double> weight(bool pushed) const { return {slope + (pushed ? push : 0.0), 1.0, 0.0}; }
+  // The velocity that the surface of a pair gives to the contact in a direction.
+  double given(const Frames& frames, const Pose& pose, FeaturePair pair, const FeatureContact& c,
+               Vec direction) const {
+    return dot(direction, frames[carrier(pair)].velocity_at(pose.at + c.point));
+  }
+  Triple<double> row(const FeatureContact& c, Vec direction) const {
+    return {direction.x, direction.y, cross(c.point, direction) / shapes.size};
+  }
+  // The forces of a contact that moves in this way, as rays of unit size (mechanics/wrench_cone.hpp).
+  void add_rays(Rays<double>& rays, const FeatureContact& c, double friction, Motion motion) const {
+    for (const Motion edge : {Motion::up, Motion::down}) {
+      if (motion != edge && motion != Motion::stick) continue;
+      const double along = edge == Motion::up ? -friction : friction;
+      const Triple<double> wrench = row(c, c.normal + c.tangent * along);
+      rays.ray[rays.count++] = wrench * (1.0 / palmbots::size(wrench));
+    }
+  }
+};
+
+// The first contact on another carrier than the first one of all.
+inline std::size_t other_carrier(const ContactProblem& problem, const Regime& regime) {
+  std::size_t second = 0;
+  while (second < regime.count &&
+         problem.carrier(regime.active[second].pair) == problem.carrier(regime.active[0].pair))
+    ++second;
+  return second;
+}
+
+using ActiveContacts = std::array<FeatureContact, max_supports>;
+
+inline ActiveContacts contacts_of(const ContactProblem& problem, const Regime& regime,
+                                  const Frames& frames, const Pose& pose) {
+  ActiveContacts found{};
+  for (std::size_t i = 0; i < regime.count; ++i) {
+    found[i] = problem.contact(frames, pose, regime.active[i].pair, regime.active[i].reference);
+  }
+  return found;
+}
+
+inline Rays<double> rays_of(const ContactProblem& problem, const Regime& regime,
+                            const ActiveContacts& contacts) {
+  Rays<double> rays{};
+  for (std::size_t i = 0; i < regime.count; ++i) {
+    problem.add_rays(rays, contacts[i], problem.surface(regime.active[i].pair).friction,
+                     regime.active[i].motion);
+  }
+  return rays;
+}
+
+namespace detail {
+
+// How far two forces and the weight are from balance: the volume that they span.
+inline double unbalanced(const ContactProblem& problem, const Regime& regime,
+                         const ActiveContacts& contacts) {
+  const Rays<double> rays = rays_of(problem, regime, contacts);
+  return dot(cross(rays.ray[0], rays.ray[1]), problem.weight(regime.pushed));
+}
+
+// The equations of a regime at a pose. With `rates`, of the object's twist instead: the right-hand
+// sides are the velocities that the surfaces give.
+struct RegimeEquations {
+  EchelonForm<double, 3> system{};
+  bool balance = false;  // the last one is that of balance
+  bool spare = false;    // some depend on others
+
+  void add(Triple<double> row, double value) {
+    if (!system.add({row.x, row.y, row.z}, value)) spare = true;
+  }
+};
+
+inline RegimeEquations equations(const ContactProblem& problem, const Regime& regime,
+                                 const Frames& frames, const Pose& pose,
+                                 const ActiveContacts& contacts, bool rates) {
+  RegimeEquations equations{};
+  const auto given = [&](std::size_t i, Vec direction) {
+    return problem.given(frames, pose, regime.active[i].pair, contacts[i], direction);
+  };
+  for (std::size_t i = 0; i < regime.count; ++i) {
+    const FeatureContact& c = contacts[i];
+    equations.add(problem.row(c, c.normal), rates ? given(i, c.normal) : c.gap);
+  }
+  std::size_t rays = regime.count;
+  for (std::size_t i = 0; i < regime.count; ++i) {
+    if (regime.active[i].motion != Motion::stick) continue;
+    const FeatureContact& c = contacts[i];
+    ++rays;
+    equations.add(problem.row(c, c.tangent),
+                  rates ? given(i, c.tangent) : c.run - regime.active[i].held);
+  }
+  if (equations.system.full()) return equations;
+  if (rays == 2) {
+    equations.balance = true;
+    // Central differences: in the mirror they round alike.
+    const double h = 1e-6;
+    const auto rate = [&](auto at) { return (at(h) - at(-h)) / (h + h); };
+    const auto by = [&](Vec shift, double turn) {
+      return rate([&](double k) {
+        const Pose there = Pose::of(pose.at + shift * k, pose.angle + turn * k);
+        return unbalanced(problem, regime, contacts_of(problem, regime, frames, there));
+      });
+    };
+    const double size = problem.shapes.size;
+    const Triple<double> row{by({size, 0.0}, 0.0), by({0.0, size}, 0.0), by({0.0, 0.0}, 1.0)};
+    if (!rates) {
+      equations.add(row, unbalanced(problem, regime, contacts) * size);
+      return equations;
+    }
+    const double pace = size / pace_of(frames, size);
+    const double drift = rate([&](double k) {
+      const Frames then = moved(frames, k * pace);
+      return unbalanced(problem, regime, contacts_of(problem, regime, then, pose));
+    });
+    equations.add(row, -(drift / pace) * size);
+    return equations;
+  }
+  // Both sides alike: the run of the first contact of one carrier as that of the other one.
+  const std::size_t second = other_carrier(problem, regime);
+  if (second == regime.count) return equations;
+  const FeatureContact& a = contacts[0];
+  const FeatureContact& b = contacts[second];
+  equations.add(
+      problem.row(a, a.tangent) - problem.row(b, b.tangent),
+      rates ? given(0, a.tangent) - given(second, b.tangent) : (a.run - b.run) - regime.alike);
+  return equations;
+}
+
+}  // namespace detail
+
+// True if all gaps are closed and all sticking contacts are where they were: there may be more
+// equations than unknowns.
+inline bool holds(const ContactProblem& problem, const Regime& regime,
+                  const ActiveContacts& contacts) {
+  // Wider for slip: the place at which a contact sticks was noted before its gap was closed.
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  const double most = 64.0 * epsilon * problem.shapes.size;
+  const double most_slip = 2e5 * epsilon * problem.shapes.size;
+  for (std::size_t i = 0; i < regime.count; ++i) {
+    const double slipped = contacts[i].run - regime.active[i].held;
+    if (magnitude(contacts[i].gap) > most) return false;
+    if (regime.active[i].motion == Motion::stick && magnitude(slipped) > most_slip) return false;
+  }
+  return true;
+}
+
+// Moves the pose to where the regime holds the object. False if that is not near.
+inline bool settle(const ContactProblem& problem, const Regime& regime, const Frames& frames,
+                   Pose& pose, ActiveContacts& contacts) {
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  double last = problem.shapes.size;
+  for (int i = 0; i < 40; ++i) {
+    contacts = contacts_of(problem, regime, frames, pose);
+    const auto made = detail::equations(problem, regime, frames, pose, contacts, false);
+    if (!made.system.full()) return false;
+    const auto step = made.system.solution();
+    const double most = EchelonForm<double, 3>::largest(step);
+    if (!(most < problem.shapes.size)) return false;
+    pose = Pose::of(pose.at - Vec{step[0], step[1]}, pose.angle - step[2] / problem.shapes.size);
+    // The last steps are rounding and do not become smaller.
+    if (most <= 8.0 * epsilon * problem.shapes.size ||
+        (most < 1e-9 * problem.shapes.size && most >= 0.5 * last)) {
+      contacts = contacts_of(problem, regime, frames, pose);
+      return holds(problem, regime, contacts);
+    }
+    last = most;
+  }
+  return false;
+}
+
+}  // namespace palmbots

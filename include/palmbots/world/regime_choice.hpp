@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which regime follows at an event.
+//
+// All modes of the closed contacts that are possible and in balance are candidates
+// (mechanics/twist_feasibility.hpp). At the event itself one force or speed is just zero, so that
+// the regime that ends is among them. Each candidate is therefore tried for a short while, and the
+// best one that goes on is taken:
+//
+//   - contacts on both palms before contacts on one;
+//   - as many contacts as possible persist;
+//   - all of them slide before some of them do;
+//   - the palm that leads slides first (`leading_side`).
+#pragma once
+
+#include <algorithm>
+
+#include "palmbots/mechanics/drop_reason.hpp"
+#include "palmbots/world/regime_conditions.hpp"
+
+namespace palmbots {
+
+struct RegimeCandidate {
+  Regime regime;
+  bool on_both;         // palms
+  std::size_t staying;  // contacts
+  bool alike;           // all of them slide
+};
+
+struct RegimeCandidates {
+  static constexpr std::size_t most = 64;
+  std::array<RegimeCandidate, most> at{};
+  std::size_t count = 0;
+};
+
+// A pair that is closed, as it is at the event.
+struct ClosedPair {
+  FeaturePair pair;
+  FeatureContact contact;
+};
+
+struct ClosedPairs {
+  static constexpr std::size_t most = 2 * max_supports;
+  std::array<ClosedPair, most> at{};
+  std::size_t count = 0;
+};
+
+namespace detail {
+
+// Two pairs that touch at one point: a feature and its neighbour, where one hands over to the other,
+// or a corner of the object at a tip.
+inline bool at_one_point(const FeatureContact& a, const FeatureContact& b, double size) {
+  return length(a.point - b.point) < ContactTolerance::blank * size;
+}
+
+inline bool in_one_direction(const FeatureContact& a, const FeatureContact& b) {
+  return magnitude(cross(a.normal, b.normal)) < ContactTolerance::blank;
+}
+
+// Adds the modes of those of the closed pairs that are not left out.
+inline void add_candidates(const ContactProblem& problem, const Frames& frames, const Pose& pose,
+                           const ClosedPairs& closed,
+                           const std::array<bool, ClosedPairs::most>& left_out, bool pushed,
+                           RegimeCandidates& found) {
+  Supports<double> supports{};
+  Velocities<double> velocities{};
+  std::array<std::size_t, max_supports> index{};
+  for (std::size_t i = 0; i < closed.count; ++i) {
+    if (left_out[i] || supports.count == max_supports) continue;
+    const auto& [pair, c] = closed.at[i];
+    const Frame& frame = frames[problem.carrier(pair)];
+    const Vec v = frame.velocity_at(pose.at + c.point);
+    velocities[supports.count] = {v.x, v.y};
+    index[supports.count] = i;
+    supports.at[supports.count++] = {
+        frame.sense < 0.0 ? left : right, c.point.x, c.point.y, c.normal.x, c.normal.y,
+        problem.surface(pair).friction};
+  }
+  each_outcome(supports, velocities, problem.weight(pushed).x, [&](const Motions& motions) {
+    if (found.count == RegimeCandidates::most) return;
+    RegimeCandidate made{};
+    made.regime.pushed = pushed;
+    PerSide<bool> touched{};
+    std::size_t slide = 0;
+    for (std::size_t i = 0; i < supports.count; ++i) {
+      if (motions[i] == Motion::leave) continue;
+      const auto& [pair, c] = closed.at[index[i]];
+      const double held = pair.kind == PairKind::tip_on_arc ? 0.0 : c.run;
+      made.regime.active[made.regime.count++] = {pair, motions[i], held, c.on_body};
+      slide += motions[i] != Motion::stick ? 1 : 0;
+      const std::size_t carrier = problem.carrier(pair);
+      if (carrier < 2) touched[carrier] = true;
+    }
+    const std::size_t second = other_carrier(problem, made.regime);
+    if (second < made.regime.count)
+      made.regime.alike = made.regime.active[0].held - made.regime.active[second].held;
+    made.on_both = touched[left] && touched[right];
+    made.staying = made.regime.count;
+    made.alike = slide == made.staying;
+    // On both palms in one direction: nothing but balance drives the object, which falls off.
+    const auto& active = made.regime.active;
+    if (problem.on_both && made.alike && slide == 2 && active[0].motion != active[1].motion) return;
+    for (std::size_t k = 0; k < found.count; ++k)
+      if (found.at[k].regime.is_like(made.regime)) return;
+    found.at[found.count++] = made;
+  });
+}
+
+}  // namespace detail
+
+// True if a contact corner of the object is not above the usable part of its palm and not higher than
+// the palm, up to `closed` [m].
+inline bool off_palm(const ContactProblem& problem, const Frames& frames, const Pose& pose,
+                     double closed) {
+  if (!problem.on_both) return false;
+  const double near = ContactTolerance::blank * problem.shapes.size;
+  for (const FeaturePair pair : problem.shapes.own) {
+    const FeatureContact c = problem.contact(frames, pose, pair);
+    if (c.gap <= closed && problem.left_of_reach(problem.carrier(pair), c) <= near) return true;
+  }
+  return false;
+}
+
+// Why the closed pairs do not hold the object, whatever moves, or `none`. A pose in which they hold
+// it only just counts as one in which they do not: something has ended there.
+inline DropReason reason_of(const ContactProblem& problem, const ClosedPairs& closed) {
+  PerSide<bool> touched{};
+  PerSide<bool> beside{true, true};  // of the line of gravity: all contacts
+  Rays<double> rays{};
+  for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
+    const auto& [pair, c] = closed.at[i];
+    const std::size_t carrier = problem.carrier(pair);
+    if (carrier < 2) touched[carrier] = true;
+    const double x = c.point.x - problem.slope * c.point.y;
+    const double slack = ContactTolerance::blank * problem.shapes.size;
+    beside[left] = beside[left] && x < slack;
+    beside[right] = beside[right] && x > -slack;
+    problem.add_rays(rays, c, problem.surface(pair).friction, Motion::stick);
+  }
+  if (problem.on_both && (!touched[left] || !touched[right])) return DropReason::lifting;
+  if (beside[left] || beside[right]) return DropReason::tipping;
+  const double least = 10.0 * ContactTolerance::blank;
+  return balance(rays, problem.weight(false)) > least ? DropReason::none : DropReason::sliding;
+}
+
+// The regimes that the closed pairs allow, the best first.
+inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frames& frames,
+                                      const Pose& pose, const ClosedPairs& closed) {
+  struct Doubled {
+    std::size_t first;
+    std::size_t second;
+    std::size_t ways;  // in which they take part: the first, the second or both
+  };
+  std::array<Doubled, 3> doubled{};
+  std::size_t count = 0;
+  std::size_t ways = 1;
+  for (std::size_t j = 0; j < closed.count; ++j) {
+    for (std::size_t i = 0; i < j && count < doubled.size(); ++i) {
+      const FeatureContact& a = closed.at[i].contact;
+      const FeatureContact& b = closed.at[j].contact;
+      if (!detail::at_one_point(a, b, problem.shapes.size)) continue;
+      // Where both touch in one direction they are the same contact.
+      doubled[count] = {i, j, detail::in_one_direction(a, b) ? std::size_t{2} : std::size_t{3}};
+      ways *= doubled[count++].ways;
+    }
+  }
+  RegimeCandidates found{};
+  for (const bool pushed : {true, false}) {
+    for (std::size_t way = 0; way < ways; ++way) {
+      std::array<bool, ClosedPairs::most> left_out{};
+      std::size_t rest = way;
+      for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t which = rest % doubled[k].ways;
+        rest /= doubled[k].ways;
+        if (which == 0) left_out[doubled[k].second] = true;
+        if (which == 1) left_out[doubled[k].first] = true;
+      }
+      detail::add_candidates(problem, frames, pose, closed, left_out, pushed, found);
+    }
+    if (found.count > 0 || problem.push == 0.0) break;
+  }
+  std::stable_sort(found.at.begin(), found.at.begin() + static_cast<std::ptrdiff_t>(found.count),
+                   [](const RegimeCandidate& a, const RegimeCandidate& b) {
+                     if (a.on_both != b.on_both) return a.on_both;
+                     if (a.staying != b.staying) return a.staying > b.staying;
+                     return a.alike && !b.alike;
+                   });
+  return found;
+}
+
+}  // namespace palmbots

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// The conditions under which a regime (world/contact_regime.hpp) holds at one instant. Each is a
+// number that is ≥ 0 while it holds, so that the first instant at which it fails is a root:
+//
+//   balance   the least share of a force, in the combination of forces that balances best;
+//   slides    the speed of each sliding contact in its direction;
+//   features  how far each contact is inside the features that touch;
+//   corners   how far each contact corner is inside the part of its palm that may be used, or above
+//             the palm;
+//   gaps      those of pairs near by.
+#pragma once
+
+#include "palmbots/world/contact_regime.hpp"
+
+namespace palmbots {
+
+// Tolerances, far below anything that is measured and above rounding. Gaps are in sizes of the
+// object.
+struct ContactTolerance {
+  static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  static constexpr double gap = 64.0 * epsilon;
+  static constexpr double closed = 2e5 * epsilon;    // counts as closed at an event
+  static constexpr double inside = 128.0 * epsilon;  // [m], or the sine of an angle
+  static constexpr double blank = 1e-9;
+  static constexpr double force = 1e-10;         // [weights]
+  static constexpr double instant = 1e-13;       // of a step
+  static constexpr double rate = 1e-9;           // of the pace
+  static constexpr double balanced_rate = 1e-6;  // the same, where it comes from differences
+};
+
+inline constexpr std::size_t most_near = 64;
+
+// A pair of features that may close soon. One that overlaps is behind: it was not a pair of nearest
+// points when its gap closed. (Surfaces have one side only.)
+struct NearPair {
+  FeaturePair pair;
+  bool behind;
+};
+
+struct NearPairs {
+  std::array<NearPair, most_near> at{};
+  std::size_t count = 0;
+};
+
+// Calls visit(pair) for every pair of features that can touch. Those of a palm are walked from its
+// own contact corner inward, those of the ground as those of the palm that comes `first`: in the
+// mirror it is the same walk.
+template <class Visit>
+void each_pair(const ContactProblem& problem, std::size_t first, Visit visit) {
+  const RoundedBody& body = problem.shapes.body;
+  for (std::size_t s = 0; s < problem.shapes.surfaces.count; ++s) {
+    const Surface& surface = problem.shapes.surfaces.at[s];
+    const auto carrier = static_cast<std::size_t>(surface.carrier);
+    const std::size_t side = carrier < 2 ? carrier : first;
+    std::size_t corner = problem.shapes.own[side].feature;
+    for (std::size_t i = 0; i < body.count; ++i) {
+      const std::size_t edge = side == left ? corner : body.before(corner);
+      const auto pair = [&](PairKind kind, std::size_t feature) {
+        return FeaturePair{kind, static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(feature)};
+      };
+      if (surface.tip) {
+        visit(pair(PairKind::tip_on_edge, edge));
+        if (body.corners[corner].radius > 0.0) visit(pair(PairKind::tip_on_arc, corner));
+      } else if (body.corners[corner].convex) {
+        visit(pair(PairKind::corner_on_face, corner));
+      }
+      corner = side == left ? body.after(corner) : body.before(corner);
+    }
+  }
+}
+
+// The pairs whose gap is at most `reach` [m]; one that overlaps by more than `closed` is behind.
+inline NearPairs near_pairs(const ContactProblem& problem, std::size_t first, const Frames& frames,
+                            const Pose& pose, double reach, double closed) {
+  NearPairs found{};
+  each_pair(problem, first, [&](FeaturePair pair) {
+    const FeatureContact c = problem.contact(frames, pose, pair);
+    if (!(magnitude(c.gap) <= reach)) return;
+    const bool behind = c.gap < -closed;
+    if (behind && c.inside > ContactTolerance::blank) return;
+    if (found.count < most_near) found.at[found.count++] = {pair, behind};
+  });
+  return found;
+}
+
+struct Conditions {
+  static constexpr std::size_t most = 2 * max_supports + most_near + 3;
+  std::array<double, most> value{};
+  std::size_t count = 0;
+  bool settled = true;
+
+  static constexpr double behind = -1.0;  // the value of a pair that is behind where it can touch
+
+  void add(double v) { value[count++] = v; }
+  // The worst of them; negative where one fails or the object cannot be there.
+  double least() const {
+    if (!settled) return -1.0;
+    double worst = value[0];
+    for (std::size_t i = 1; i < count; ++i) worst = smaller(worst, value[i]);
+    return worst;
+  }
+};
+
+// ≥ 0 iff the rays contain the weight: the best, over all three rays, of the least share of one. Two
+// rays, whose balance is an equation of the regime: the least share in their plane.
+inline double balance(const Rays<double>& rays, Triple<double> weight) {
+  if (rays.count == 2) {
+    const Triple<double> n = cross(rays.ray[0], rays.ray[1]);
+    return smaller(dot(cross(weight, rays.ray[1]), n), dot(cross(rays.ray[0], weight), n)) /
+           dot(n, n);
+  }
+  double best = -1.0;
+  for (std::size_t i = 0; i < rays.count; ++i) {
+    for (std::size_t j = i + 1; j < rays.count; ++j) {
+      const Triple<double> ij = cross(rays.ray[i], rays.ray[j]);
+      for (std::size_t k = j + 1; k < rays.count; ++k) {
+        const Triple<double> jk = cross(rays.ray[j], rays.ray[k]);
+        const double volume = dot(rays.ray[i], jk);
+        if (!(magnitude(volume) > wrench_tolerance<double>)) continue;
+        const double a = dot(weight, jk);
+        const double b = dot(weight, cross(rays.ray[k], rays.ray[i]));
+        const double c = dot(weight, ij);
+        best = larger(best, smaller(smaller(a / volume, b / volume), c / volume));
+      }
+    }
+  }
+  return best;
+}
+
+// Whether a tip that is behind an edge is outside the object: it is if it is nearer to another edge
+// and in front of that.
+inline bool is_clear(const ContactProblem& problem, const Frames& frames, const Pose& pose,
+                     const NearPairs& near, FeaturePair behind, double gap) {
+  for (std::size_t k = 0; k < near.count; ++k) {
+    const FeaturePair pair = near.at[k].pair;
+    if (pair.surface != behind.surface || pair.kind != PairKind::tip_on_edge) continue;
+    const FeatureContact c = problem.contact(frames, pose, pair);
+    const bool beside = magnitude(c.place) > problem.shapes.body.corners[pair.feature].half_length;
+    if (!beside && c.gap > 0.5 * gap) return true;
+  }
+  return false;
+}
+
+// The conditions of a regime in a pose. `pace` is the fastest motion of a surface.
+inline Conditions conditions_of(const ContactProblem& problem, const Regime& regime,
+                                const Frames& frames, const Pose& pose,
+                                const ActiveContacts& contacts, const NearPairs& near,
+                                double pace) {
+  using Tolerance = ContactTolerance;
+  Conditions all{};
+  all.add(balance(rays_of(problem, regime, contacts), problem.weight(regime.pushed)) +
+          Tolerance::force);
+  bool slides = false;
+  for (std::size_t i = 0; i < regime.count; ++i)
+    slides = slides || regime.active[i].motion != Motion::stick;
+  if (slides) {
+    const auto twist = detail::equations(problem, regime, frames, pose, contacts, true);
+    const auto moves = twist.system.solution();
+    const double least = twist.balance ? Tolerance::balanced_rate : Tolerance::rate;
+    for (std::size_t i = 0; i < regime.count; ++i) {
+      const ActivePair& a = regime.active[i];
+      if (a.motion == Motion::stick) continue;
+      const FeatureContact& c = contacts[i];
+      const double speed = dot(problem.row(c, c.tangent), {moves[0], moves[1], moves[2]}) -
+                           problem.given(frames, pose, a.pair, c, c.tangent);
+      all.add(double(static_cast<int>(a.motion)) * speed / pace + least);
+    }
+  }
+  for (std::size_t i = 0; i < regime.count; ++i) {
+    all.add(contacts[i].inside + Tolerance::inside);
+  }
+  if (problem.on_both) {
+    for (const FeaturePair pair : problem.shapes.own) {
+      const FeatureContact c = problem.contact(frames, pose, pair);
+      const double above = c.gap / problem.shapes.size - Tolerance::gap;
+      all.add(larger(problem.left_of_reach(problem.carrier(pair), c), above) + Tolerance::inside);
+    }
+  }
+  for (std::size_t k = 0; k < near.count; ++k) {
+    const NearPair& n = near.at[k];
+    if (regime.has(n.pair)) continue;
+    const FeatureContact c = problem.contact(frames, pose, n.pair);
+    const double gap = c.gap / problem.shapes.size + Tolerance::gap;
+    if (n.behind) {  // if it can touch now, another pair has closed in between
+      const bool sunk = c.inside > Tolerance::blank && gap < 0.0 &&
+                        !is_clear(problem, frames, pose, near, n.pair, c.gap);
+      all.add(sunk ? Conditions::behind : 1.0);
+    } else {
+      all.add(c.inside < -Tolerance::inside ? 1.0 : gap);
+    }
+  }
+  return all;
+}
+
+}  // namespace palmbots
