@@ -6,10 +6,10 @@
 Prints a table with ratios and writes results/modes.csv; times are per state. Needs scipy, which
 `make test` installs.
 
-The peers answer whether one mode of one state balances, as anyone would ask a general solver: are
-there shares ≥ 0 of the edges of the friction cones that add up to the weight and its moment? Their
-matrices are made beforehand and their time is that of the solver alone. Their answers are compared
-with ours. Everything runs on one core; a time is the least of several repeats.
+The peers answer whether one contact mode balances in one state, as anyone would ask a general
+solver: are there shares ≥ 0 of the edges of the friction cones that add up to the weight and its
+moment? Their matrices are made beforehand and their time is that of the solver alone. Their answers
+are compared with ours. Everything runs on one core; a time is the least of several repeats.
 """
 
 import csv
@@ -72,13 +72,13 @@ def problem(p: Floats, mode: tuple[str, str]) -> Problem:
 
 
 def by_linprog(of: Problem) -> bool:
-    """Whether a mode balances, by linear programming."""
+    """Whether a contact mode balances, by linear programming."""
     found = linprog(np.zeros(of[0].shape[1]), A_eq=of[0], b_eq=of[1], method="highs")
     return found.status == 0
 
 
 def by_nnls(of: Problem) -> bool:
-    """Whether a mode balances, by least squares with x ≥ 0."""
+    """Whether a contact mode balances, by least squares with x ≥ 0."""
     return float(nnls(*of)[1]) < 1e-9
 
 

@@ -38,7 +38,7 @@ STICK, UP, DOWN = (-PHI, PHI), (PHI,), (-PHI,)
 
 
 def com_range(theta: tuple[float, float], rise: float, modes: tuple[tuple[float, ...], ...]):
-    """The least and greatest c_x for which a mode balances at one object angle."""
+    """The least and greatest c_x for which a contact mode balances at one object angle."""
     tilt = math.asin(rise / WIDTH)
     cos, sin = math.cos(tilt), math.sin(tilt)
     columns = []

@@ -68,9 +68,9 @@ class StaticsOfState {
   }
 
   // Appends: reaches (0 or 1), drop reason, squeezes I_L and I_R (low, high each), nine times whether
-  // a mode balances, closing and opening mode, friction margin [rad], wedged up edges (left, right),
-  // angle of the object [rad], separation; per side the edges up and down as directions of the force
-  // on the object, and the heights at which the line of gravity meets them; then the places.
+  // a contact mode balances, closing and opening mode, friction margin [rad], wedged up edges (left,
+  // right), angle of the object [rad], separation; per side the edges up and down as directions of
+  // the force on the object, and the heights at which the line of gravity meets them; then the places.
   void append(const PalmState& state, std::vector<double>& out) const {
     const Pose at = pose(state);
     const bool reaches = at.configuration.separation == at.configuration.separation;

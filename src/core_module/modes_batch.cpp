@@ -37,7 +37,7 @@ BitsArray feasible_of(const std::vector<Numbers>& columns, std::size_t n) {
 
 void bind_modes_batch(nb::module_& m) {
   m.def("feasible_modes", &feasible_of, nb::arg("columns"), nb::arg("n"),
-        "For n states: bits of the modes that balance. Columns as in `modes`.");
+        "For n states: bits of the contact modes that balance. Columns as in `modes`.");
 }
 
 }  // namespace palmbots::bindings

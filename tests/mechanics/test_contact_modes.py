@@ -33,7 +33,7 @@ def drawn() -> tuple[list[State], pb.mechanics.ContactModesBatch]:
 
 @pytest.fixture(scope="module")
 def balanced(drawn) -> list[set[tuple[str, str]]]:
-    """The modes that balance, for each random state."""
+    """The contact modes that balance, for each random state."""
     return balanced_modes(drawn[0])
 
 
@@ -78,7 +78,7 @@ def test_ends_of_the_squeeze_intervals(drawn) -> None:
 
 
 def test_occurring_mode_is_balanced_and_consistent(drawn, balanced) -> None:
-    """Section 3.1: of nine modes three balance, five are consistent, one is both."""
+    """Section 3.1: of nine contact modes three balance, five are consistent, one is both."""
     states, result = drawn
     counted = 0
     for i, state in enumerate(states):

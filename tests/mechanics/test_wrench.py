@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Several contacts at once: balance and kinematics against linear programs and the nine modes.
+"""Several contacts at once: balance and kinematics against linear programs and contact modes.
 
 The program for balance finds the smallest missing wrench, so that the number is compared as well as
 the answer. The program for kinematics finds the largest margin of all inequalities.

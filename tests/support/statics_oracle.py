@@ -88,7 +88,7 @@ class State:
         return np.array(columns).T, -np.array([*weight, moment])
 
     def feasible(self, mode: tuple[str, str]) -> bool:
-        """Whether the mode balances, by linear programming."""
+        """Whether the contact mode balances, by linear programming."""
         matrix, wanted = self.balance(mode)
         found = linprog(np.zeros(matrix.shape[1]), A_eq=matrix, b_eq=wanted, method="highs")
         return found.status == 0

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The nine contact modes of one state: which modes balance, which can move, and which one occurs.
+// The nine contact modes of one state: which of them balance, which can move, and which one occurs.
 //
 // Closing drives the contact points together. The squeeze rises to the upper end of I_L ∩ I_R, and
 // the contact whose cone ends there slides up. Opening lowers the squeeze to the lower end, and the
@@ -62,13 +62,13 @@ constexpr bool feasible(const Contacts<Real>& at, ContactMode mode) {
   return both.low - both.high <= squeeze_tolerance<Real> * size;
 }
 
-// True if the mode can occur in this direction: closing needs a contact that slides up, opening one
-// that slides down.
+// True if the contact mode can occur in this direction: closing needs a contact that slides up,
+// opening one that slides down.
 constexpr bool consistent(ContactMode mode, SlipDirection direction) {
   return mode[left] == direction || mode[right] == direction;
 }
 
-// The mode that occurs when the contact points are driven together (direction up) or apart
+// The contact mode that occurs when the contact points are driven together (direction up) or apart
 // (direction down).
 struct SelectedMode {
   bool balanced;     // false: no squeeze holds the object; it slides on both palms
@@ -76,7 +76,7 @@ struct SelectedMode {
   ContactMode mode;  // valid if balanced and not jammed
 };
 
-// Finds the mode that occurs in this direction (docs/theory/mechanics.md).
+// Finds the contact mode that occurs in this direction (docs/theory/mechanics.md).
 template <class Real>
 constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection direction) {
   PerSide<Interval<Real>> ends{};

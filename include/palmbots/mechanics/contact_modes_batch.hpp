@@ -311,7 +311,7 @@ void run(const StateColumns<Real>& columns, std::size_t n, std::uint16_t* out) {
 
 }  // namespace batch
 
-// Writes the bits of the modes that balance, for n states.
+// Writes the bits of the contact modes that balance, for n states.
 template <class Real>
 void feasible_modes(const StateColumns<Real>& columns, std::size_t n, std::uint16_t* out) {
   const auto contacts = columns.begin() + state::contact;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which regime follows at an event.
 //
-// All modes of the closed contacts that are possible and in balance are candidates
+// All contact modes of the closed contacts that are possible and in balance are candidates
 // (mechanics/twist_feasibility.hpp). At the event itself one force or speed is just zero, so that
 // the regime that ends is among them. Each candidate is therefore tried for a short while, and the
 // best one that goes on is taken:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def contact_mode_lines(found: "ContactModes") -> Iterator[Item]:
-    """The state, the nine modes as a 3 × 3 table, and those that occur."""
+    """The state, the nine contact modes as a 3 × 3 table, and those that occur."""
     symbols = ", ".join(f"{symbol}: {meaning}" for symbol, meaning in MOTION_MEANINGS.items())
     yield (
         f"palms {found.theta_left_deg:g}°, {found.theta_right_deg:g}°   "

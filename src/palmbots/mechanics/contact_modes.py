@@ -42,7 +42,7 @@ _UP = (_LEFT[1], _RIGHT[1])
 _DOWN = (_LEFT[2], _RIGHT[2])
 
 CONTACT_MODES: tuple[ContactMode, ...] = tuple((left, right) for left in _LEFT for right in _RIGHT)
-"""The nine modes (left, right), in the order of the arrays in `ContactModesBatch`."""
+"""The nine contact modes (left, right), in the order of the arrays in `ContactModesBatch`."""
 
 _CONSISTENT_CLOSING = tuple(m for m in CONTACT_MODES if m[0] == _UP[0] or m[1] == _UP[1])
 _CONSISTENT_OPENING = tuple(m for m in CONTACT_MODES if m[0] == _DOWN[0] or m[1] == _DOWN[1])
@@ -56,10 +56,10 @@ class ContactModesBatch(Result):
     """I_L and I_R in units of the weight, shape (…, side, end): ends are low and high, infinite
     where unbounded; low > high: no squeeze lets that contact carry its load."""
     feasible: NDArray[np.bool_]
-    """Which modes balance, shape (…, 9) in the order of `CONTACT_MODES`."""
+    """Which contact modes balance, shape (…, 9) in the order of `CONTACT_MODES`."""
     closing: NDArray[np.int8]
-    """Index into `CONTACT_MODES` of the mode that occurs when the palms are driven together; -1:
-    the object is not held, -2: no contact slides (jammed)."""
+    """Index into `CONTACT_MODES` of the contact mode that occurs when the palms are driven
+    together; -1: the object is not held, -2: no contact slides (jammed)."""
     opening: NDArray[np.int8]
     """The same when they are driven apart."""
 
@@ -161,7 +161,7 @@ def feasible_contact_modes(
     offset_right: FloatArray = 0.0,
     slope: FloatArray = 0.0,
 ) -> ModeBits:
-    """The modes that balance, as bits: bit k is set where ``CONTACT_MODES[k]`` balances.
+    """The contact modes that balance, as bits: bit k is set where ``CONTACT_MODES[k]`` balances.
 
     Faster than `contact_modes_batch`, in particular where only the contact coordinates are arrays.
     The result has the shape that the arguments broadcast to. 0 means that nothing holds the object,
@@ -196,7 +196,7 @@ class ContactModes(Result):
     consistent_closing: tuple[ContactMode, ...]
     consistent_opening: tuple[ContactMode, ...]
     closing: ContactMode | None
-    """The mode that occurs when the palms are driven together; None: not held, or jammed."""
+    """The contact mode when the palms are driven together; None: not held, or jammed."""
     opening: ContactMode | None
     wedged: BySide[bool]
     """Contacts that no squeeze frees: their friction cone contains the line to the other one."""
@@ -236,7 +236,8 @@ def contact_modes(
 ) -> ContactModes:
     """Report the contact modes of one state.
 
-    The report states which of the nine modes balance, and which occur when the palms close or open.
+    The report states which of the nine contact modes balance, and which occur when the palms
+    close or open.
 
     Args:
         scene: as in `palmbots.carry`.
