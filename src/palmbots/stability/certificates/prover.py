@@ -229,7 +229,7 @@ class Intervals(TypedDict, total=False):
 
 @command(
     order=40,
-    example="palmbots certify --com-x-m -0.01 0.01 --friction 0.25 0.35 -o box.json",
+    example="palmbots certify --com-x-m 0.12 0.13 --friction 0.28 0.32 -o certificate.json",
     failure=("holds", "the properties fail somewhere, or the prover could not decide"),
     intervals=Option(),
     common_friction=Option("--common-friction/--independent-friction"),

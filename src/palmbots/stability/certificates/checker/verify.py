@@ -87,7 +87,7 @@ class CheckResult(Result):
 
 @command(
     order=50,
-    example="palmbots check box.json",
+    example="palmbots check certificate.json",
     failure=("valid", "the certificate does not prove its claim"),
     certificate=Option(is_file=True),
     scene=Option(metavar="SCENE"),
@@ -99,8 +99,8 @@ def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> C
 
     Args:
         certificate: JSON file of ``palmbots certify``.
-        scene: require that the box contains this scene. It may have any form that `load_scene`
-            reads; the box must have its outline and contain its values.
+        scene: require that the parameter box contains this scene. It may have any form that
+            `load_scene` reads; the box must have its outline and contain its values.
             None: the box is compared with the scene that the certificate states; its values may lie
             outside of the box (`CheckResult.outside`), but the outline must be the same.
 
