@@ -48,7 +48,6 @@ def test_numbers_of_the_paper():
     assert (palm.length_m, palm.width_m, palm.shallow_deg, palm.steep_deg) == (0.15, 0.07, 5, 15)
     assert PAPER.task.distance_m == 1.5
     assert PAPER.timeout_s == 50  # twice the paper's 25 s
-    assert PAPER.timeout_ticks == 5000
 
 
 def test_other_built_in_scenes_differ_from_paper_in_few_keys():
@@ -80,7 +79,7 @@ def test_default_timeout_depends_on_distance_and_slower_robot():
     slow = {"robot.acceleration_m_s2": 0.001}
     assert carry(overrides=slow, record=False).outcome == "delivered"
     given_one = load_scene("paper", {"task.timeout_s": 7})
-    assert (given_one.timeout_s, given_one.timeout_ticks) == (7, 700)
+    assert given_one.timeout_s == 7
     assert load_scene(given_one, {"task.timeout_s": None}) == PAPER
 
 

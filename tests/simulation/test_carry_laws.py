@@ -15,6 +15,7 @@ from abstract_world import NONE, STEEP
 from palmbots._types import SIDES
 from palmbots.control.interface import DistributedController, StepInput, StepOutput
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 from strategies import scenes
 from table2_transcript import Deed, Robot, tick
 
@@ -67,19 +68,19 @@ def check(carry: pb.simulation.Carry) -> None:
     scene, rows = carry.scene, columns(carry)
     single = carry.precision == "float"
     ticks = len(rows["time"]) - 1
-    period = scene.control.period_s
+    period, most = scene.control.period_s, to_spec(scene).timeout_ticks
 
     assert carry.outcome in ("delivered", "dropped", "stalled")
     assert (carry.reason is not None) == (carry.outcome == "dropped")
     assert carry.reason is None or carry.reason in REASONS
-    assert ticks <= scene.timeout_ticks
+    assert ticks <= most
     assert carry.time_s == rows["time"][-1]
     assert (ticks - 1) * period <= carry.time_s * (1 + 1e-9) + 1e-12
     assert carry.time_s <= ticks * period * (1 + 1e-9)
     if carry.outcome == "delivered":
         assert carry.distance_m >= scene.task.distance_m
     if carry.outcome == "stalled":
-        assert ticks == scene.timeout_ticks
+        assert ticks == most
     for name in ("contact", "palm", "speed", "separation", "midpoint", "object"):
         assert np.isfinite(rows[name]).all(), name
     assert set(np.unique(rows["sign"])) <= {-1, 0, 1}

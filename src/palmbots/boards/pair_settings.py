@@ -201,8 +201,8 @@ def _check_times(scene: Scene) -> None:
             f"{max(SHORTEST_WATCHDOG_S, 2 * period_s):g} s, because an erase of its flash memory "
             "takes 0.088 s"
         )
-    for side in SIDES:
-        if scene.stride_of(side) > 1:
+    for side, robot in zip(SIDES, to_spec(scene).robots, strict=True):
+        if robot.stride > 1:
             raise PalmbotsError(
                 f"robot.{side}.period_s: value is {scene.robot_of(side).period_s:g}; allowed on a "
                 f"board: control.period_s, {period_s:g}"

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import palmbots._core as _core
 from palmbots.control.registry import ControllerEntry, resolve
-from palmbots.scene.scene import Scene, as_given
+from palmbots.scene.scene import Scene
+from palmbots.scene.section import as_given
 
 
 def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 import palmbots._core as _core
-from palmbots._types import Side
+from palmbots._types import SIDES, Side
 from palmbots._util import process_clock
 from palmbots._util.end_signal import ended_by_signal
 from palmbots.clocks.control_clock import control_clock
@@ -37,6 +37,7 @@ from palmbots.robot.waiting import (
     reading_text,
 )
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
 from palmbots.wire import Role
 
 _STATE_PERIOD_S = 0.05
@@ -78,7 +79,8 @@ def run_live_robot(
         waits.begin(hardware_text(pair, side))
         driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
         stack.enter_context(contextlib.closing(driver))
-        clock = control_clock(side, scene.control.period_s / rate, scene.stride_of(side))
+        stride = to_spec(scene).robots[SIDES.index(side)].stride
+        clock = control_clock(side, scene.control.period_s / rate, stride)
         waits.begin(reading_text(pair, side))
         first = driver.read()  # waits until the hardware or the world starts: no tick counts before
         waits.end()

@@ -7,10 +7,10 @@ from typing import Any
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 import palmbots._core as _core
-from palmbots._types import Side
+from palmbots._types import SIDES, Side
 from palmbots.scene.core_keys import key
 from palmbots.scene.fields import Extent, Size
-from palmbots.scene.section import Section, override_of, values_of_side
+from palmbots.scene.section import Section, as_given, override_of, values_of_side
 
 
 def friction_limit(*palms_deg: float) -> float:
@@ -80,13 +80,10 @@ class Palm(PalmParameters):
         return table
 
     def of(self, side: Side) -> PalmParameters:
-        """The palm of one side, with its overrides applied."""
+        """The palm of one side, with its overrides applied and an angle as its coefficient."""
         override: Any = self.left if side == "left" else self.right
         values = values_of_side(self, override)
-        if override.friction is not None and override.friction_angle_deg is None:
-            values["friction_angle_deg"] = (
-                None  # this palm's own coefficient replaces the angle of both palms
-            )
         if values["friction_angle_deg"] is not None:
-            values["friction"] = _core.tangent(values["friction_angle_deg"] * (math.pi / 180))
+            palm = _core.spec_of_scene({"palm": as_given(self)}).palms[SIDES.index(side)]
+            values |= {"friction": palm.friction, "friction_angle_deg": None}
         return PalmParameters(**values)

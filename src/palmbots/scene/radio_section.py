@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The section `radio` of a scene: the links, and what happens to messages."""
 
-from typing import Literal
-
 from palmbots._types import Side
 from palmbots.scene.core_keys import key, records
-from palmbots.scene.section import Section, override_of, values_of_side
-
-Sender = Literal["left", "right", "station"]
+from palmbots.scene.section import Section, override_of
 
 
 class Outage(Section):
@@ -94,14 +90,3 @@ class Radio(RadioParameters):
     """Packets of the right robot."""
     station: DirectionOverride = DirectionOverride()
     """Packets of the station."""
-
-    def of(self, sender: Sender) -> "Radio":
-        """The links of one sender."""
-        override: Section = getattr(self, sender)
-        return self.model_copy(update=values_of_side(self, override))
-
-    @property
-    def longest_delay_s(self) -> float:
-        """The longest delay of any sender's packets."""
-        senders: tuple[Sender, ...] = ("left", "right", "station")
-        return max(self.of(sender).latency_s + self.of(sender).jitter_s for sender in senders)

@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Self, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, PrivateAttr, ValidationError, model_validator
+from pydantic import BeforeValidator, PrivateAttr, ValidationError, model_validator
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Overrides, Side
@@ -29,7 +29,7 @@ from palmbots.scene.overrides import merged, without_superseded
 from palmbots.scene.palm_section import Palm, PalmParameters
 from palmbots.scene.radio_section import Radio
 from palmbots.scene.robot_section import Control, Robot, RobotParameters, Tactile
-from palmbots.scene.section import Section, plain
+from palmbots.scene.section import Section, as_given, plain
 from palmbots.scene.task_section import Bumps, Start, Task
 
 _STEP = re.compile(r"(\w+)|\[(\d+)\]")
@@ -85,11 +85,6 @@ class Scene(Section):
         """The time limit of the carry [s]: `task.timeout_s`, or the default."""
         return _core.time_limit(as_given(self))
 
-    @property
-    def timeout_ticks(self) -> int:
-        """The time limit in control periods, at least 1."""
-        return max(1, round(self.timeout_s / self.control.period_s))
-
     def mirrored(self) -> "Scene":
         """The mirror image: left and right exchanged, the direction of travel reversed.
 
@@ -125,11 +120,6 @@ class Scene(Section):
         """The scene as the text of a scene file."""
         return toml_text(self.model_dump())
 
-    def stride_of(self, side: Side) -> int:
-        """The control periods of the scene between two steps of a robot's program."""
-        own_s = self.robot_of(side).period_s
-        return 1 if own_s is None else max(1, round(own_s / self.control.period_s))
-
     @model_validator(mode="after")
     def _check(self) -> Self:
         for key, value, problem, allowed in _core.check_scene(as_given(self)):
@@ -155,15 +145,6 @@ class Scene(Section):
                 f"a number in m, from {least:g} to 10000",
                 "task.path.radius_m",
             )
-
-
-def as_given(value: object) -> Any:
-    """The tables of a section without the keys that have their default."""
-    if isinstance(value, BaseModel):
-        return {name: as_given(getattr(value, name)) for name in value.model_fields_set}
-    if isinstance(value, tuple):
-        return tuple(as_given(item) for item in value)
-    return value
 
 
 SceneLike: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Scene

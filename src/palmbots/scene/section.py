@@ -32,6 +32,15 @@ class Section(BaseModel):
         return {k: v for k, v in dump(self).items() if v is not None and v != {}}
 
 
+def as_given(value: object) -> Any:
+    """The tables of a section without the keys that have their default, as the core takes them."""
+    if isinstance(value, BaseModel):
+        return {name: as_given(getattr(value, name)) for name in value.model_fields_set}
+    if isinstance(value, tuple):
+        return tuple(as_given(item) for item in value)
+    return value
+
+
 def plain(value: Any) -> Any:
     """A value of a section as plain tables and lists."""
     if isinstance(value, BaseModel):

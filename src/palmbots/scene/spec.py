@@ -12,7 +12,8 @@ import copyreg
 import palmbots._core as _core
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError
-from palmbots.scene.scene import Scene, as_given
+from palmbots.scene.scene import Scene
+from palmbots.scene.section import as_given
 
 
 def refuse_curved(scene: Scene) -> None:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from palmbots._types import SIDES
 from palmbots.control.dead_band import overrun_m, zero_zone_edges_m
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 
 _SIGMAS = 3.0
 Array = NDArray[np.float64]
@@ -46,7 +47,7 @@ def reaction(scene: Scene, shallow: ArrayLike, steep: ArrayLike) -> Reaction:
     rate = min(math.radians(scene.palm_of(side).rate_deg_s) for side in SIDES)
     period = scene.control.period_s
     # A message is read at the first tick after its latency.
-    message = scene.radio.longest_delay_s + period
+    message = to_spec(scene, unrolled=True).longest_delay + period
     own = period + turn / rate
     asked = period + 2 * message + turn / rate
 
