@@ -223,9 +223,8 @@ def load_limits(scene: SceneLike = "paper", *, overrides: Overrides = None) -> L
     return LoadLimits(chosen, chosen.object.mass_kg, tuple(found))
 
 
-def check_load(scene: Scene) -> None:
+def check_load(scene: Scene, spec: _core.Spec) -> None:
     """Raise `SceneError` for an object that is too heavy for the robots to start with."""
-    spec = to_spec(scene, unrolled=True)
     start = _start(scene, spec)
     refusal = _refusal(scene.object.mass_kg, {k: start.heaviest(k)[0] for k in _DECISIVE})
     if refusal is not None:
@@ -241,7 +240,7 @@ def _everywhere(scene: Scene, reach_m: float = math.inf) -> _States:
     return _States(scene, spec, grid, fastest)
 
 
-def _start(scene: Scene, spec: Any) -> _States:
+def _start(scene: Scene, spec: _core.Spec) -> _States:
     """The start of the carry, at rest."""
     return _States(scene, spec, [np.array([p]) for p in spec.start], 0.0)
 
@@ -268,7 +267,9 @@ class _States:
     """All states with some contacts, at the ends of angles, slopes and squeezes in which friction
     holds the object; forces on the palms in units of the object's weight."""
 
-    def __init__(self, scene: Scene, spec: Any, places: list[Array], acceleration: float) -> None:
+    def __init__(
+        self, scene: Scene, spec: _core.Spec, places: list[Array], acceleration: float
+    ) -> None:
         self._scene, self._spec = scene, spec
         a = acceleration / _G
         slopes = [spec.slope - a, spec.slope + a] if a else [spec.slope]

@@ -3,7 +3,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import palmbots._core as _core
 from palmbots._util.arguments import one_of, show
@@ -35,15 +34,14 @@ class Prepared:
     spec: _core.Spec
     timing: Bounds | None
     """The time bounds on which the controller relies; None: it relies on none."""
-
-    @cached_property
-    def warnings(self) -> tuple[str, ...]:
-        """The warnings that are known before the carry starts."""
-        return warnings_before(self.scene, self.controller)
+    warnings: tuple[str, ...]
+    """Those that are known before the carry starts."""
 
     def renamed(self, controller: str) -> "Prepared":
         """The same for a carry that a program stepped from outside, under this name."""
-        return replace(self, controller=describe(controller), timing=None)
+        entry = describe(controller)
+        warnings = warnings_before(self.scene, entry)
+        return replace(self, controller=entry, timing=None, warnings=warnings)
 
 
 def prepare(
@@ -60,18 +58,18 @@ def prepare(
     place = world_entry(world) if isinstance(world, str) else world
     entry = resolve(controller)
     check_scene(place, scene)
-    check_load(scene)
+    spec = to_spec(scene, unrolled=place.supports_curved)
+    check_load(scene, spec)
     if not place.supports_references:
         refuse_reference(entry, f"the {place.name} world")
     timing = bounds_of(scene) if entry.has_time_bounds else None
-    spec = to_spec(scene, unrolled=place.supports_curved)
     if not entry.uses_clock:
         # Its robots measure no time: their clocks run like that of the carry, also in programs.
         spec.faults = [
             (kind, side, at, lasts, reads, 0.0 if kind in _CLOCK_FAULTS else value, marks)
             for kind, side, at, lasts, reads, value, marks in spec.faults
         ]
-    return Prepared(scene, entry, place, spec, timing)
+    return Prepared(scene, entry, place, spec, timing, warnings_before(scene, entry))
 
 
 def check_precision(world: WorldEntry, precision: str) -> None:

@@ -67,7 +67,6 @@ def carry(
     from palmbots._util.arguments import seed_of
     from palmbots._util.report import Line
     from palmbots.cli.carried import Carried
-    from palmbots.control.dead_band import warnings_before
     from palmbots.simulation.outcome_counts import scene_statistics
     from palmbots.simulation.prepare import check_precision, prepare
     from palmbots.simulation.single import carry as run_carry
@@ -85,14 +84,13 @@ def carry(
     if video and folder is not None:
         _check_video(folder)
     earlier = _earlier(folder)
-    early_warnings = warnings_before(chosen, prepared.controller)
     limits = () if prepared.controller.team == "none" else self_check(chosen)
     budget = None
     if world == "mujoco" and chosen.task.path.is_curved:
         budget = mujoco_outputs.drift_budget(
             chosen, entry, quiet=as_json, accept_excess=accept_excess
         )
-    for text in (*early_warnings, *limits):
+    for text in (*prepared.warnings, *limits):
         warn(text)
     expected_s = 0.5 * chosen.timeout_s if world == "mujoco" else 0.0
     start = time.monotonic()
@@ -131,7 +129,7 @@ def carry(
     hint = explain(chosen, entry.name, scene, overrides) if explain and not as_json else None
     shown = Carried.of(
         result,
-        [*early_warnings, *limits],
+        [*prepared.warnings, *limits],
         drift_forecast=budget,
         hint=hint,
         scene_statistics=statistics,
