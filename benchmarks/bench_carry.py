@@ -21,6 +21,7 @@ from rich.table import Table
 import palmbots._core as _core
 from _machine import compiler, processor
 from palmbots._version import __version__
+from palmbots.control.registry import shipped_names
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds
@@ -39,12 +40,7 @@ PEERS = {
 
 # What is timed here: its name, the controller, and scene keys other than the default's.
 CASES: list[tuple[str, str, dict[str, object]]] = [
-    ("distributed", "distributed", {}),
-    ("centralized", "centralized", {}),
-    ("resilient", "resilient", {}),
-    ("silent", "silent", {}),
-    ("shared-sign", "shared-sign", {}),
-    ("none", "none", {}),
+    *((name, name, {}) for name in shipped_names()),
     ("distributed, palms 1 cm above their pivots", "distributed", {"palm.pivot_offset_m": 0.01}),
     ("distributed, 1 % of messages lost", "distributed", {"radio.loss": 0.01}),
     ("centralized, 1 % of messages lost", "centralized", {"radio.loss": 0.01}),
@@ -109,7 +105,7 @@ def main() -> None:
             (f"{name}, with its loop in Python", version,
              1e6 * statistics.median(r.total_s for r in results), result)
         )  # fmt: skip
-    base = rows[0][2]
+    (base,) = [us for what, _, us, _ in rows if what == "palmbots, distributed, double"]
     table = Table("one carry of 25 s", "version", "µs", "ratio", "carried")
     for what, version, us, result in rows:
         table.add_row(what, version, f"{us:,.0f}", f"{us / base:,.2f}", result)

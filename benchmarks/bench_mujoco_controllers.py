@@ -18,6 +18,7 @@ from rich.progress import track
 from rich.table import Table
 
 from palmbots._util.confidence_intervals import wilson
+from palmbots.control.registry import shipped_names
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DROPPED, run_seeds
@@ -26,8 +27,7 @@ from palmbots.simulation.single import carry
 RESULTS = Path(__file__).parent / "results" / "mujoco_controllers.csv"
 SEEDS = 200
 CASES = [
-    *((name, 0.03) for name in ("centralized", "distributed", "resilient", "silent")),
-    ("shared-sign", 0.03),
+    *((name, 0.03) for name in shipped_names("station", "robots")),
     ("silent", 0.05),
     ("shared-sign", 0.05),
 ]

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import palmbots as pb
 from _cells import Cells
+from palmbots.control.registry import shipped_names
 from palmbots.optimum.opening import COARSE, FINE, best_price, opening_problem, solve
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DROPPED, available_cores, run_seeds
@@ -31,7 +32,7 @@ NEGLIGIBLE = 1e-6
 STOPPING = {"control.brake": True}
 CORRECTIONS = {"control.brake": False}
 SHIPPED = (
-    ("corrections", ("centralized", "distributed", "resilient", "silent", "shared-sign")),
+    ("corrections", shipped_names("station", "robots")),
     ("stopping", ("silent", "shared-sign")),
 )
 REFERENCES = (

@@ -256,7 +256,11 @@ class LockstepBoards:
             period_us = round(1e6 * scene.control.period_s)
             station = station_program(KEY, PAIR)
             self.dongle = LockstepDongle(dongle, station, period_us, seed + 2)
-        if entry.name in ("distributed", "centralized") or entry.machines is not None:
+        program = _core.runtime.Robot(
+            spec, entry.for_core(spec), 0, KEY, PAIR, epoch=1, assists=False,
+            settings=_core.runtime.RuntimeSettings.lockstep(), carries=True,
+        )  # fmt: skip
+        if program.greet() is not None:
             self._greet()
 
     def _greet(self) -> None:
