@@ -16,7 +16,6 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from palmbots import scene
 from palmbots.errors import PalmbotsError
 
 API = Path(__file__).with_name("api.txt")
@@ -87,7 +86,7 @@ def test_arguments_after_the_second_are_keywords(name: str) -> None:
         assert all(p.kind in (p.KEYWORD_ONLY, p.VAR_KEYWORD) for p in parameters[2:])
 
 
-@pytest.mark.parametrize("module", [*MODULES, scene], ids=lambda module: module.__name__)
+@pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__)
 def test_names_that_type_checkers_see_are_those_of_the_module(module: Any) -> None:
     """Each is listed once: as an import of the name as itself."""
     tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
