@@ -28,10 +28,10 @@ from rich.table import Column, Table
 ROOT = Path(__file__).resolve().parent.parent
 KINDS = ("code", "comments", "blank", "data", "generated", "prose")
 GENERATED = (
-    "requirements/*.txt", "site/package-lock.json", "src/palmbots/_core/*.pyi",
-    "src/palmbots/firmware/data/*.hex", "docs/reference/cli.md", "docs/reference/python.md",
-    "docs/reference/scene-keys.md", "tests/package/api.txt", "benchmarks/baselines/*",
-    "benchmarks/results/*", "firmware/board/nrf52833/registers.hpp", "verify/counterexamples/*",
+    "requirements/*.txt", "site/package-lock.json", "src/palmbots/boards/data/*.hex",
+    "docs/reference/cli.md", "docs/reference/scene-keys.md", "tests/package/api.txt",
+    "benchmarks/baselines/*", "benchmarks/results/*", "firmware/board/nrf52833/registers.hpp",
+    "verify/counterexamples/*",
 )  # fmt: skip
 """Files that a command of this tree writes."""
 PROSE = (".md", ".cff", ".bib", "LICENSE")

@@ -105,16 +105,6 @@ class BitslicedTable {
     }(std::make_index_sequence<Robot::states>());
     return found;
   }
-  // truth(state) is evaluated for each state; returns the robots for which it is true in their
-  // state.
-  template <class Truth>
-  [[gnu::always_inline]] RobotMask where_each(Truth truth) const {
-    RobotMask found{};
-    [&]<std::size_t... s>(std::index_sequence<s...>) {
-      ((found |= in_[s] & truth(static_cast<State>(s))), ...);
-    }(std::make_index_sequence<Robot::states>());
-    return found;
-  }
   // The robots whose state has an output for which the predicate is true.
   template <class Predicate>
   [[gnu::always_inline]] RobotMask who(Predicate predicate) const {

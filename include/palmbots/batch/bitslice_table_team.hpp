@@ -25,7 +25,6 @@ class BitslicedTableTeam {
   using Known = TableMessages<Table>;
   using State = typename Table::State;
   using Memory = TableMemory<Table, RobotMask, BitslicedCounter>;
-  using MemoryLimits = decltype(Memory::limits(std::declval<TableTimes<Table>>()));
   static constexpr bool is_queue = Table::mail == Mail::queue;
   static constexpr bool is_beacons = Table::mail == Mail::beacons;
   static constexpr bool has_memory = requires(Memory memory) { memory.partner_stopped; };

@@ -51,7 +51,6 @@ enum class ModeEvent : std::uint8_t {
   rests,           // the controller does not travel
   travels,         // it travels
 };
-inline constexpr unsigned mode_events = 22;
 
 constexpr const char* name_of(ModeEvent event) {
   constexpr const char* names[] = {

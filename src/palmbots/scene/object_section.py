@@ -80,11 +80,6 @@ class Object(Section):
         (lx, ly), (rx, ry) = (self.vertices_m[k] for k in self.contacts)
         return math.degrees(math.atan2(ly - ry, rx - lx)) + 0.0
 
-    @property
-    def is_upside_down(self) -> bool:
-        """Whether the outline is turned by more than a right angle: contacts are upper vertices."""
-        return abs(self.rest_angle_deg) > 90
-
     @model_validator(mode="before")
     @classmethod
     def _fill(cls, data: Any) -> Any:

@@ -7,7 +7,6 @@ beyond the end of a block of seeds. No result depends on the division.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -83,12 +82,6 @@ class ChunkGrid:
         first = column * self.seeds_a_chunk
         seeds = slice(first, min(first + self.seeds_a_chunk, self.seeds))
         return Chunk(number, region, points, seeds, column, row)
-
-    def in_order(self) -> Iterator[int]:
-        """All numbers: the first seeds of every row, then the next ones."""
-        for column in range(self.columns):
-            for row in range(self.rows):
-                yield row * self.columns + column
 
 
 def make_layout(
