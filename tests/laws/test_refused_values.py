@@ -119,21 +119,21 @@ def keys_of(
             yield from keys_of(root, inner, f"{prefix}{name}{'[0]' * is_list}.")
 
 
-def limits_of(key: Key) -> Any:
-    """The check of a key; for a key of the core, made of its row."""
-    row = key.row
-    if row is None:
-        return key.check
-    least, most = row["least"], row["most"]
+def row_in_words(row: dict[str, Any]) -> str:
+    """What a row of the core's table allows."""
     if row["kind"] == "flag":
-        return is_switch
+        return "true or false"
     if row["kind"] == "choice":
-        return OneOf(row["choices"])
-    if row["kind"] == "whole":
-        return whole(int(least), None if most is None else int(most))
+        *others, last = map(repr, row["choices"])
+        return f"{', '.join(others)} or {last}"
+    noun, form = ("a whole number", ".0f") if row["kind"] == "whole" else ("a number", "g")
+    unit = f" in {row['unit']}" * bool(row["unit"])
+    least, most = (None if end is None else f"{end:{form}}" for end in (row["least"], row["most"]))
+    if most is None:
+        return f"{noun}{unit}, at least {least}"
     if row["is_open"]:
-        return Range(row["unit"], above=least, below=most)
-    return Range(row["unit"], least=least, most=most)
+        return f"{noun}{unit}, more than {least} and less than {most}"
+    return f"{noun}{unit}, from {least} to {most}"
 
 
 def outside(check: Any) -> Iterator[tuple[Any, str, str]]:
@@ -189,10 +189,9 @@ KEYS = [key for model in FILES for key in keys_of(model)]
 
 @pytest.mark.parametrize("key", KEYS, ids=lambda key: f"{key.model.__name__}: {key.path}")
 def test_values_outside_the_limits_of_a_key_are_refused(key: Key) -> None:
-    check = limits_of(key)
-    for value, shown, fault in outside(check):
-        line = key.line_for(value)
-        assert line == f"{key.path}: {shown} {fault}; allowed: {allowed_by(check)}"
+    allowed = row_in_words(key.row) if key.row else allowed_by(key.check)
+    for value, shown, fault in outside(key.check):
+        assert key.line_for(value) == f"{key.path}: {shown} {fault}; allowed: {allowed}"
 
 
 def test_every_key_of_the_core_has_its_limits() -> None:
