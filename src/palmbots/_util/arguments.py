@@ -27,6 +27,11 @@ def show(value: object) -> str:
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
 
 
+def shown(value: object) -> str:
+    """The same for a value of a program in Python, where nothing is None."""
+    return "None" if value is None else show(value)
+
+
 def with_lists(value: Any) -> Any:
     """The value with lists in place of NumPy's arrays, in tables, too."""
     if isinstance(value, Mapping):

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol, cast, get_args
 
 import palmbots._core as _core
-from palmbots._util.arguments import show
+from palmbots._util.arguments import shown
 from palmbots.control.own_code import name_of, own_code, show_error
 from palmbots.errors import PalmbotsError
 
@@ -164,7 +164,7 @@ def _make(maker: Any) -> Any:
                 f"controller={name} so that each robot gets its own"
             )
         raise PalmbotsError(
-            f"controller: value is {_shown(maker)}; allowed: a name, or a class with a step"
+            f"controller: value is {shown(maker)}; allowed: a name, or a class with a step"
         )
     with own_code(f"controller: {name_of(maker)}() failed"):
         return maker()
@@ -176,7 +176,7 @@ def _numbers(output: object, name: str) -> tuple[object, ...]:
         if isinstance(output, Coroutine):
             output.close()  # otherwise Python warns that it was never awaited
         raise PalmbotsError(
-            f"controller: {name}.step returned {_shown(output)}; allowed: a StepOutput, as in "
+            f"controller: {name}.step returned {shown(output)}; allowed: a StepOutput, as in "
             'StepOutput(palm="shallow", move="away")'
         )
     return (
@@ -190,16 +190,11 @@ def _numbers(output: object, name: str) -> tuple[object, ...]:
     )
 
 
-def _shown(value: object) -> str:
-    return "None" if value is None else show(value)
-
-
 def _index(what: str, legal: tuple[str | None, ...], value: object) -> int:
     if (isinstance(value, str) or value is None) and value in legal:
         return legal.index(value)
     raise PalmbotsError(
-        f"controller: {what} is {_shown(value)}; "
-        f"allowed: {', '.join(_shown(name) for name in legal)}"
+        f"controller: {what} is {shown(value)}; allowed: {', '.join(shown(name) for name in legal)}"
     )
 
 
@@ -208,4 +203,4 @@ def _case(name: object) -> int:
         return ord(" ")
     if isinstance(name, str) and len(name) == 1 and name in " abcd":
         return ord(name)
-    raise PalmbotsError(f'controller: case is {_shown(name)}; allowed: "a" to "d", or None')
+    raise PalmbotsError(f'controller: case is {shown(name)}; allowed: "a" to "d", or None')

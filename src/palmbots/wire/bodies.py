@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import palmbots._core as _core
-from palmbots._util.arguments import show
+from palmbots._util.arguments import show, shown
 from palmbots.control.interface import MOVES, PALMS, Move, Palm
 from palmbots.errors import PalmbotsError
 
@@ -223,7 +223,7 @@ def payload_of(body: Body) -> bytes:
             palm, move = index("palm", PALMS, body.palm), index("move", MOVES, body.move)
             return _core.wire.command(palm, move, bool(body.stop))
     allowed = ", ".join(kind.__name__ for kind in BODIES)
-    raise PalmbotsError(f"body: value is {_shown(body)}; allowed: {allowed}")
+    raise PalmbotsError(f"body: value is {shown(body)}; allowed: {allowed}")
 
 
 def body_of(kind: int, payload: bytes) -> Body:
@@ -265,15 +265,11 @@ def index(what: str, legal: tuple[object, ...], value: object) -> int:
     if type(value) in (str, int) and value in legal:
         return legal.index(value)
     allowed = ", ".join(show(one) for one in legal)
-    raise PalmbotsError(f"{what}: value is {_shown(value)}; allowed: {allowed}")
+    raise PalmbotsError(f"{what}: value is {shown(value)}; allowed: {allowed}")
 
 
 def whole(what: str, value: int, least: int, most: int) -> int:
     """The value, if it is a whole number in this range; otherwise raises PalmbotsError."""
     if type(value) is int and least <= value <= most:
         return value
-    raise PalmbotsError(f"{what}: value is {_shown(value)}; allowed: {least} to {most}")
-
-
-def _shown(value: object) -> str:
-    return "None" if value is None else show(value)
+    raise PalmbotsError(f"{what}: value is {shown(value)}; allowed: {least} to {most}")

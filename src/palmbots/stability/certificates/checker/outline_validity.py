@@ -59,7 +59,8 @@ def crosses_itself(points: list[Point]) -> bool:
     return False
 
 
-def _cross(a: Point, b: Point, c: Point) -> Fraction:
+def cross(a: Point, b: Point, c: Point) -> Fraction:
+    """Twice the area of the triangle a, b, c; > 0: counter-clockwise."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
@@ -69,13 +70,13 @@ def _folds_back(one: tuple[Point, Point], two: tuple[Point, Point]) -> bool:
     if b in (a, c):
         return True
     forward = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1])
-    return _cross(a, b, c) == 0 and forward < 0
+    return cross(a, b, c) == 0 and forward < 0
 
 
 def _meet(a: Point, b: Point, c: Point, d: Point) -> bool:
     """Whether two closed segments have a point in common."""
-    c_side, d_side = _cross(a, b, c), _cross(a, b, d)
-    a_side, b_side = _cross(c, d, a), _cross(c, d, b)
+    c_side, d_side = cross(a, b, c), cross(a, b, d)
+    a_side, b_side = cross(c, d, a), cross(c, d, b)
     if c_side * d_side < 0 and a_side * b_side < 0:
         return True
     touching = ((c_side, c, a, b), (d_side, d, a, b), (a_side, a, c, d), (b_side, b, c, d))

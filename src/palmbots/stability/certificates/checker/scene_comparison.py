@@ -15,10 +15,9 @@ from typing import Any, Literal
 from palmbots.scene.scene import Scene
 from palmbots.stability.certificates.checker.claimed_box import ClaimedBox
 from palmbots.stability.certificates.checker.enclosures import Ends, root
-from palmbots.stability.certificates.checker.outline_validity import ROUNDING
+from palmbots.stability.certificates.checker.outline_validity import ROUNDING, Point, cross
 
 F = Fraction
-Point = tuple[Fraction, Fraction]
 _SIDES: tuple[Literal["left"], Literal["right"]] = ("left", "right")
 
 
@@ -28,10 +27,6 @@ def _exact(value: float) -> Fraction:
 
 def _point(value: Any) -> Point:
     return _exact(value[0]), _exact(value[1])
-
-
-def _cross(a: Point, b: Point, c: Point) -> Fraction:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 class _Frame:
@@ -49,7 +44,7 @@ class _Frame:
         """(x, y) of a point."""
         (lx, ly), (rx, ry) = self.left, self.right
         along = (point[0] - lx) * (rx - lx) + (point[1] - ly) * (ry - ly)
-        return along / self.width, _cross(self.left, self.right, point) / self.width
+        return along / self.width, cross(self.left, self.right, point) / self.width
 
     def outline(self) -> tuple[list[Point], int]:
         """The vertices counter-clockwise from the left contact, and the right contact's index."""
@@ -147,7 +142,7 @@ def _in_hull(point: Point, corners: list[Point], rounding: Fraction) -> bool:
     # An edge and back again for a hull of two points.
     for a, b in zip(hull, hull[1:] + hull[:1], strict=True):
         length = root((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2, upward=True)
-        if _cross(a, b, point) < -rounding * length:
+        if cross(a, b, point) < -rounding * length:
             return False
     return True
 
@@ -161,7 +156,7 @@ def _hull(corners: list[Point]) -> list[Point]:
     def half(ordered: list[Point]) -> list[Point]:
         chain: list[Point] = []
         for point in ordered:
-            while len(chain) > 1 and _cross(chain[-2], chain[-1], point) <= 0:
+            while len(chain) > 1 and cross(chain[-2], chain[-1], point) <= 0:
                 chain.pop()
             chain.append(point)
         return chain[:-1]
