@@ -19,33 +19,16 @@ import numpy as np
 
 import palmbots as pb
 from palmbots._util.confidence_intervals import wilson
-from palmbots.scene.spec import to_spec
-from palmbots.simulation.batch import run_seeds
 from palmbots.simulation.unavoidable_drops import is_unavoidable
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+
+from lossy_radio import lossy, many
 
 RESULT = Path(__file__).parent / "results" / "loss.csv"
 BY_TIME = RESULT.with_name("loss_by_time.csv")
 LOSSES = (0.0, 0.01, 0.05, 0.1, 0.2, 0.4)
 DELIVERED, DROPPED, STALLED = 1, 2, 3
-
-
-def many(controller: str, n: int, overrides: dict[str, Any]) -> dict[str, np.ndarray]:
-    """Metrics of n carries."""
-    return run_seeds(to_spec(pb.load_scene("paper", overrides)), controller, 0, n, "double")
-
-
-def lossy(loss: float) -> dict[str, Any]:
-    """The scene keys of a cell. A carry ends when it has stood six times as long as it needs."""
-    single = loss / 2
-    return {
-        "radio.loss": single,
-        "radio.burst_fraction": (loss - single) / (1 - single),
-        "radio.duplicate": 0.05,
-        "radio.jitter_s": 0.03,
-        "radio.reorder": True,
-        "faults.random_reboots": 1,
-        "task.timeout_s": 150.0,
-    }
 
 
 def rms_mm(cell: dict[str, np.ndarray]) -> float:
@@ -55,13 +38,13 @@ def rms_mm(cell: dict[str, np.ndarray]) -> float:
 
 def row(loss: float, n: int, lossless_mm: float) -> dict[str, Any]:
     """One cell: the resilient algorithm, and beside it what becomes of Table 2 on a lossy radio."""
-    cell = many("resilient", n, lossy(loss))
+    cell = many(lossy(loss), "resilient", n)
     outcome = cell["outcome"]
     dropped = np.nonzero(outcome == DROPPED)[0]
     again = [pb.carry("paper", "resilient", seed=int(s), overrides=lossy(loss)) for s in dropped]
     unavoidable = sum(is_unavoidable(carry) for carry in again)
-    table2 = many("distributed", n, {"radio.loss": loss})
-    messages = many("distributed", n, {})["messages"].astype(float)
+    table2 = many({"radio.loss": loss}, "distributed", n)
+    messages = many({}, "distributed", n)["messages"].astype(float)
     hit = int(np.count_nonzero(table2["messages_lost"]))
     low, high = wilson(hit, n)
     return {
@@ -90,9 +73,9 @@ def by_time(n: int, loss: float = 0.01) -> list[dict[str, Any]]:
     rows = []
     for by_s in (2.0, 5.0, 10.0, 15.0, 20.0, 25.0):
         until = {"task.timeout_s": by_s}
-        messages = many("distributed", n, until)["messages"].astype(float)
+        messages = many(until, "distributed", n)["messages"].astype(float)
         hit = np.count_nonzero(
-            many("distributed", n, until | {"radio.loss": loss})["messages_lost"]
+            many(until | {"radio.loss": loss}, "distributed", n)["messages_lost"]
         )
         low, high = wilson(int(hit), n)
         rows.append({
@@ -114,8 +97,8 @@ def write(path: Path, rows: list[dict[str, Any]]) -> None:
 def main() -> None:
     """All cells, printed and written as they come."""
     n = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
-    plain = many("distributed", n, {})
-    perfect = many("resilient", n, {})
+    plain = many({}, "distributed", n)
+    perfect = many({}, "resilient", n)
     each = [np.sqrt(np.mean(c["contact_rms_m"] ** 2, axis=1)) for c in (perfect, plain)]
     ratio = np.log(each[0] / each[1])
     spread = 1.96 * float(ratio.std()) / np.sqrt(n)

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from lossy_radio import lossy, many
 from palmbots._util.confidence_intervals import wilson
-from palmbots.scene.spec import to_spec
-from palmbots.simulation.batch import run_seeds
 from palmbots.simulation.result import Carry
 from palmbots.simulation.unavoidable_drops import is_unavoidable
 
@@ -24,25 +23,6 @@ DELIVERED, DROPPED, STALLED = 1, 2, 3
 
 def carried(overrides: dict[str, Any], controller: str = "resilient", seed: int = 0) -> Carry:
     return pb.carry("paper", controller, seed=seed, overrides=overrides)
-
-
-def many(overrides: dict[str, Any], controller: str, n: int) -> dict[str, np.ndarray]:
-    return run_seeds(to_spec(pb.load_scene("paper", overrides)), controller, 0, n, "double")
-
-
-def lossy(loss: float) -> dict[str, Any]:
-    """Half of the losses single, half in bursts; duplicates, reordering, one reboot; enough
-    time."""
-    single = loss / 2
-    return {
-        "radio.loss": single,
-        "radio.burst_fraction": (loss - single) / (1 - single),
-        "radio.duplicate": 0.05,
-        "radio.jitter_s": 0.03,
-        "radio.reorder": True,
-        "faults.random_reboots": 1,
-        "task.timeout_s": 150.0,
-    }
 
 
 def column(carry: Carry, name: str) -> np.ndarray:

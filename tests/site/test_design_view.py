@@ -10,12 +10,8 @@ import pytest
 from playwright.sync_api import expect
 
 import palmbots as pb
-from palmbots.mechanics.contact_modes import CONTACT_MODES, contact_modes_batch
-from site_pages import Open, command_of, go, hash_of
-
-
-def mode_name(mode: int) -> str:
-    return {-1: "not held", -2: "jammed"}.get(mode) or "-".join(CONTACT_MODES[mode])
+from palmbots.mechanics.contact_modes import contact_modes_batch
+from site_pages import Open, command_of, go, hash_of, mode_name
 
 
 def test_design_shows_the_tolerance_of_a_pair(open_page: Open, tmp_path: Path) -> None:

@@ -14,12 +14,8 @@ from playwright.sync_api import Page, expect
 import palmbots as pb
 from commands import runner
 from palmbots.mechanics.contact_mode_words import decision_sentence, margin_sentence, mode_sentence
-from palmbots.mechanics.contact_modes import CONTACT_MODES, contact_modes_batch
-from site_pages import Open, command_of, hash_of, run_json
-
-
-def mode_name(mode: int) -> str:
-    return {-1: "not held", -2: "jammed"}.get(mode) or "-".join(CONTACT_MODES[mode])
+from palmbots.mechanics.contact_modes import contact_modes_batch
+from site_pages import Open, command_of, hash_of, mode_name, run_json
 
 
 def assert_sentences(page: Page, found: pb.mechanics.ContactModes) -> None:

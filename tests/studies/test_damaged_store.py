@@ -22,13 +22,6 @@ from palmbots.studies.zarr_arrays import ZarrArrays
 from study_fixtures import SMALL, hash_of
 
 
-@pytest.fixture(scope="module")
-def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    root = tmp_path_factory.mktemp("small") / "study"
-    pb.study(SMALL, root)
-    return root
-
-
 def damaged(root: Path, what: str) -> None:
     results = root / "results.zarr"
     match what:

@@ -20,24 +20,11 @@ import at_call
 from palmbots.errors import PalmbotsError
 from palmbots.studies import dask_runner
 from palmbots.studies.store import Store
-from study_fixtures import LONG, command, marks, refused, said_here, study, study_here
+from study_fixtures import command, marks, refused, said_here, study, study_here
 from waiting import wait_until
 
 TIMEOUT_S = 60
 CHUNK = 800  # carries: twelve chunks
-
-
-@pytest.fixture(scope="module")
-def long(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    file = tmp_path_factory.mktemp("long") / "long.toml"
-    file.write_text(LONG)
-    return file
-
-
-@pytest.fixture(scope="module")
-def whole(long: Path) -> str:
-    """The hash of the study carried here, without a cluster."""
-    return said_here(long, "--out", long.parent / "whole")["hash"]
 
 
 @contextlib.contextmanager

@@ -25,21 +25,6 @@ from palmbots.studies.store import Store
 from study_fixtures import LONG, marks, refused, said_here, study, study_here
 
 
-@pytest.fixture(scope="module")
-def long(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    file = tmp_path_factory.mktemp("long") / "long.toml"
-    file.write_text(LONG)
-    return file
-
-
-@pytest.fixture(scope="module")
-def whole(long: Path) -> str:
-    """The hash of an undisturbed run, on one thread with another chunk size."""
-    return said_here(long, "--out", long.parent / "whole", "--chunk-size", 1500, "--threads", 1)[
-        "hash"
-    ]
-
-
 def killed(when: str, function: Callable[..., Any] | str, count: int, *arguments: object) -> None:
     """Run a study that is killed at a call of a function."""
     words = at_call.command("SIGKILL", when, function, count, "study", *arguments)

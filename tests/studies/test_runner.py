@@ -25,13 +25,6 @@ from study_fixtures import SMALL, command, hash_of, marks, said
 OUTCOMES = ("running", "delivered", "dropped", "stalled")
 
 
-@pytest.fixture(scope="module")
-def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    root = tmp_path_factory.mktemp("small") / "study"
-    pb.study(SMALL, root)
-    return root
-
-
 def test_every_carry_equals_the_single_carry(small: Path) -> None:
     found = pb.open_study(small)
     assert dict(found.sizes) == {

@@ -11,6 +11,7 @@ from urllib.parse import urlencode
 import pytest
 
 from commands import Run, runner
+from palmbots.mechanics.contact_modes import CONTACT_MODES
 
 ROOT = Path(__file__).resolve().parents[2]
 SITE = ROOT / "build" / "site"
@@ -25,6 +26,11 @@ def hash_of(view: str, query: Mapping[str, object] | None = None, **keys: object
     pairs = [(name, str(value)) for name, value in (query or {}).items()]
     pairs += [("set", f"{k.replace('__', '.')}={json.dumps(v)}") for k, v in keys.items()]
     return f"#{view}?{urlencode(pairs)}" if pairs else f"#{view}"
+
+
+def mode_name(mode: int) -> str:
+    """What the page calls a contact mode, given as in `ContactModesBatch.closing`."""
+    return {-1: "not held", -2: "jammed"}.get(mode) or "-".join(CONTACT_MODES[mode])
 
 
 def go(page: Any, place: str) -> None:

@@ -2,7 +2,6 @@
 """The claims about palms that turn at the same time, against linear programs and plane geometry."""
 
 import copy
-import json
 import math
 from collections import Counter
 from fractions import Fraction
@@ -14,32 +13,14 @@ import pytest
 from numpy.typing import NDArray
 
 import palmbots as pb
+from certificate_cases import WIDE_APART, checked, numbers
 from clearance_cases import lips, touches
-from palmbots import check as check_function
 from palmbots._types import SIDES
 from palmbots.stability.certificates.obligations import BOTH_TURN
 from palmbots.stability.certificates.prover import certify
 from statics_oracle import OFF_BY, STICK, State
 
 Array = NDArray[np.float64]
-
-# Angles that differ by 21.4°: held while one palm turns, but not with both palms at any angle and
-# the contacts off in opposite directions, the outward one on the shallow palm.
-WIDE_APART: dict[str, Any] = {
-    "object": {"com_m": [0.1089, 0.0765]},
-    "palm": {"shallow_deg": 8.567, "steep_deg": 29.984, "pivot_offset_m": 0.01, "friction": 0.287},
-}
-
-
-def checked(data: dict[str, Any], folder: Path) -> pb.stability.CheckResult:
-    target = folder / "certificate.json"
-    target.write_text(json.dumps(data))
-    return check_function(target)
-
-
-def numbers(pair: Any) -> list[float]:
-    return [float(Fraction(value)) for value in pair]
-
 
 # ---- oracles -------------------------------------------------------------------------------------
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from palmbots import check as check_function
+from certificate_cases import WIDE_APART, checked
 from palmbots._types import SIDES
 from palmbots.cli.main import run
 from palmbots.stability.certificates import jam_proof, property_proof
@@ -31,20 +31,8 @@ from palmbots.stability.certificates.obligations import (
 )
 from palmbots.stability.certificates.prover import certify
 
-# Angles that differ by 21.4°: held while one palm turns, but not with both palms at any angle and
-# the contacts off in opposite directions, the outward one on the shallow palm.
-WIDE_APART: dict[str, Any] = {
-    "object": {"com_m": [0.1089, 0.0765]},
-    "palm": {"shallow_deg": 8.567, "steep_deg": 29.984, "pivot_offset_m": 0.01, "friction": 0.287},
-}
 # Frictions at which the cones of both palms contain the line between the contacts.
 STICKY: dict[str, Any] = {"friction": (0.3, 4.0)}
-
-
-def checked(data: dict[str, Any], folder: Path) -> pb.stability.CheckResult:
-    target = folder / "certificate.json"
-    target.write_text(json.dumps(data))
-    return check_function(target)
 
 
 @pytest.fixture(scope="module")

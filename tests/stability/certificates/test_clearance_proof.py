@@ -14,11 +14,11 @@ import pytest
 from numpy.typing import NDArray
 
 import palmbots as pb
+from certificate_cases import checked, numbers
 from clearance_cases import arch, keel, lips, touches
 from palmbots import check as check_function
 from palmbots._types import SIDES
 from palmbots.cli.main import run
-from palmbots.stability.certificates.checker.verify import CheckResult
 from palmbots.stability.certificates.prover import Certificate, certify
 from palmbots.stability.clearance import outline_clearance
 from palmbots.stability.problem import stability_problem
@@ -29,16 +29,6 @@ CLEARANCE = ("clearance",)
 
 def proved(scene: Any, **given: Any) -> Certificate:
     return certify(scene, claims=CLEARANCE, **given)
-
-
-def checked(data: dict[str, Any], folder: Path) -> CheckResult:
-    target = folder / "certificate.json"
-    target.write_text(json.dumps(data))
-    return check_function(target)
-
-
-def numbers(pair: Any) -> list[float]:
-    return [float(Fraction(value)) for value in pair]
 
 
 def sampled(box: dict[str, Any], rng: np.random.Generator, n: int) -> NDArray[np.bool_]:
