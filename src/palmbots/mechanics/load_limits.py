@@ -29,7 +29,7 @@ from palmbots._util.results import Result
 from palmbots._util.text import millimetres
 from palmbots.errors import SceneError
 from palmbots.mechanics.contact_modes import contact_modes_batch
-from palmbots.scene.chassis import Chassis, axle_out, chassis, wheel_kg
+from palmbots.scene.chassis import axle_out, chassis, wheel_kg
 from palmbots.scene.placement import floor_level
 from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.scene.scene import Scene, SceneLike, load_scene
@@ -271,6 +271,7 @@ class _States:
         self, scene: Scene, spec: _core.Spec, places: list[Array], acceleration: float
     ) -> None:
         self._scene, self._spec = scene, spec
+        self._chassis = chassis(-floor_level(spec), axle_out(scene))
         a = acceleration / _G
         slopes = [spec.slope - a, spec.slope + a] if a else [spec.slope]
         angles = [np.array([palm.shallow, palm.steep]) for palm in spec.palms]
@@ -364,10 +365,10 @@ class _States:
     ) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, Array]]:
         """Load of the wheels, load of the caster, and force of the wheels along the floor: each of
         the robot's own weight [N], and of the object [its weight]."""
-        at = chassis(-floor_level(self._spec), axle_out(self._scene))
+        at = self._chassis
         base = at.axle - at.caster
         weight, moment = 0.0, np.zeros_like(tilt)  # about the caster, outward side down
-        for mass, x, z in self._masses(i, at):
+        for mass, x, z in self._masses(i):
             weight += mass * _G
             moment = moment + mass * _G * ((x - at.caster) + tilt * z)
         x = at.pivot[0] + self._arm_x[i] - at.caster
@@ -375,9 +376,9 @@ class _States:
         wheels = moment / base, by_load
         return wheels, (weight - wheels[0], down - by_load), (-tilt * weight, -out)
 
-    def _masses(self, i: int, at: Chassis) -> Iterator[tuple[float, Any, Any]]:
+    def _masses(self, i: int) -> Iterator[tuple[float, Any, Any]]:
         """The parts of a robot: mass, and place relative to the middle of the body on the floor."""
-        keys = self._scene.mujoco
+        keys, at = self._scene.mujoco, self._chassis
         wheel = wheel_kg(self._scene)
         yield keys.body_kg - 2 * wheel, *at.com
         yield 2 * wheel, at.axle, keys.wheel_radius_m
