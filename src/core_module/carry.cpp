@@ -216,7 +216,6 @@ void bind_carry(nb::module_& m) {
       .def_prop_ro("bumps", [](const Run& r) { return r.metrics.bumps; })
       .def_prop_ro("correction_count", [](const Run& r) { return r.metrics.corrections; })
       .def_prop_ro("corrections", &corrections)
-      .def_prop_ro("contact_event_count", [](const Run& r) { return r.metrics.contact_events; })
       .def_prop_ro("contact_events", &contact_events)
       .def_prop_ro("message_log", &messages)
       .def_prop_ro("trace", &trace)

@@ -172,12 +172,6 @@ void bind_spec(nb::module_& m) {
           "All numbers of the spec. Equal specs have equal bytes, on every machine.")
       .def_static("list_from_bytes", &specs_of, nb::arg("bytes"),
                   "The specs of which these are the bytes, one after the other.");
-
-  m.def(
-      "safe_reach", [](const Spec& spec) { return safe_reach(spec); }, nb::arg("spec"),
-      "How far from the middle of their palms both contacts are certain to be held at any angles "
-      "[m]; "
-      "-1: unknown.");
 }
 
 }  // namespace palmbots::bindings

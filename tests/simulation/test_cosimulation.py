@@ -77,7 +77,7 @@ def test_cosimulation_with_the_quasistatic_world_equals_the_carry(
 ) -> None:
     whole: Any = _core.run(to_spec(scene), controller, seed, "double", True)
     crew = driven(scene, controller, seed)
-    if whole.contact_event_count == 0:
+    if not whole.contact_events:
         for name in RESULTS:
             assert repr(getattr(crew, name)) == repr(getattr(whole, name)), name
         for name, values in whole.trace.items():
@@ -88,7 +88,7 @@ def test_few_compared_carries_have_further_contacts() -> None:
     """The comparison above leaves out carries in which the object rests on more than two
     vertices."""
     touching = [
-        _core.run(to_spec(scene), controller, seed, "double", False).contact_event_count > 0
+        bool(_core.run(to_spec(scene), controller, seed, "double", False).contact_events)
         for scene, controller, seed in product((Scene(), BUSY, FALLS), CONTROLLERS, (0, 1))
     ]
     assert sum(touching) <= 4
