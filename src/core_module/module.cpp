@@ -7,8 +7,6 @@
 
 NB_MODULE(_core, m) {
   m.doc() = "The compiled core of palmbots: mechanics, world, controllers, carries.";
-  m.def("tangent", &palmbots::tangent<double>, nanobind::arg("angle"),
-        "Tangent of an angle [rad], |angle| < pi/2, the same bits on every system.");
   m.attr("z95") = palmbots::z95;
   m.def(
       "wilson",
