@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "palmbots/mechanics/loop_closure.hpp"
+#include "palmbots/sim/object_frame.hpp"
 #include "palmbots/sim/spec.hpp"
 
 namespace palmbots::page {
@@ -20,8 +21,8 @@ struct Pose {
   double object_sine;
 };
 
-// Appends x and y of: pivots, inner ends, outer ends and contacts (left, right each), COM, and the
-// outline from the left contact on.
+// Appends x and y of: pivots, inner ends, outer ends and contacts (left, right each), COM, the left
+// contact vertex as the scene has it, and the outline to draw.
 inline void append_places(const Spec& spec, const Pose& pose, std::vector<double>& out) {
   struct Xy {
     double x;
@@ -47,7 +48,8 @@ inline void append_places(const Spec& spec, const Pose& pose, std::vector<double
     outer[side] = {foot.x + half * along.x, foot.y + half * along.y};
     contact[side] = {foot.x + p * along.x, foot.y + p * along.y};
     if (side == left) {
-      vertex = {contact[side].x + lift * normal.x, contact[side].y + lift * normal.y};
+      const double above = lift + spec.outline.vertices[0].radius;
+      vertex = {contact[side].x + above * normal.x, contact[side].y + above * normal.y};
     }
   }
   const double sine = pose.object_sine;
@@ -64,10 +66,8 @@ inline void append_places(const Spec& spec, const Pose& pose, std::vector<double
     put((*pair)[right]);
   }
   put_carried(spec.com_left, spec.com_height);
-  for (std::size_t i = 0; i < spec.outline.count; ++i) {
-    const Vertex<double>& v = spec.outline.vertices[i];
-    put_carried(v.along[left], v.height);
-  }
+  put_carried(spec.outline.vertices[0].along[left], spec.outline.vertices[0].height);
+  for (const Vec& point : silhouette(spec)) put_carried(point.x, point.y);
 }
 
 }  // namespace palmbots::page

@@ -70,8 +70,9 @@ void bind_polygon(nb::module_& m) {
         if (contacts.first >= points.size() || contacts.second >= points.size()) {
           throw std::invalid_argument("contacts: vertices of the polygon");
         }
+        const std::vector<double> sharp(points.size());
         const ObjectSpec object =
-            object_frame({points, {contacts.first, contacts.second}, point_of(com)});
+            object_frame({{points, sharp}, {contacts.first, contacts.second}, point_of(com)});
         std::vector<std::tuple<double, double, double>> outline;
         for (Index k = 0; k < object.outline.count; ++k) {
           const Vertex<double>& v = object.outline.vertices[k];

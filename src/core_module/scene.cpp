@@ -134,7 +134,8 @@ nb::list scene_keys() {
       for (const Key& key : list.keys) {
         if (key.name.empty()) continue;
         const std::string dot = key.name.starts_with('[') ? "" : ".";
-        rows.append(row_of(key, name + dot + std::string(key.name), false));
+        const std::string ending = key.name == itself ? "" : dot + std::string(key.name);
+        rows.append(row_of(key, name + ending, false));
       }
     }
   }

@@ -3,6 +3,7 @@
 // keys names.
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <span>
@@ -11,6 +12,7 @@
 
 #include "bindings.hpp"
 #include "palmbots/sim/build.hpp"
+#include "palmbots/sim/object_frame.hpp"
 #include "palmbots/sim/spec_bytes.hpp"
 
 namespace palmbots::bindings {
@@ -131,7 +133,9 @@ void bind_spec(nb::module_& m) {
   nb::class_<Spec> type(m, "Spec", "Everything that defines a carry, in SI units and radians.");
   type.def(nb::init<>());
   for (const Section& section : sections) {
-    for (const RecordList& list : section.lists) bind_list(type, section, list);
+    for (const RecordList& list : section.lists) {
+      if (!list.member.empty()) bind_list(type, section, list);
+    }
     if (section.holders != Holders::one || section.name == "start") continue;
     const auto at = section.at;
     for (const Key& key : section.keys) {
@@ -156,6 +160,28 @@ void bind_spec(nb::module_& m) {
             s.start[left] = start.first;
             s.start[right] = start.second;
           })
+      .def_prop_ro(
+          "silhouette",
+          [](const Spec& s) {
+            std::vector<std::pair<double, double>> points;
+            for (const Vec& p : silhouette(s)) points.emplace_back(p.x, p.y);
+            return points;
+          },
+          "The outline to draw, (x, y) from the left contact vertex [m]: arcs as short edges.")
+      .def_prop_ro(
+          "corners",
+          [](const Spec& s) {
+            std::vector<std::tuple<double, double, double>> corners;
+            const RoundedBody body = body_of(s);
+            for (std::size_t i = 0; i < body.count; ++i) {
+              const Corner& c = body.corners[i];
+              const Vertex<double>& v = s.outline.vertices[i];
+              const Vec at = c.radius > 0 ? c.centre : Vec{v.along[left], v.height};
+              corners.emplace_back(at.x, at.y, c.radius);
+            }
+            return corners;
+          },
+          "(x, y, radius) of each corner's arc, from the left contact vertex [m].")
       .def_prop_ro(
           "longest_delay", [](const Spec& s) { return s.longest_delay(); },
           "The longest delay of any link [s].")

@@ -16,7 +16,7 @@ from palmbots.errors import SceneError
 from palmbots.pair.pair_file import PairFile
 from palmbots.scene.core_keys import ROWS, Optionally
 from palmbots.scene.error_messages import dotted_keys, validation_message
-from palmbots.scene.fields import OneOf, Range, from_list, is_switch, whole
+from palmbots.scene.fields import OneOf, OneOrList, Range, from_list, is_switch, whole
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.studies.study_file import Study, load_plan
 
@@ -39,7 +39,8 @@ class Key:
     def row(self) -> dict[str, Any] | None:
         """The key in the table of the core, if it is there."""
         name = re.sub(r"\.(left|right|station)\.", ".", self.path.replace("[0]", "[]"))
-        return ROWS.get(name) if self.model is Scene else None
+        row = ROWS.get(name) or ROWS.get(f"{name}[]")  # of an item, where the key may be a list
+        return row if self.model is Scene else None
 
     def line_for(self, value: object) -> str:
         """What is said about a value of this key."""
@@ -75,7 +76,7 @@ def check_of(field: Any) -> Any:
     found = [one.func for one in field.metadata if isinstance(one, BeforeValidator)]
     found = [*found, *checks_in(field.annotation)]
     found = [one.check if isinstance(one, Optionally) else one for one in found]
-    kinds = Range | whole | OneOf | from_list
+    kinds = Range | whole | OneOf | OneOrList | from_list
     known = [one for one in found if isinstance(one, kinds) or one is is_switch
              or get_origin(one) is Literal]  # fmt: skip
     if not found and field.annotation in (str, str | None):
@@ -140,6 +141,8 @@ def outside(check: Any) -> Iterator[tuple[Any, str, str]]:
     """Values that a check excludes, as they are shown, and what is wrong with them."""
     if get_origin(check) is Literal:
         yield "no such name", '"no such name"', "is not known"
+    elif isinstance(check, OneOrList):
+        yield from (case for case in outside(check.one) if not isinstance(case[0], list))
     elif isinstance(check, OneOf):
         yield "no such name", '"no such name"', "is not known"
         yield 3, "3", "is not known"
@@ -196,7 +199,7 @@ def test_values_outside_the_limits_of_a_key_are_refused(key: Key) -> None:
 
 def test_every_key_of_the_core_has_its_limits() -> None:
     found = {key.row["name"] for key in KEYS if key.row}
-    assert found == {name for name in ROWS if not name.endswith("]")}
+    assert found == {name for name in ROWS if not name.endswith(("0]", "1]"))}
     sides = [key.path for key in KEYS if key.row and key.row["per_side"]]
     assert len(sides) == 3 * len({path.rpartition(".")[2] for path in sides})
 

@@ -95,7 +95,7 @@ def test_frames_stand_where_the_side_view_has_them(done):
             p = float(done.trace["contact"][20 * row, k])
             on_palm = moved(f"{side}_palm", (-1, 1)[k] * p, spec.palms[k].offset)
             assert on_palm == pytest.approx(place.contact[row, k], abs=1e-12)
-            x, _, z = spec.outline[0 if k == 0 else spec.contact_right]
+            x, _, z, _ = spec.outline[0 if k == 0 else spec.contact_right]
             assert moved("object", x, z) == pytest.approx(on_palm, abs=1e-12)
 
 

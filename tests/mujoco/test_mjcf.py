@@ -33,7 +33,7 @@ def area(points: list[tuple[float, float]]) -> float:
 @pytest.mark.parametrize("name", OBJECTS)
 def test_triangles_fill_the_outline_and_nothing_else(name: str) -> None:
     spec = to_spec(load_scene("paper", {"object": name}))
-    outline = [(x, y) for x, _, y in spec.outline]
+    outline = [(x, y) for x, _, y, _ in spec.outline]
     pieces = [area([outline[i] for i in piece]) for piece in triangles(outline)]
     assert len(pieces) == len(outline) - 2
     assert min(pieces) > 0  # every one counter-clockwise

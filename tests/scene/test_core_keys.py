@@ -14,7 +14,7 @@ from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from random_keys import agreeing_value, holders_of, names_in, random_keys
 
-POINTS = {"object.vertices_m": ("[][0]", "[][1]")} | {
+POINTS = {"object.vertices_m": ("[][0]", "[][1]"), "object.edge_radius_m": ("[]",)} | {
     f"object.{name}": ("[0]", "[1]") for name in ("contacts", "com_m")
 }
 

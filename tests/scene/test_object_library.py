@@ -36,10 +36,11 @@ def test_object_files_give_every_key_and_state_their_source(name: str) -> None:
     text = (FOLDER / f"{name}.toml").read_text(encoding="utf-8")
     table = tomllib.loads(text)
     assert list(table) == ["object"]
-    assert set(table["object"]) == set(Object.model_fields) - {"box_m"}  # short for vertices_m
+    # box_m is short for vertices_m, and an outline that says nothing else has sharp corners.
+    assert set(table["object"]) == set(Object.model_fields) - {"box_m", "edge_radius_m"}
     assert text.startswith("# ")
     assert name == "box" or "assumed" in text.split("[object]")[0]
-    other = load_scene({"object": {"mass_kg": 9.0, "depth_m": 0.9, "com_m": [0.1, 0.1]}})
+    other = load_scene({"object": {"mass_kg": 9.0, "edge_radius_m": 0.01, "com_m": [0.1, 0.1]}})
     assert load_scene(other, {"object": name}) == load_scene("paper", {"object": name})
 
 

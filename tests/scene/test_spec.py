@@ -30,7 +30,8 @@ def test_spec_of_the_paper_scene():
     assert (spec.width, spec.com_left, spec.com_right, spec.com_height) == (
         0.25, 0.125, 0.125, 0.04
     )  # fmt: skip
-    assert spec.outline == [(0, 0.25, 0), (0.25, 0, 0), (0.25, 0, 0.16), (0, 0.25, 0.16)]
+    corners = [(0, 0.25, 0), (0.25, 0, 0), (0.25, 0, 0.16), (0, 0.25, 0.16)]
+    assert spec.outline == [(*corner, 0) for corner in corners]
     assert spec.contact_right == 1
     for palm in spec.palms:
         assert bits(palm) == bits(

@@ -26,6 +26,9 @@ OUTLINE = {  # the rows of an outline say nothing about its shape
     "object.vertices_m": lambda draw: [
         [0.02, draw.uniform(-0.01, 0.01)], [0.28, 0.0], [0.27, draw.uniform(0.1, 0.2)], [0.0, 0.17],
     ],
+    "object.edge_radius_m": lambda draw: draw.choice(
+        ([0.0] * 4, [draw.choice((0.0, draw.uniform(0.0, 0.01))) for _ in range(4)])
+    ),
     "object.contacts": lambda draw: [0, 1],
     "object.com_m": lambda draw: [draw.uniform(0.14, 0.16), draw.uniform(0.04, 0.06)],
 }  # fmt: skip

@@ -22,7 +22,7 @@ class SlowContacts:
 
     def __init__(self, spec, contacts, separation, palms) -> None:
         self.spec = spec
-        self.outline = np.array([(x, y) for x, _, y in spec.outline])
+        self.outline = np.array([(x, y) for x, _, y, _ in spec.outline])
         self.separation = separation
         self.theta = list(palms)
         feet = [self._foot(side) + contacts[side] * self._along(side) for side in (0, 1)]

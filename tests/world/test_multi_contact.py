@@ -248,7 +248,7 @@ def is_its_own_mirror_image(spec: _core.Spec) -> bool:
         for palm in spec.palms
     )
     alike = left == right and spec.com_left == spec.com_right
-    swapped = {(from_right, from_left, y) for from_left, from_right, y in spec.outline}
+    swapped = {(from_right, from_left, *rest) for from_left, from_right, *rest in spec.outline}
     return alike and spec.slope == 0 and swapped == set(spec.outline)
 
 

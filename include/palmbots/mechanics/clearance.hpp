@@ -28,11 +28,12 @@ inline constexpr std::size_t max_outline = 32;
 
 // A vertex of the outline [m]: its distance along the line of contacts from each contact, and its
 // height above that line. The two distances sum to w. Both are stored so that mirroring swaps them
-// and rounds nothing.
+// and rounds nothing. A vertex with a radius is where the straight edges beside the arc would meet.
 template <class Real>
 struct Vertex {
   PerSide<Real> along;
   Real height;
+  Real radius{};
 };
 
 // The object's outline, and which of its vertices rest on the palms.

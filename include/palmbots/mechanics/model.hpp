@@ -12,7 +12,9 @@ struct ModelParams {
   ObjectParams<Real> object;
   Moments<Real> moments;  // of the object
   PerSide<ClearCone<Real>> clear;
-  PerSide<Real> offset;       // of the palm's surface from its pivot [m]
+  // From the pivot to what counts as the contact vertex, across the palm: a vertex on the palm's
+  // surface, or the centre of the arc that rounds it [m].
+  PerSide<Real> offset;
   PerSide<Real> half_length;  // of the palm [m]
   PerSide<Real> reach;        // how far from the foot of the pivot a contact may be [m]
   PerSide<Real> friction;

@@ -54,20 +54,19 @@ struct RoundedBody {
   }
 };
 
-// The body of a model, whose corners get these radii [m]. The outline is listed anticlockwise.
-// Mirrored outlines give mirrored bodies to the last bit.
+// The body of an outline, which is listed anticlockwise. `com` is its COM, as a vertex. Mirrored
+// outlines give mirrored bodies to the last bit.
 template <class Real>
-RoundedBody body_of(const Model<Real>& model, const std::array<double, max_outline>& radius) {
-  const Outline<Real>& outline = model.outline;
+RoundedBody body_of(const Outline<Real>& outline, const Vertex<Real>& com) {
   RoundedBody body{};
   body.count = outline.count;
   std::array<Vec, max_outline> sharp{};
   for (std::size_t i = 0; i < body.count; ++i) {
     const Vertex<Real>& v = outline.vertices[i];
     // Half of each, because in the mirror both distances change places.
-    sharp[i] = {0.5 * ((double(v.along[left]) - double(model.object.com_left)) -
-                       (double(v.along[right]) - double(model.object.com_right))),
-                double(v.height) - double(model.object.com_height)};
+    sharp[i] = {0.5 * ((double(v.along[left]) - double(com.along[left])) -
+                       (double(v.along[right]) - double(com.along[right]))),
+                double(v.height) - double(com.height)};
   }
   for (std::size_t i = 0; i < body.count; ++i) {
     const Vec edge = sharp[body.after(i)] - sharp[i];
@@ -79,7 +78,7 @@ RoundedBody body_of(const Model<Real>& model, const std::array<double, max_outli
     const Vec in = body.corners[body.before(i)].normal;
     const Vec out = corner.normal;
     corner.convex = cross(in, out) > 0.0;
-    corner.radius = corner.convex ? radius[i] : 0.0;
+    corner.radius = corner.convex ? double(outline.vertices[i].radius) : 0.0;
     // The centre lies on the bisector, r behind both edges.
     corner.centre = sharp[i] - (in + out) * (corner.radius / (1.0 + dot(in, out)));
   }
@@ -92,6 +91,28 @@ RoundedBody body_of(const Model<Real>& model, const std::array<double, max_outli
     corner.half_length = 0.5 * length(to - from);
   }
   return body;
+}
+
+// Calls visit(i, point) for points along the outline: its sharp corners, and points of each arc so
+// close together that the polygon through them looks round. i is the corner.
+template <class Visit>
+void each_drawn_point(const RoundedBody& body, Visit visit) {
+  constexpr double most_turn = 7.5 * radians_per_degree<double>;
+  for (std::size_t i = 0; i < body.count; ++i) {
+    const Corner& corner = body.corners[i];
+    if (!(corner.radius > 0.0)) {
+      visit(i, corner.centre);
+      continue;
+    }
+    const Vec from = body.corners[body.before(i)].normal;
+    const double turn = angle_of(cross(from, corner.normal), dot(from, corner.normal));
+    const double parts = std::ceil(turn / most_turn);
+    for (double k = 0.0; k <= parts; k += 1.0) {
+      const SinCos<double> by = sin_cos(turn * (k / parts));
+      const Vec direction{from.x * by.cos - from.y * by.sin, from.x * by.sin + from.y * by.cos};
+      visit(i, corner.centre + direction * corner.radius);
+    }
+  }
 }
 
 }  // namespace palmbots

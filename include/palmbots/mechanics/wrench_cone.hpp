@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "palmbots/base/scalar.hpp"
 #include "palmbots/base/side.hpp"
@@ -121,6 +122,35 @@ constexpr Rays<Real> rays_of(const Supports<Real>& supports, const Motions& moti
     }
   }
   return rays;
+}
+
+// How far a wrench is inside a cone: the distance from its nearest face. Negative outside, and
+// nowhere positive if the cone is flat.
+template <class Real>
+constexpr Real depth_in(const Rays<Real>& rays, Triple<Real> wrench) {
+  constexpr Real tolerance = wrench_tolerance<Real>;
+  Real depth = std::numeric_limits<Real>::infinity();
+  bool spans = false;
+  for (std::size_t i = 0; i < rays.count; ++i) {
+    for (std::size_t j = i + 1; j < rays.count; ++j) {
+      Triple<Real> normal = cross(rays.ray[i], rays.ray[j]);
+      const Real area = size(normal);
+      if (!(area > tolerance)) continue;
+      spans = true;
+      normal = normal * (Real(1) / area);
+      Real low = Real(0);
+      Real high = Real(0);
+      for (std::size_t k = 0; k < rays.count; ++k) {
+        const Real above = dot(normal, rays.ray[k]);
+        low = smaller(low, above);
+        high = larger(high, above);
+      }
+      // A face has all rays on one side of it.
+      if (low >= -tolerance) depth = smaller(depth, dot(normal, wrench));
+      if (high <= tolerance) depth = smaller(depth, -dot(normal, wrench));
+    }
+  }
+  return spans ? depth : Real(-1);
 }
 
 namespace detail {

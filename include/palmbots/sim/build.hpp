@@ -28,11 +28,13 @@ Model<Real> model_of(const Spec& spec) {
   model.outline.contact = spec.outline.contact;
   for (std::size_t i = 0; i < spec.outline.count; ++i) {
     const Vertex<double>& v = spec.outline.vertices[i];
-    model.outline.vertices[i] = {{Real(v.along[left]), Real(v.along[right])}, Real(v.height)};
+    model.outline.vertices[i] = {
+        {Real(v.along[left]), Real(v.along[right])}, Real(v.height), Real(v.radius)};
   }
   for (const std::size_t side : {left, right}) {
     model.clear[side] = clear_cone(model.outline, side);
-    model.offset[side] = Real(spec.palms[side].offset);
+    model.offset[side] =
+        Real(spec.palms[side].offset + spec.outline.vertices[spec.outline.contact[side]].radius);
     model.half_length[side] = Real(0.5 * spec.palms[side].length);
     model.reach[side] = Real(spec.palms[side].reach());
     model.friction[side] = Real(spec.palms[side].friction);

@@ -23,6 +23,40 @@ inline constexpr double least_width = 0.001;  // between the contacts [m]
 
 namespace detail {
 
+// Reports the first fault of the rounded corners. True if there is one.
+inline bool check_radii(const SceneValues& scene, const SceneObject& object, Problems& problems) {
+  const auto& radii = scene.list<"object.edge_radius_m">();
+  const std::size_t count = object.vertices.size();
+  constexpr const char* key = "object.edge_radius_m";
+  if (radii.size() > 1 && radii.size() != count) {
+    report(problems, key, common, "has {0} numbers, but the outline has {1} vertices",
+           "one number in m for all convex corners, or one for each vertex",
+           {double(radii.size()), double(count)});
+    return true;
+  }
+  for (std::size_t k = 0; k < radii.size() && radii.size() > 1; ++k) {
+    if (!(radii[k][0] > 0) || detail::turn_at(object.vertices, k).convex) continue;
+    report(problems, key, common, "rounds vertex {0}, which is no convex corner",
+           "0 at that vertex", {double(k)});
+    return true;
+  }
+  const auto bad = overlapping_arcs(object);
+  if (!bad) {
+    if (object_frame(object).width >= least_width) return false;
+    report(problems, key, common, "rounds both contact vertices about one centre",
+           "arcs whose centres are at least {0} m apart", {least_width});
+    return true;
+  }
+  const auto& [k, taken] = *bad;
+  const Point& a = object.vertices[k];
+  const Point& b = object.vertices[(k + 1) % count];
+  report(problems, key, common, "takes {0} m of the edge from vertex {1} to {2}",
+         "arcs that take no more than its length, {3} m",
+         {taken, double(k), double((k + 1) % count),
+          std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y))});
+  return true;
+}
+
 // Reports the first fault of the object only: the others may follow from it.
 inline void check_object(const SceneValues& scene, Problems& problems) {
   const SceneObject object = object_of(scene);
@@ -59,6 +93,7 @@ inline void check_object(const SceneValues& scene, Problems& problems) {
            "two vertices at least {0} m apart", {least_width});
     return;
   }
+  if (check_radii(scene, object, problems)) return;
   const std::vector<bool> lower = lower_vertices(object.vertices, l, r);
   for (const std::size_t side : {left, right}) {
     if (lower[object.contacts[side]]) continue;
@@ -79,7 +114,8 @@ inline void check_object(const SceneValues& scene, Problems& problems) {
     return;
   }
   const ObjectSpec frame = object_frame(object);
-  if (!(frame.com_left > 0 && frame.com_right > 0 && frame.com_height > 0)) {
+  const double radius = smaller(object.radii[l], object.radii[r]);
+  if (!(frame.com_left > 0 && frame.com_right > 0 && frame.com_height + radius > 0)) {
     report(problems, "object.com_m", common,
            object.is_centroid
                ? "is the centroid of the outline, which is not above the line between "

@@ -12,22 +12,23 @@
 #include <cstddef>
 #include <vector>
 
-#include "palmbots/sim/polygon.hpp"
+#include "palmbots/mechanics/rounded_body.hpp"
+#include "palmbots/sim/rounded_polygon.hpp"
 #include "palmbots/sim/task_spec.hpp"
 
 namespace palmbots {
 
 // An outline as a scene states it: vertices, the two that rest on the palms, and the COM [m].
-struct GivenObject {
-  std::vector<Point> vertices;
+struct GivenObject : RoundedPolygon {
   std::array<std::size_t, 2> contacts{};
   Point com{};
 };
 
-// The object of a simple polygon, counter-clockwise from the left contact vertex on.
+// The object of a simple polygon, counter-clockwise from the left contact vertex on. In place of a
+// contact vertex that is rounded, the frame has the centre of its arc.
 inline ObjectSpec object_frame(const GivenObject& given) {
-  const Point l = given.vertices[given.contacts[left]];
-  const Point r = given.vertices[given.contacts[right]];
+  const Point l = centre_of(given, given.contacts[left]);
+  const Point r = centre_of(given, given.contacts[right]);
   const double dx = r.x - l.x;
   const double dy = r.y - l.y;
   const double width = std::sqrt(dx * dx + dy * dy);
@@ -51,15 +52,35 @@ inline ObjectSpec object_frame(const GivenObject& given) {
     const std::size_t i =
         is_counter_clockwise ? (given.contacts[left] + k) % n : (given.contacts[left] + n - k) % n;
     object.outline.vertices[k] = corner(given.vertices[i]);
+    object.outline.vertices[k].radius = given.radii[i];
     if (i == given.contacts[right]) object.outline.contact = {0, k};
   }
-  object.outline.vertices[0] = {{0.0, width}, 0.0};  // exact, whatever the rounding above
-  object.outline.vertices[object.outline.contact[right]] = {{width, 0.0}, 0.0};
+  const auto set = [&](std::size_t k, double from_left, double from_right) {
+    Vertex<double>& vertex = object.outline.vertices[k];
+    if (!(vertex.radius > 0)) vertex = {{from_left, from_right}, 0.0};
+  };
+  set(0, 0.0, width);  // exact, whatever the rounding above
+  set(object.outline.contact[right], width, 0.0);
   const Vertex<double> com = corner(given.com);
   object.com_left = com.along[left];
   object.com_right = com.along[right];
   object.com_height = com.height;
   return object;
+}
+
+// The object as a body in this frame.
+inline RoundedBody body_of(const ObjectSpec& object) {
+  return body_of(object.outline, Vertex<double>{{0.0, object.width}, 0.0});
+}
+
+// The outline to draw, from its first vertex on: arcs as many short edges [m].
+inline std::vector<Vec> silhouette(const ObjectSpec& object) {
+  std::vector<Vec> points;
+  each_drawn_point(body_of(object), [&](std::size_t i, Vec point) {
+    const Vertex<double>& vertex = object.outline.vertices[i];
+    points.push_back(vertex.radius > 0 ? point : Vec{vertex.along[left], vertex.height});
+  });
+  return points;
 }
 
 }  // namespace palmbots

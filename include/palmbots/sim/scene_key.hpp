@@ -56,6 +56,9 @@ constexpr double scale_of(Unit unit) {
   return unit == Unit::parts_per_million ? 1e-6 : 1;
 }
 
+// The name of the only key of a record that is a single number.
+inline constexpr std::string_view itself = "itself";
+
 // The names of which a key takes one.
 struct Choices {
   std::array<std::string_view, 7> names{};
@@ -235,6 +238,19 @@ constexpr Key source_choice(std::string_view name, const Choices& choices, doubl
   Key key = detail::with_choices(source_number(name, Unit::none, 0, 0, initial), choices);
   key.kind = kind;
   return key;
+}
+
+// A list of numbers, from which members of other names follow.
+constexpr RecordList source_list(std::string_view name, std::size_t most,
+                                 std::span<const Key> keys) {
+  return {name,
+          {},
+          most,
+          keys,
+          {},
+          [](const void*) { return std::size_t{0}; },
+          [](void*, std::size_t) {},
+          [](void*, std::size_t) -> void* { return nullptr; }};
 }
 
 // The same key, with limits that are excluded themselves.

@@ -7,7 +7,6 @@
 #include <cstddef>
 
 #include "palmbots/sim/object_frame.hpp"
-#include "palmbots/sim/polygon.hpp"
 #include "palmbots/sim/scene_values.hpp"
 
 namespace palmbots {
@@ -42,13 +41,20 @@ inline SceneObject object_of(const SceneValues& scene) {
   object.com = {scene.of<"object.com_m[0]">(), scene.of<"object.com_m[1]">()};
   object.mass = scene.of<"object.mass_kg">();
   object.is_simple = !crossing_edges(object.vertices);
+  object.radii.assign(n, 0);
+  const auto& radii = scene.list<"object.edge_radius_m">();
+  for (std::size_t k = 0; object.is_simple && k < n; ++k) {
+    const bool is_one = radii.size() == 1;
+    if (k >= radii.size() && !is_one) continue;
+    if (detail::turn_at(object.vertices, k).convex) object.radii[k] = radii[is_one ? 0 : k][0];
+  }
   if (!object.is_simple || !scene.has_list<"object.vertices_m">()) return object;
   if (!scene.has<"object.contacts[0]">()) {
     const auto [l, r] = bottom_ends(object.vertices, level);
     object.contacts = {l, r};
     object.has_contacts = l != r;
   }
-  const auto [area, centroid] = area_and_centroid(object.vertices);
+  const auto [area, centroid] = area_and_centroid(static_cast<const RoundedPolygon&>(object));
   if (!scene.has<"object.com_m[0]">()) {
     object.com = {detail::to_picometre(centroid.x), detail::to_picometre(centroid.y)};
     object.is_centroid = true;

@@ -170,9 +170,15 @@ class SceneValues {
     for (std::size_t i = 0; i < n; ++i) add(list);
   }
 
-  // Sets a key: of all or of one holder, or of the record `place` of a list. Keys that the core does
-  // not read are ignored.
+  // Sets a key: of all or of one holder, or of the record `place` of a list. A number in place of a
+  // list of numbers is a list of one. Keys that the core does not read are ignored.
   void set(std::string_view path, std::size_t place, double value) {
+    const std::size_t list = detail::find_list(path);
+    if (list != detail::no_key) {
+      begin_list(path, 1);
+      lists_[list].records[0][0] = value;
+      return;
+    }
     if (const Slot slot = find(path, place); slot.value != nullptr) *slot.value = value;
   }
   void set(std::string_view path, std::size_t place, std::string_view name) {
@@ -241,6 +247,7 @@ class SceneValues {
       if (list == detail::no_key || place >= lists_[list].records.size()) return {};
       std::string_view name = path.substr(bracket + 2);
       if (name.starts_with('.')) name.remove_prefix(1);
+      if (name.empty()) name = itself;
       const std::size_t k = detail::find_in(detail::list_at(list), name);
       if (k == detail::no_key) return {};
       return {&lists_[list].records[place][k], &detail::list_at(list).keys[k]};

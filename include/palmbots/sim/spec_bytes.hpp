@@ -29,6 +29,7 @@ void for_each_member(Spec& spec, Visit&& visit, List&& list) {
         if (key.get != nullptr) visit(key, owner);
       }
       for (const RecordList& records : section.lists) {
+        if (records.member.empty()) continue;
         const std::size_t count = list(records, owner);
         for (std::size_t i = 0; i < count; ++i) {
           for (const Key& key : records.keys) {

@@ -13,7 +13,7 @@
 namespace palmbots {
 
 // The object in the frame of its two contact vertices: origin at the left one, x towards the right
-// one.
+// one. Where a contact vertex is rounded, the centre of its arc takes its place.
 struct ObjectSpec {
   double width = 0;
   double com_left = 0;   // of the centre of mass from the left contact, along x
@@ -24,13 +24,15 @@ struct ObjectSpec {
 
 namespace detail {
 
-// A number of a vertex of the outline: its distance from a contact, or its height.
+// A number of a vertex of the outline: its distance from a contact, its height or its radius.
 template <std::size_t Which, class Corner>
 constexpr auto& number_of(Corner& vertex) {
   if constexpr (Which < 2) {
     return vertex.along[Which];
-  } else {
+  } else if constexpr (Which == 2) {
     return vertex.height;
+  } else {
+    return vertex.radius;
   }
 }
 
@@ -71,7 +73,9 @@ inline constexpr Key vertex_keys[] = {
     detail::vertex_key<left>(),
     detail::vertex_key<right>(),
     detail::vertex_key<2>(),
+    detail::vertex_key<3>(),
 };
+inline constexpr Key edge_radius_keys[] = {source_number(itself, Unit::m, 0, 5, 0)};
 inline constexpr double default_vertices[] = {0, 0, 0.25, 0, 0.25, 0.16, 0, 0.16};
 inline constexpr Key object_keys[] = {
     detail::contact_key("contacts[0]", 0),
@@ -86,18 +90,21 @@ inline constexpr Key object_keys[] = {
     derived<&ObjectSpec::com_height>(),
     detail::contact_right_key(),
 };
-inline constexpr RecordList object_lists[] = {{
-    "vertices_m",
-    "outline",
-    max_outline,
-    vertex_keys,
-    default_vertices,
-    [](const void* object) { return static_cast<const ObjectSpec*>(object)->outline.count; },
-    [](void* object, std::size_t n) { static_cast<ObjectSpec*>(object)->outline.count = n; },
-    [](void* object, std::size_t k) -> void* {
-      return &static_cast<ObjectSpec*>(object)->outline.vertices[k];
+inline constexpr RecordList object_lists[] = {
+    {
+        "vertices_m",
+        "outline",
+        max_outline,
+        vertex_keys,
+        default_vertices,
+        [](const void* object) { return static_cast<const ObjectSpec*>(object)->outline.count; },
+        [](void* object, std::size_t n) { static_cast<ObjectSpec*>(object)->outline.count = n; },
+        [](void* object, std::size_t k) -> void* {
+          return &static_cast<ObjectSpec*>(object)->outline.vertices[k];
+        },
     },
-}};
+    source_list("edge_radius_m", max_outline, edge_radius_keys),
+};
 
 struct StartSpec {
   double start[2]{};  // contact coordinates

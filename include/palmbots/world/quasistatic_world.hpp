@@ -36,7 +36,7 @@ class World {
   World(const Model<Real>& model, const Configuration<Real>& configuration)
       : model_(model),
         state_{{configuration, palmbots::contact_vector(configuration, model.offset)},
-               {Real(0), Real(0), Real(0)}} {}
+               {Real(0), Real(0), Real(rolls() ? 1 : 0)}} {}
 
   const Configuration<Real>& configuration() const { return state_.configuration; }
   const Model<Real>& model() const { return model_; }
@@ -78,7 +78,7 @@ class World {
   // Why the object is not held in its present position, or `none`.
   DropReason check() const {
     const Configuration<Real>& here = state_.configuration;
-    if (!regime_.none()) return check_all();
+    if (!regime_.none() || rolls()) return check_all();
     const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
     const DropReason reason =
         drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
@@ -97,7 +97,7 @@ class World {
     state_.contact_vector = palmbots::contact_vector(now, model_.offset);
     state_.tied = Real(0);
     regime_ = {};
-    state_.multi_contact = Real(0);
+    state_.multi_contact = Real(rolls() ? 1 : 0);
     return check();
   }
 
@@ -123,23 +123,32 @@ class World {
   // undone.
   const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
     last_ = go(change, angles);
-    state_.multi_contact = Real(regime_.none() ? 0 : 1);
+    state_.multi_contact = Real(regime_.none() && !rolls() ? 0 : 1);
     return last_;
   }
 
  private:
+  // Whether a contact vertex is rounded: it rolls, which the steps for two vertices do not know.
+  bool rolls() const {
+    for (const std::size_t own : model_.outline.contact)
+      if (model_.outline.vertices[own].radius > Real(0)) return true;
+    return false;
+  }
+
   // Why all contacts together do not hold the object.
   DropReason check_all() const {
     const Real width = model_.object.width;
     const Real closed = closed_tolerance<Real> * width;
-    const ContactSet<Real> found =
-        detect_contacts(model_, state_.configuration, closed_tolerance<Real>);
     // Smaller than the gap of a closed contact: a corner penetrates a palm deeper than the palm
     // penetrates the corner.
     const Real deep = closed / Real(64);
-    if (found.sunk[left] > deep || found.sunk[right] > deep) return DropReason::flush;
     const Pose pose = regime_.none() ? pose_on_vertices() : pose_;
     const Frames frames = here();
+    for (const FeaturePair own : shapes().own) {
+      const ContactProblem all = problem();
+      if (is_pierced(shapes().body, pose, frames[all.carrier(own)], all.surface(own), double(deep)))
+        return DropReason::flush;
+    }
     const NearPairs near =
         near_pairs(problem(), left, frames, pose, double(closed), double(closed));
     ClosedPairs touching{};
@@ -205,8 +214,8 @@ class World {
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
     bool on_vertices = regime_.none();
     if (on_vertices) {
-      total = GeneralStep<Real>{model_, state_, change, goals}.run();
-      if (!adds_contact(total.reason)) return total;
+      if (!rolls()) total = GeneralStep<Real>{model_, state_, change, goals}.run();
+      if (!rolls() && !adds_contact(total.reason)) return total;
       pose_ = pose_on_vertices();
     }
     const ContactProblem problem = this->problem();
@@ -220,7 +229,7 @@ class World {
     const ContactStepResult done = contact_step.run(double(total.fraction));
     total = {done.reason, Real(done.fraction), motion_of_palms(), total.segments + done.pieces};
     place_vertices(step, done.fraction);
-    if (on_vertices) regime_ = {};
+    if (on_vertices && !rolls()) regime_ = {};
     return total;
   }
 

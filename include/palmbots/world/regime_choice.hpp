@@ -139,7 +139,7 @@ inline DropReason reason_of(const ContactProblem& problem, const ClosedPairs& cl
   if (problem.on_both && (!touched[left] || !touched[right])) return DropReason::lifting;
   if (beside[left] || beside[right]) return DropReason::tipping;
   const double least = 10.0 * ContactTolerance::blank;
-  return balance(rays, problem.weight(false)) > least ? DropReason::none : DropReason::sliding;
+  return depth_in(rays, problem.weight(false)) > least ? DropReason::none : DropReason::sliding;
 }
 
 // The regimes that the closed pairs allow, the best first.

@@ -15,7 +15,7 @@ export function objectTransform(scene: Scene, places: Float64Array): ObjectTrans
   const vertices = get(scene, "object.vertices_m") as Xy[];
   const contacts = get(scene, "object.contacts") as [number, number];
   const [a, b] = [vertices[contacts[0]]!, vertices[contacts[1]]!];
-  const origin: Xy = [places[PLACES.outline]!, places[PLACES.outline + 1]!];
+  const origin: Xy = [places[PLACES.vertex]!, places[PLACES.vertex + 1]!];
   // The COM fixes the turn: it is placed by the core, and rarely lies on the contact.
   const com = get(scene, "object.com_m") as Xy;
   const inScene: Xy = [com[0] - a[0], com[1] - a[1]];

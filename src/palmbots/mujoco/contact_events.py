@@ -52,7 +52,7 @@ def extra_contact(side: int, name: str, layout: Layout) -> ExtraContact:
     outline = layout.spec.outline
     start = int(number)
     end = (start + 1) % len(outline)
-    (ax, _, az), (bx, _, bz) = outline[start], outline[end]
+    (ax, _, az, _), (bx, _, bz, _) = outline[start], outline[end]
     length = math.hypot(bx - ax, bz - az)
     own = (0, layout.spec.contact_right)[side] in (start, end)
     return ExtraContact(side, ((bx - ax) / length, (bz - az) / length), own)

@@ -15,6 +15,7 @@ object with two balls at each end. The visible shapes touch nothing.
 import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import palmbots._core as _core
 from palmbots._core import turn
@@ -25,10 +26,13 @@ from palmbots.mujoco.robot_mjcf import TIP, add_robot
 from palmbots.scene.extrusion import gyration
 from palmbots.scene.placement import floor_level
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import contact_radii, to_spec
 from palmbots.scene.unequal_pivots import raise_right_pivot
 from palmbots.viz.solids import Prism
 from palmbots.viz.style import BACKGROUND, OBJECT, QUIET, SKY, TILES, ZERO
+
+Xz: TypeAlias = tuple[float, float]
+Arc: TypeAlias = tuple[float, float, float]  # x, z, radius
 
 _SLAB = 0.004  # m, thickness of the plates along the lower edges of the object
 
@@ -45,7 +49,7 @@ class Layout:
     pivots: tuple[float, float]
     """Positions of the pivots along x."""
     vertex: tuple[float, float]
-    """The left contact vertex (x, z)."""
+    """The left contact vertex, or the centre of its arc (x, z)."""
     turn: float
     """Angle of the object, anticlockwise as seen from the side."""
 
@@ -63,8 +67,9 @@ def layout(scene: Scene, pivot_heights_m: tuple[float, float] = (0.0, 0.0)) -> L
     half = world.separation * math.cos(tilt) / 2
     palm, p = spec.palms[0], spec.start[0]
     sin, cos = math.sin(palm.steep), math.cos(palm.steep)
-    x = -half - p * cos + palm.offset * sin
-    z = height + pivot_heights_m[0] + p * sin + palm.offset * cos
+    above = palm.offset + contact_radii(spec)[0]
+    x = -half - p * cos + above * sin
+    z = height + pivot_heights_m[0] + p * sin + above * cos
     dx, dy = world.contact_vector
     return Layout(spec, height, pivot_heights_m, (-half, half), (x, z), math.atan2(dy, dx) + tilt)
 
@@ -113,8 +118,7 @@ def mjcf(
     ET.SubElement(
         assets, "material", name="floor", texture="grid", texrepeat="10 10", texuniform="true"
     )
-    outline = [(x, y) for x, _, y in at.spec.outline]
-    corners, faces = Prism(tuple(outline), scene.object.depth_m).mesh()
+    corners, faces = Prism(tuple(at.spec.silhouette), scene.object.depth_m).mesh()
     ET.SubElement(
         assets, "mesh", name="object", inertia="shell", smoothnormal="false",
         vertex=numbers(*(c for corner in corners for c in corner)),
@@ -136,7 +140,7 @@ def mjcf(
     actuators = ET.Element("actuator")
     for k, side in enumerate(SIDES):
         add_robot(world, actuators, scene, side, at.pivots[k], at.height + at.raised[k])
-    balls, slabs = _object(world, scene, at, outline)
+    balls, slabs = _object(world, scene, at)
     contact = ET.SubElement(root, "contact")
     _floor_pairs(contact, scene, ["floor", *ridges])
     lips: dict[Side, tuple[str, ...]] = {
@@ -189,17 +193,18 @@ class _Slab:
     height: float  # of its lower end
 
 
-def _object(
-    world: ET.Element, scene: Scene, at: Layout, outline: list[tuple[float, float]]
-) -> tuple[list[_Ball], list[_Slab]]:
-    """The object, its frame at the left contact vertex; returns its contact shapes."""
+def _object(world: ET.Element, scene: Scene, at: Layout) -> tuple[list[_Ball], list[_Slab]]:
+    """The object, its frame at the left contact vertex; returns its contact shapes.
+
+    A corner is a ball at each end of the palms: of the radius of its arc, or almost a point.
+    """
     thing = scene.object
     body = ET.SubElement(
         world, "body", name="object", pos=numbers(at.vertex[0], 0.0, at.vertex[1]),
         euler=numbers(0.0, -at.turn, 0.0),
     )  # fmt: skip
     ET.SubElement(body, "freejoint", name="object")
-    r2, m = gyration(outline, thing.depth_m), thing.mass_kg
+    r2, m = gyration(at.spec.silhouette, thing.depth_m), thing.mass_kg
     ET.SubElement(
         body, "inertial", pos=numbers(at.spec.com_left, 0.0, at.spec.com_height), mass=numbers(m),
         fullinertia=numbers(m * r2.xx, m * r2.yy, m * r2.zz, 0.0, -m * r2.xz, 0.0),
@@ -212,22 +217,24 @@ def _object(
     across = 0.49 * min(thing.depth_m, widest)
     reach = max(scene.palm_of(side).length_m for side in SIDES)
     balls, slabs = [], []
-    count = len(outline)
-    for k, (x, z) in enumerate(outline):
-        before, after = outline[k - 1], outline[(k + 1) % count]
-        if z > reach / 2 or turn(before, (x, z), after) <= 0:
+    outline = [(x, z) for x, _, z, _ in at.spec.outline]
+    arcs = at.spec.corners
+    following = [*range(1, len(outline)), 0]
+    for k, (x, z, radius) in enumerate(arcs):
+        is_convex = turn(outline[k - 1], outline[k], outline[following[k]]) > 0
+        if z - radius > reach / 2 or not is_convex:
             continue
         for end, y in (("near", -across), ("far", across)):
             balls.append(_Ball(f"vertex_{k}_{end}", x, z))
             ET.SubElement(
                 body, "geom", {"class": "touch"}, name=balls[-1].name, type="sphere",
-                size=numbers(TIP), pos=numbers(x, y, z),
+                size=numbers(radius + TIP), pos=numbers(x, y, z),
             )  # fmt: skip
-    for k, ((ax, az), (bx, bz)) in enumerate(zip(outline, (*outline[1:], outline[0]), strict=True)):
+    for k, n in enumerate(following):
+        (ax, az), (bx, bz) = _straight_part(outline[k], outline[n], arcs[k], arcs[n])
         long = math.hypot(bx - ax, bz - az)
-        if (
-            bx - ax < 0.01 * long or min(az, bz) > reach / 2
-        ):  # the edge does not face down, or is too high
+        # The edge has no straight part, does not face down, or is too high.
+        if long < 2 * TIP or bx - ax < 0.01 * long or min(az, bz) > reach / 2:
             continue
         inx, inz = -(bz - az) / long * _SLAB / 2, (bx - ax) / long * _SLAB / 2
         slabs.append(_Slab(f"edge_{k}", ax, bx, min(az, bz)))
@@ -238,6 +245,14 @@ def _object(
             euler=numbers(0.0, -math.atan2(bz - az, bx - ax), 0.0),
         )  # fmt: skip
     return balls, slabs
+
+
+def _straight_part(a: Xz, b: Xz, before: Arc, after: Arc) -> tuple[Xz, Xz]:
+    """The ends of the edge from a to b, without what the arcs at both ends take."""
+    long = math.hypot(b[0] - a[0], b[1] - a[1])
+    out = ((b[1] - a[1]) / long, -(b[0] - a[0]) / long)  # counter-clockwise
+    (ax, az), (bx, bz) = ((x + r * out[0], z + r * out[1]) for x, z, r in (before, after))
+    return (ax, az), (bx, bz)
 
 
 def _pair(

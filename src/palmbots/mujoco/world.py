@@ -24,6 +24,7 @@ from palmbots.mujoco.switches import Switches
 from palmbots.mujoco.trace_columns import Measured
 from palmbots.scene.chassis import axle_out, chassis
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import contact_radii
 
 SLACK = math.radians(0.25)  # a wrist this close to its target has reached it; assumed
 _SETTLE_S = 0.3  # before the carry, until motors and contacts carry the weights
@@ -281,7 +282,8 @@ class MujocoWorld:
         highest = max((ridge.height_m for ridge in self.scene.mujoco.ridges), default=0.0)
         at = chassis(self.layout.height, axle_out(self.scene))
         self._tipped = _PITCHED + math.atan(highest / abs(at.axle - at.caster))
-        self._offset = [palm.offset for palm in spec.palms]
+        radii = contact_radii(spec)
+        self._offset = [palm.offset + r for palm, r in zip(spec.palms, radii, strict=True)]
         self._reach = [palm.usable / 2 for palm in spec.palms]
         self._half_width = [self.scene.palm_of(side).width_m / 2 for side in SIDES]
         self._edges = edges_of(m, self.scene)

@@ -170,6 +170,20 @@ class from_list:
         return tuple(value)
 
 
+@dataclass(frozen=True)
+class OneOrList:
+    """A validator for one value, or for a list of such values."""
+
+    one: Any
+    many: from_list
+
+    def __call__(self, value: object) -> Any:
+        """What `one` makes of the value or, as a tuple, of each item of a list."""
+        if not isinstance(value, list | tuple):
+            return self.one(value)
+        return tuple(self.one(item) for item in self.many(value))
+
+
 Angle = Annotated[float, BeforeValidator(Range("degrees", above=-80, below=80))]
 Fraction = Annotated[float, BeforeValidator(Range(least=0, most=1))]
 Switch = Annotated[bool, BeforeValidator(is_switch)]

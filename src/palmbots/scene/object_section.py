@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, TypeAdapter, ValidationErr
 
 import palmbots._core as _core
 from palmbots.scene.core_keys import default_pair, default_points, key, limits, most_records
-from palmbots.scene.fields import Size, field_error, from_list
+from palmbots.scene.fields import OneOrList, Size, field_error, from_list
 from palmbots.scene.object_frame import Point
 from palmbots.scene.section import Section
 
@@ -41,6 +41,14 @@ Contacts = Annotated[
     BeforeValidator(from_list("[left, right], two indices into object.vertices_m", 2, 2)),
 ]
 
+_RADIUS = limits("object.edge_radius_m[]")
+_RADII = from_list("a number in m, or a list of one for each vertex", 1, _MOST_VERTICES)
+Radius = Annotated[float, _RADIUS]
+EdgeRadii = Annotated[
+    Radius | Annotated[tuple[Radius, ...], BeforeValidator(_RADII)],
+    BeforeValidator(OneOrList(_RADIUS.func, _RADII)),
+]
+
 _VERTICES: TypeAdapter[tuple[Point, ...]] = TypeAdapter(Vertices)
 _BOX: TypeAdapter[tuple[float, float]] = TypeAdapter(Box)
 
@@ -53,6 +61,10 @@ class Object(Section):
     given, contacts, centre of mass and mass follow from it unless they are given, too."""
     box_m: Box | None = None
     """In place of `vertices_m`: length and height of a box."""
+    edge_radius_m: EdgeRadii = 0.0
+    """Radius of the rounded corners of the outline, one for all convex corners or a list of one for
+    each vertex. The vertices are where the straight edges would meet. A contact vertex that is
+    rounded rolls on its palm."""
     contacts: Contacts = default_pair("object.contacts")
     """The vertices that rest on the left and on the right palm. Not set, with an outline of your
     own: the leftmost and the rightmost of its lowest vertices, which must be level."""

@@ -106,8 +106,8 @@ def merged(
 # scene below it.
 _SUPERSEDES = {
     "object": {
-        "vertices_m": ("box_m", "contacts", "com_m", "mass_kg"),
-        "box_m": ("vertices_m", "contacts", "com_m", "mass_kg"),
+        "vertices_m": ("box_m", "edge_radius_m", "contacts", "com_m", "mass_kg"),
+        "box_m": ("vertices_m", "edge_radius_m", "contacts", "com_m", "mass_kg"),
     },
     "palm": {"friction": ("friction_angle_deg",), "friction_angle_deg": ("friction",)},
 }

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from palmbots._core import Spec
 from palmbots.scene.robot_dimensions import PIVOT_HEIGHT
+from palmbots.scene.spec import contact_radii
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,7 +35,8 @@ class Placement:
     palm_outer: Array  #: (n, 2 sides, 2) outward end of each palm's surface
     palm_turn: Array  #: (n, 2 sides) anticlockwise turn of each palm from level, radians
     contact: Array  #: (n, 2 sides, 2) contact points on the palms: the feet of the contact vertices
-    outline: Array  #: (n, m, 2) corners of the object, in the order of `Spec.outline`
+    origin: Array  #: (n, 2) origin of the object's frame: its left contact vertex
+    outline: Array  #: (n, m, 2) points of the object's outline, in the order of `Spec.silhouette`
     com: Array  #: (n, 2) centre of mass of the object
     turn: Array  #: (n,) anticlockwise turn of the object, radians
 
@@ -67,7 +69,10 @@ def place(
     foot = pivot + offset[:, None] * normal
 
     touched = foot + p[..., None] * along
-    vertex = touched + np.broadcast_to(lift, p.shape)[..., None] * normal
+    vertex = (
+        touched
+        + (np.broadcast_to(lift, p.shape) + np.array(contact_radii(spec)))[..., None] * normal
+    )
     cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
 
     def carried(points: ArrayLike) -> Array:
@@ -81,7 +86,8 @@ def place(
         palm_outer=foot + half[:, None] * along,
         palm_turn=_OUTWARD * angle,
         contact=touched,
-        outline=carried([(x, y) for x, _, y in spec.outline]),
+        origin=vertex[:, 0],
+        outline=carried(spec.silhouette),
         com=carried([(spec.com_left, spec.com_height)])[:, 0],
         turn=turn,
     )
@@ -103,5 +109,5 @@ def placements(spec: Spec, trace: "xr.Dataset", rows: slice | NDArray[np.integer
 
 def floor_level(spec: Spec) -> float:
     """World y of the floor to draw: low enough for the robots and for any object."""
-    lowest = min(y for _, _, y in spec.outline)
+    lowest = min(y for _, y in spec.silhouette) + max(contact_radii(spec))
     return min(-PIVOT_HEIGHT, lowest - 0.05)

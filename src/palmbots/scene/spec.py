@@ -25,6 +25,25 @@ def refuse_curved(scene: Scene) -> None:
         )
 
 
+def contact_radii(spec: _core.Spec) -> tuple[float, float]:
+    """Radii of the arcs that round the left and the right contact vertex [m]; 0: sharp."""
+    outline = spec.outline
+    return outline[0][3], outline[spec.contact_right][3]
+
+
+def refuse_rounded_contacts(scene: Scene) -> None:
+    """Raise `SceneError` for contact vertices that roll, which only the world knows.
+
+    Other corners may be rounded: the sharp outline contains the rounded one.
+    """
+    if any(contact_radii(to_spec(scene, unrolled=True))):
+        raise SceneError(
+            f"object.edge_radius_m: {show(scene.object.edge_radius_m)} rounds a contact vertex, "
+            "but this analysis assumes that both are sharp; allowed: 0 there, or palmbots carry "
+            "and drop-rate, which let it roll"
+        )
+
+
 def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     """The core's description of a scene; left is index 0, right index 1.
 

@@ -46,7 +46,7 @@ def with_values(
     if scene is base:
         entries = plain | entries
     if "object.vertices_m" in entries:  # one vertex is moved: the other keys stay as they are
-        kept = {key: getattr(scene.object, key) for key in ("contacts", "com_m", "mass_kg")}
+        kept = {key: getattr(scene.object, key) for key in _KEPT}
         entries = {f"object.{key}": value for key, value in kept.items()} | entries
     varied = load_scene(scene, entries, called=called) if entries else scene
     try:
@@ -55,6 +55,9 @@ def with_values(
     except SceneError as error:
         raise SceneError(f"{called} {error}") from None
     return varied
+
+
+_KEPT = ("edge_radius_m", "contacts", "com_m", "mass_kg")
 
 
 def _looked_up(scene: Scene, name: str) -> list[Any]:

@@ -224,7 +224,7 @@ def _refuse_if_slow(
             what, other = f"world: {place.name}", DEFAULT_WORLD
         raise PalmbotsError(
             f"{what} is stepped in Python and needs about {expected:,} carries; allowed: {other}, "
-            f"or a wider interval (relative_half_width {math.ceil(100 * least) / 100:g} or more)"
+            f"or a wider interval (a relative error of {math.ceil(100 * least)} % or more)"
         )
 
 

@@ -157,8 +157,8 @@ def solids(scene: "Scene", spec: "Spec") -> list[Solid]:
     parts = [Solid(WORLD, ground, RULE), *(Solid(WORLD, mark, QUIET) for mark in marks)]
     for side in SIDES:
         parts += [*robot(side, floor), plate(side, scene.palm_of(side))]
-    outline = tuple((x, y) for x, _, y in spec.outline)
-    return [*parts, Solid("object", Prism(outline, scene.object.depth_m), OBJECT)]
+    thing = Prism(tuple(spec.silhouette), scene.object.depth_m)
+    return [*parts, Solid("object", thing, OBJECT)]
 
 
 def contact_balls() -> list[Solid]:
@@ -179,7 +179,7 @@ def poses(place: Placement, row: int) -> dict[str, tuple[Vector, float]]:
         put(f"{side}_robot", pivots[k], 0.0)
         put(f"{side}_palm", pivots[k], float(place.palm_turn[row, k]))
         put(f"{side}_contact", place.contact[row, k].tolist(), float(place.palm_turn[row, k]))
-    put("object", place.contact[row, 0].tolist(), float(place.turn[row]))
+    put("object", place.origin[row].tolist(), float(place.turn[row]))
     return frames
 
 

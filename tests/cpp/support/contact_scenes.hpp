@@ -144,13 +144,11 @@ inline Scene random_scene(std::mt19937& chance, bool on_floor) {
   model.object.com_height = com_height;
   Polygon around_com;
   for (const Point& p : outline) {
-    model.outline.vertices[model.outline.count++] = {{p.x, w - p.x}, p.y};
+    model.outline.vertices[model.outline.count++] = {{p.x, w - p.x}, p.y, r};
     around_com.push_back({p.x - com_left, p.y - com_height});
   }
-  std::array<double, max_outline> radii{};
-  radii.fill(r);
   s.shape = rounded(around_com, r);
-  s.shapes.body = body_of(model, radii);
+  s.shapes.body = body_of(model.outline, {{com_left, w - com_left}, com_height});
   s.shapes.size = w;
   for (double& friction : s.friction) friction = between(chance, 0.1, 0.7);
   s.ground_friction = between(chance, 0.1, 0.8);

@@ -122,7 +122,7 @@ def test_figure_6_shades_the_permitted_coms(scenes: int) -> None:
     counted = {True: 0, False: 0}
     for found in [pb.analyze("paper"), pb.analyze(TRAPEZOID), *random_analyses(scenes, 30)]:
         at = found.problem
-        corners = np.array([(x, y) for x, _, y in at.spec.outline])
+        corners = np.array([(x, y) for x, _, y, _ in at.spec.outline])
         points = rng.uniform(corners.min(axis=0), corners.max(axis=0), (60, 2))
         panels = figure6(found).axes
         for x, y in points[Outline([*corners, corners[0]]).contains_points(points)]:

@@ -39,7 +39,7 @@ class _Body:
     def __init__(self, scene: Scene) -> None:
         at = layout(scene)
         self.spec: _core.Spec = at.spec
-        outline = [(x, y) for x, _, y in at.spec.outline]
+        outline = at.spec.silhouette
         self.hull = [outline[k] for k in hull(outline)]
         self.com = (at.spec.com_left, at.spec.com_height)
         self.mass = scene.object.mass_kg

@@ -221,7 +221,7 @@ _Needs = tuple[tuple[int, Side], ...]
 
 def _permitted_coms(problem: StabilityProblem, cases: _Needs) -> Array:
     """The COMs in the outline for which all these properties hold [mm]; may be empty."""
-    polygon = np.array([(x, y) for x, _, y in problem.spec.outline])
+    polygon = np.array(problem.spec.silhouette)
     for number, shallow in cases:
         for normal, most in _com_limits(problem, number, shallow):
             polygon = clipped(polygon, normal, most)
@@ -242,7 +242,7 @@ def _chords(polygon: Array, height: float) -> list[Pair]:
 def figure6(analysis: Analysis) -> Figure:
     """The COMs for which the properties hold, drawn on the object."""
     problem = analysis.problem
-    outline = MM * np.array([(x, y) for x, _, y in problem.spec.outline])
+    outline = MM * np.array(problem.spec.silhouette)
     low, high = outline.min(axis=0), outline.max(axis=0)
     wide, tall = high - low
     size = 1.9
