@@ -65,7 +65,9 @@ def shape(node: dict[str, Any], tables: dict[str, Any]) -> dict[str, Any]:
     if "$ref" in node:
         node = tables[node["$ref"].rpartition("/")[2]]
     if "anyOf" in node:  # beside null, or beside the name of an object, which the page looks up
-        return shape(node["anyOf"][0], tables)
+        first, second = node["anyOf"][:2]
+        is_list = second.get("type") == "array"
+        return shape(first, tables) | ({"many": shape(second, tables)} if is_list else {})
     found = {word: node[word] for word in _KEPT if word in node}
     if "items" in node:
         found["items"] = shape(node["items"], tables)

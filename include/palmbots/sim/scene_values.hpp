@@ -241,7 +241,23 @@ class SceneValues {
     return record;
   }
 
+  // "object.edge_radius_m[3]": the number at this place of a list of numbers.
+  Slot find_item(std::string_view path) {
+    const std::size_t bracket = path.rfind('[');
+    if (!path.ends_with(']') || bracket == path.npos) return {};
+    const std::size_t list = detail::find_list(path.substr(0, bracket));
+    if (list == detail::no_key) return {};
+    std::size_t place = 0;
+    for (const char digit : path.substr(bracket + 1, path.size() - bracket - 2)) {
+      place = 10 * place + static_cast<std::size_t>(digit - '0');
+    }
+    if (place >= lists_[list].records.size()) return {};
+    return {&lists_[list].records[place][0], &detail::list_at(list).keys[0]};
+  }
+
   Slot find(std::string_view path, std::size_t place) {
+    if (const Slot item = find_item(path); item.value != nullptr && !path.ends_with("[]"))
+      return item;
     if (const std::size_t bracket = path.find("[]"); bracket != path.npos) {
       const std::size_t list = detail::find_list(path.substr(0, bracket));
       if (list == detail::no_key || place >= lists_[list].records.size()) return {};

@@ -105,6 +105,7 @@ function checkTable(key: string, value: object, shape: Shape, hasBigints: boolea
 export function checkShape(
   key: string, value: unknown, shape: Shape = tables.rules, hasBigints = false,
 ): void {
+  if (shape.many && Array.isArray(value)) return checkShape(key, value, shape.many, hasBigints);
   switch (shape.type) {
     case "object":
       if (!isTable(value)) refuse(key, value, "is not a table", allowed(key, shape));

@@ -30,6 +30,7 @@ export interface Shape {
   properties?: Record<string, Shape>;
   items?: Shape;
   prefixItems?: Shape[];
+  many?: Shape; // of a list that may stand in place of one value
 }
 
 interface Tables {

@@ -174,8 +174,18 @@ class from_list:
 class OneOrList:
     """A validator for one value, or for a list of such values."""
 
-    one: Any
+    one: Range
     many: from_list
+
+    @property
+    def unit(self) -> str:
+        """That of one value."""
+        return self.one.unit
+
+    @property
+    def allowed(self) -> str:
+        """The limits in words."""
+        return f"{self.one.allowed}, or a list of such numbers"
 
     def __call__(self, value: object) -> Any:
         """What `one` makes of the value or, as a tuple, of each item of a list."""

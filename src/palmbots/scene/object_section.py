@@ -6,13 +6,13 @@ centre of mass and mass follow from it, never from the paper's box.
 """
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 from pydantic import AfterValidator, BeforeValidator, TypeAdapter, ValidationError, model_validator
 
 import palmbots._core as _core
 from palmbots.scene.core_keys import default_pair, default_points, key, limits, most_records
-from palmbots.scene.fields import OneOrList, Size, field_error, from_list
+from palmbots.scene.fields import OneOrList, Range, Size, field_error, from_list
 from palmbots.scene.object_frame import Point
 from palmbots.scene.section import Section
 
@@ -46,7 +46,7 @@ _RADII = from_list("a number in m, or a list of one for each vertex", 1, _MOST_V
 Radius = Annotated[float, _RADIUS]
 EdgeRadii = Annotated[
     Radius | Annotated[tuple[Radius, ...], BeforeValidator(_RADII)],
-    BeforeValidator(OneOrList(_RADIUS.func, _RADII)),
+    BeforeValidator(OneOrList(cast(Range, _RADIUS.func), _RADII)),
 ]
 
 _VERTICES: TypeAdapter[tuple[Point, ...]] = TypeAdapter(Vertices)
