@@ -12,7 +12,7 @@ import pytest
 import palmbots as pb
 from palmbots._util.confidence_intervals import rate_interval
 from palmbots.assessment.angles import try_angles
-from palmbots.assessment.assess import QUESTIONS
+from palmbots.assessment.assess import QUESTIONS, _with_losses
 from palmbots.assessment.changes import _revealing_noise, try_changes
 from palmbots.cli.main import run
 from palmbots.simulation import count_outcomes
@@ -138,7 +138,20 @@ def test_what_is_held_is_that_of_robots_that_drive_the_path(
     curved = strong | {"task.path.kind": "arc", "task.path.radius_m": 1.0}
     limits = pb.load_limits(overrides=curved)
     assert limits.heaviest_kg != pb.load_limits(overrides=strong).heaviest_kg
-    assert pb.assess(overrides=curved).answers.load.text.startswith(limits.sentence())
+    found = pb.assess(overrides=curved)
+    assert found.answers.load.text.startswith(limits.sentence())
+    assert (found.answers.curve.verdict, found.verdict) == ("open", "open")  # its own path counts
+
+
+def test_losses_are_those_of_every_sender() -> None:
+    """Also of one with a loss of its own, which `radio.loss` does not reach."""
+    senders = {f"radio.{sender}.loss": 0.0 for sender in ("left", "right", "station")}
+    scenes = [pb.load_scene("paper", keys) for keys in ({}, senders)]
+    counts = (count_outcomes("paper", "distributed", seeds=100),)
+    all_alike, each = (
+        [trial.counts[0].dropped for trial in _with_losses(scene, counts)] for scene in scenes
+    )
+    assert all_alike == each and all_alike[-1] > 10 * (all_alike[0] + 1)
 
 
 def test_rough_friction_is_proved_and_carried_at_both_ends() -> None:

@@ -103,10 +103,11 @@ class Assessment(Result):
 
     @derived
     def verdict(self) -> Verdict:
-        """Whether the object will be carried: the worst of the first three answers and, with an
-        interval of friction, of the one on friction."""
+        """Whether the object will be carried: the worst of the first three answers, of the one on
+        the curve if the scene has one, and of the one on friction with an interval of it."""
         order: tuple[Verdict, ...] = ("no", "partly", "open", "likely", "yes")
         first = [self.answers.carried, self.answers.load, self.answers.drops]
+        first += [self.answers.curve] * self.scene.task.path.is_curved
         first += [self.answers.friction] * (self.friction is not None)
         return min([answer.verdict for answer in first], key=order.index)
 
@@ -138,6 +139,9 @@ class Assessment(Result):
             )
             if answer.verdict in ("no", "partly")
         ]
+        if self.scene.task.path.is_curved and self.answers.curve.verdict in ("no", "partly"):
+            doubts.append("it fails on its curve")
+            use += " on a straight path"
         return "; ".join([*doubts, use])
 
     def paragraphs(self) -> Iterator[tuple[Answer, Table | None]]:
@@ -262,7 +266,9 @@ def _with_losses(scene: Scene, counts: tuple[OutcomeCounts, ...]) -> Iterator[Ra
     best = best_of(counts)
     tried = [one for one in counts if suffices(one)] or ([best] if best else [])
     names = [one.controller for one in tried if describe(one.controller).uses_radio]
+    own = [s for s in ("left", "right", "station") if getattr(scene.radio, s).loss is not None]
     for loss in sorted({*LOSSES, scene.radio.loss}) if names else ():
-        lossy, carries = {"radio.loss": loss}, counts[0].carries
+        lossy = {"radio.loss": loss} | {f"radio.{sender}.loss": loss for sender in own}
+        carries = counts[0].carries
         found = [count_outcomes(scene, name, seeds=carries, overrides=lossy) for name in names]
         yield RadioTrial(loss, tuple(found))
