@@ -13,8 +13,10 @@ import palmbots as pb
 from palmbots._util.confidence_intervals import rate_interval
 from palmbots.assessment.angles import try_angles
 from palmbots.assessment.assess import QUESTIONS, _with_losses
-from palmbots.assessment.changes import _revealing_noise, try_changes
+from palmbots.assessment.changes import _plans, _revealing_noise, try_changes
+from palmbots.assessment.verdicts import on_angles, on_change, on_controllers, on_radio
 from palmbots.cli.main import run
+from palmbots.scene.spec import to_spec
 from palmbots.simulation import count_outcomes
 
 CRATE: dict[str, Any] = {
@@ -167,7 +169,7 @@ def test_rough_friction_is_proved_and_carried_at_both_ends() -> None:
     assert masses[2] < masses[1] < masses[0]  # more friction permits a harder squeeze
     assert "all with friction 0.5, the worse end" in found.answers.load.text
     command = found.answers.load.command.split(" --set ")[1:]
-    assert command == ["palm.left.friction=0.5", "palm.right.friction=0.5"]
+    assert command == ["palm.friction=0.5"]
     certificate = pb.certify("paper", friction=(0.2, 0.5), overrides=near)
     assert certificate.verdict == found.friction.unlike
     assert pb.assess(friction=(0.02, 0.5), turn_radius_m=0.0, overrides=near).verdict == "no"
@@ -208,3 +210,37 @@ def test_changes_are_compared_where_few_carries_show_a_difference() -> None:
     assert factor is not None and factor > 1
     keys = {"robot.noise_m_s": 0, "robot.left.bias_m_s": 0.004, "radio.loss": 0.001}
     assert _revealing_noise(pb.load_scene("paper", keys), "distributed", 40) == 1
+
+
+OWN = {
+    "palm.left.friction": 0.3, "palm.right.friction_angle_deg": 20.0,
+    "robot.left.noise_m_s": 0.06, "robot.right.noise_m_s": 0.08,
+    "robot.left.correction_m_s": 0.03, "robot.right.correction_m_s": 0.02,
+}  # fmt: skip
+
+
+def test_changes_of_what_both_robots_override_change_both() -> None:
+    scene = pb.load_scene("paper", OWN)
+    plans = [*_plans(scene, {})]
+    assert {"robot.left.correction_m_s": 0.06, "robot.right.correction_m_s": 0.04} in plans
+    own = [palm.friction for palm in to_spec(scene).palms]
+    (stronger,) = (plan for plan in plans if plan.get("palm.left.friction", 0) > own[0])
+    after = [palm.friction for palm in to_spec(pb.load_scene(scene, dict(stronger))).palms]
+    assert after == pytest.approx([1.4 * mu for mu in own], rel=0.01)
+    for plan in plans:
+        pb.load_scene(scene, dict(plan))  # refuses what reaches no robot
+
+
+def test_named_commands_vary_what_has_an_effect() -> None:
+    scene = pb.load_scene("paper", OWN | {"radio.left.loss": 0.1, "radio.right.loss": 0.2})
+    counts = (count_outcomes(scene, "shared-sign", seeds=20),)
+    answers = [
+        on_controllers(counts, "SCENE", scene), on_radio([], "SCENE", scene),
+        on_change(None, "SCENE", scene), on_angles(None, "SCENE", scene),
+    ]  # fmt: skip
+    for answer in answers:
+        words = shlex.split(answer.command)
+        if "--sweep" in words:
+            key, value = words[words.index("--sweep") + 1], words[-1].split(",")[1]
+            assert pb.load_scene(scene, {key: float(value)}) != scene
+        assert words[1] in ("compare", "drop-rate", "design")  # not `noise-limit`, which refuses

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from palmbots._types import Interval, Overrides
+from palmbots._types import SIDES, Interval, Overrides
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
@@ -47,6 +47,7 @@ from palmbots.mechanics.load_limits import load_limits
 from palmbots.mujoco.curve_trial import CurveTrial, Keys, try_curve, turn_keys
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.sides import on_every_side, value_of
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes, default_carries
 from palmbots.simulation.prepare import prepare
 from palmbots.stability.analysis import Analysis, analyze
@@ -239,12 +240,12 @@ def assess(
         carried=on_mechanics(analysis, planar),
         load=on_load(load_limits(loaded), best, load, name, rough),
         drops=on_drops(counts, planar),
-        controllers=on_controllers(counts, planar, straight.robot.noise_m_s),
-        angles=on_angles(angles, planar),
+        controllers=on_controllers(counts, planar, straight),
+        angles=on_angles(angles, planar, straight),
         friction=on_friction(rough, analysis, planar),
-        radio=on_radio(radio, planar),
+        radio=on_radio(radio, planar, straight),
         curve=on_curve(curve, chosen),
-        change=on_change(change, planar),
+        change=on_change(change, planar, straight),
     )
     return Assessment(answers, counts, angles, load, rough, radio, curve, change, chosen, analysis)
 
@@ -266,9 +267,9 @@ def _with_losses(scene: Scene, counts: tuple[OutcomeCounts, ...]) -> Iterator[Ra
     best = best_of(counts)
     tried = [one for one in counts if suffices(one)] or ([best] if best else [])
     names = [one.controller for one in tried if describe(one.controller).uses_radio]
-    own = [s for s in ("left", "right", "station") if getattr(scene.radio, s).loss is not None]
-    for loss in sorted({*LOSSES, scene.radio.loss}) if names else ():
-        lossy = {"radio.loss": loss} | {f"radio.{sender}.loss": loss for sender in own}
+    own = {value_of(scene, f"radio.{side}.loss") for side in SIDES}
+    for loss in sorted({*LOSSES, *own}) if names else ():
+        lossy = on_every_side(scene, {"radio.loss": loss})
         carries = counts[0].carries
         found = [count_outcomes(scene, name, seeds=carries, overrides=lossy) for name in names]
         yield RadioTrial(loss, tuple(found))

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.mechanics.load_limits import LoadLimits, load_limits
 from palmbots.mujoco.curve_trial import settings_of
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.sides import multiplied, value_of
 from palmbots.simulation.batch import DELIVERED, Columns
 from palmbots.simulation.noise_limit import NOISE_KEY
 from palmbots.simulation.outcome_counts import SMALL, carry_seeds, default_carries
@@ -157,7 +157,7 @@ def try_changes(
         controller=controller,
         tried=len(judged),
         changes=best,
-        before={key: _value(scene, key) for key in best},
+        before={key: value_of(scene, key) for key in best},
         noise_factor=noise,
         carries=count,
         own_failures=own_failures,
@@ -177,14 +177,13 @@ def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:
     """Changes of one thing each, what costs least first."""
     if angles:
         yield angles
-    starts = {f"start.{side}_m": _value(scene, f"start.{side}_m") for side in SIDES}
+    starts = {f"start.{side}_m": value_of(scene, f"start.{side}_m") for side in SIDES}
     if any(starts.values()):
         yield dict.fromkeys(starts, 0.0)
     for key, factors in FACTORS.items():
-        value = _value(scene, key)
-        is_shadowed = key == "palm.length_m" and scene.palm.usable_m is not None
-        if isinstance(value, int | float) and value > 0 and not is_shadowed:
-            yield from ({key: float(f"{factor * value:.3g}")} for factor in factors)
+        if key != "palm.length_m" or not any(scene.palm_of(side).usable_m for side in SIDES):
+            plans = [_multiplied(scene, key, factor) for factor in factors]
+            yield from (plan for plan in plans if any(plan.values()))
     left, right = (scene.object.vertices_m[at][0] for at in scene.object.contacts)
     x, y = scene.object.com_m
     if abs(x - 0.5 * (left + right)) > 0.01 * abs(right - left):
@@ -194,15 +193,19 @@ def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:
 def _stronger(scene: Scene, load: LoadLimits, reach_m: float | None) -> Iterator[Keys]:
     """The least strength of each kind with which the robots hold the object."""
     for key in dict.fromkeys(limit.key for limit in load.limits):
-        value = _value(scene, key)
-        for factor in STRONGER if isinstance(value, int | float) else ():
-            keys: Keys = {key: float(f"{factor * float(value):.3g}")}
+        for factor in STRONGER:
+            keys = _multiplied(scene, key, factor)
             try:
                 if _is_held(load_limits(scene, overrides=dict(keys)), reach_m):
                     yield keys
                     break
             except PalmbotsError:
                 continue
+
+
+def _multiplied(scene: Scene, key: str, factor: float) -> Keys:
+    """A key multiplied wherever it is set, with three digits."""
+    return {one: float(f"{v:.3g}") for one, v in multiplied(scene, key, factor).items()}
 
 
 def _heaviest(load: LoadLimits, reach_m: float | None) -> float:
@@ -233,12 +236,7 @@ def _revealing_noise(scene: Scene, controller: str, count: int) -> float | None:
 
 def _noisy(scene: Scene, controller: str, factor: float) -> Prepared:
     """The scene with the noise of both robots multiplied."""
-    keys = {NOISE_KEY: factor * scene.robot.noise_m_s}
-    for side in SIDES:
-        noise = getattr(scene.robot, side).noise_m_s
-        if noise is not None:
-            keys[NOISE_KEY.replace(".", f".{side}.")] = factor * noise
-    return prepare(load_scene(scene, keys), controller)
+    return prepare(load_scene(scene, multiplied(scene, NOISE_KEY, factor)), controller)
 
 
 def _usual(prepared: Prepared, count: int) -> Columns:
@@ -250,11 +248,3 @@ def _mean(columns: Columns, name: str) -> float | None:
     """Over the carries that deliver."""
     values = columns[name][columns["outcome"] == DELIVERED]
     return float(np.mean(values)) if values.size else None
-
-
-def _value(scene: Scene, key: str) -> Any:
-    """The value of a key."""
-    found: Any = scene
-    for name in key.split("."):
-        found = getattr(found, name)
-    return list(found) if isinstance(found, tuple) else found

@@ -6,10 +6,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from palmbots._types import SIDES, Interval
+from palmbots._types import Interval
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.load_limits import load_limits
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.sides import on_every_side
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
 from palmbots.stability.certificates.prover import Verdict, certify
 
@@ -61,10 +62,10 @@ def hardest_to_hold(scene: Scene, friction: Interval) -> Scene:
     return ends[masses.index(min(masses))]
 
 
-def friction_keys(friction: float) -> dict[str, float]:
+def friction_keys(scene: Scene, friction: float) -> dict[str, float]:
     """The keys that give both palms this friction, whatever else the scene says of them."""
-    return {f"palm.{side}.friction": friction for side in SIDES}
+    return on_every_side(scene, {"palm.friction": friction})
 
 
 def _with_friction(scene: Scene, friction: float) -> Scene:
-    return load_scene(scene, friction_keys(friction))
+    return load_scene(scene, friction_keys(scene, friction))

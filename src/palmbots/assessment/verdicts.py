@@ -20,8 +20,9 @@ from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits, mass_text
 from palmbots.mujoco.curve_trial import CurveTrial, settings_of
 from palmbots.scene.scene import Scene
+from palmbots.scene.sides import on_every_side, value_of
 from palmbots.simulation.carry_lines import usual_reason
-from palmbots.simulation.noise_limit import NOISE_KEY
+from palmbots.simulation.noise_limit import MOST_M_S, NOISE_KEY
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.stability.analysis import Analysis
 
@@ -116,7 +117,7 @@ def on_load(
     question, command = "Can these robots hold it?", f"palmbots load {name}"
     friction = limits.scene.palm_of("left").friction
     if rough is not None:
-        command += settings_of(friction_keys(friction))
+        command += settings_of(friction_keys(limits.scene, friction))
     if refusal := limits.refusal():
         return Answer(question, "no", refusal, command)
     verdict: Verdict = "yes"
@@ -157,18 +158,24 @@ def on_drops(counts: Sequence[OutcomeCounts], name: str) -> Answer:
     return Answer(question, verdict, text, command)
 
 
-def on_controllers(counts: Sequence[OutcomeCounts], name: str, noise_m_s: float) -> Answer:
+def on_controllers(counts: Sequence[OutcomeCounts], name: str, scene: Scene) -> Answer:
     """Which controllers suffice, and what each of them needs."""
     question, command = "Which controllers suffice?", f"palmbots compare {name}"
-    if noise_m_s:
-        noises = ",".join(f"{factor * noise_m_s:g}" for factor in (1, 2, 4))
-        command += f" --sweep {NOISE_KEY} --values {noises}"
+    key = _swept(scene, NOISE_KEY)
+    if noise := value_of(scene, key):
+        noises = ",".join(f"{min(factor * noise, MOST_M_S):g}" for factor in (1, 2, 4))
+        command += f" --sweep {key} --values {noises}"
     enough = [one.controller for one in counts if suffices(one)]
     if not enough:
         text = f"none fails in less than {100 * SMALL:g} % of carries"
         return Answer(question, "no", text, command)
     text = ", ".join(enough)
     return Answer(question, "yes" if RECOMMENDED in enough else "partly", text, command)
+
+
+def _swept(scene: Scene, key: str) -> str:
+    """The key to sweep: that of the left side where both sides override it."""
+    return next(iter(on_every_side(scene, {key: None})))
 
 
 def needs_table(counts: Sequence[OutcomeCounts], scene: Scene) -> Table | None:
@@ -189,9 +196,11 @@ def _widths(scene: Scene, controller: str) -> str:
     return f"here: {millimetres(zone)}, overrun {millimetres(overrun)}"
 
 
-def on_angles(trial: AngleTrial | None, name: str) -> Answer:
+def on_angles(trial: AngleTrial | None, name: str, scene: Scene) -> Answer:
     """Which palm angles, and whether they matter."""
     question, command = "Are the palm angles right?", f"palmbots design {name}"
+    if _swept(scene, NOISE_KEY) != NOISE_KEY:  # there is no one noise to be tolerated
+        command += " --maximize angle"
     if trial is None:
         return Answer(question, "open", "no other pair of angles could be tried", command)
     command += f" -c {trial.controller}"
@@ -251,12 +260,12 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
     return Answer(question, verdict, "; ".join(proofs), command)
 
 
-def on_change(trial: ChangeTrial | None, name: str) -> Answer:
+def on_change(trial: ChangeTrial | None, name: str, scene: Scene) -> Answer:
     """Which change helps most, and what it costs."""
     question = "Does one change help?"
     if trial is None:
         text = "no change was found with which this scene would fail less often"
-        return Answer(question, "open", text, f"palmbots noise-limit {name} -c {RECOMMENDED}")
+        return Answer(question, "open", text, _failure_command(scene, name, RECOMMENDED))
     controller, own = trial.controller, "refused"
     if trial.own_failures is not None:
         own = rate_text(trial.own_failures, trial.carries)
@@ -269,7 +278,7 @@ def on_change(trial: ChangeTrial | None, name: str) -> Answer:
             f"{noise}{controller} fails in {own} of carries; none of the {trial.tried} changes "
             "that were tried makes it fail less often"
         )
-        return Answer(question, "no", text, f"palmbots noise-limit {name} -c {controller}")
+        return Answer(question, "no", text, _failure_command(scene, name, controller))
     changed = ", ".join(
         f"{key} from {format_number(trial.before[key])} to {format_number(value)}"
         for key, value in trial.changes.items()
@@ -293,6 +302,12 @@ def on_change(trial: ChangeTrial | None, name: str) -> Answer:
     return Answer(question, "yes", "; ".join([text, *_costs(trial)]), setting)
 
 
+def _failure_command(scene: Scene, name: str, controller: str) -> str:
+    """How much noise the scene tolerates; where each robot has its own, how often it drops."""
+    is_one = _swept(scene, NOISE_KEY) == NOISE_KEY
+    return f"palmbots {'noise-limit' if is_one else 'drop-rate'} {name} -c {controller}"
+
+
 def _costs(trial: ChangeTrial) -> Iterator[str]:
     """Time and messages, if the change alters them."""
     pairs = (
@@ -304,10 +319,11 @@ def _costs(trial: ChangeTrial) -> Iterator[str]:
             yield f"{words} {after:.0f} {unit} instead of {before:.0f}"
 
 
-def on_radio(trials: Sequence[RadioTrial], name: str) -> Answer:
+def on_radio(trials: Sequence[RadioTrial], name: str, scene: Scene) -> Answer:
     """What lost messages do."""
     question = "Does it survive lost messages?"
-    command = f"palmbots compare {name} --sweep radio.loss --values 0,0.05,0.2,0.5"
+    key = _swept(scene, "radio.loss")
+    command = f"palmbots compare {name} --sweep {key} --values 0,0.05,0.2,0.5"
     if not trials:
         return Answer(question, "open", "the controllers that suffice use no radio", command)
     worst = trials[-1]

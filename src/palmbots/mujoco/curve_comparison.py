@@ -36,6 +36,7 @@ from palmbots.mujoco.drift_forecast import lip_clearance
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.path_curve import RADIUS_M
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.sides import on_every_side
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.carry_lines import usual_reason
 from palmbots.simulation.outcome_counts import SMALL
@@ -102,8 +103,8 @@ class CurveComparison(Result):
 
 def _name(own: CurveTrial, one: CurveTrial) -> str:
     """What differs from the scene as it is."""
-    keys = [f"{key.rpartition('.')[2]}={value}" for key, value in one.changes.items()]
-    return " ".join(keys + [one.controller] * (one.controller != own.controller))
+    keys = (f"{key.rpartition('.')[2]}={value}" for key, value in one.changes.items())
+    return " ".join([*dict.fromkeys(keys), *[one.controller] * (one.controller != own.controller)])
 
 
 def _failures(one: CurveTrial) -> str:
@@ -218,22 +219,23 @@ def _plans(scene: Scene, own: CurveTrial) -> Iterator[tuple[str | None, Keys]]:
     palms = [scene.palm_of(side) for side in SIDES]
     if own.controller != RECOMMENDED:
         yield RECOMMENDED, {}
-    longer = {"palm.length_m": _up(LONGER * max(palm.length_m for palm in palms))}
-    can_be_longer = scene.palm.usable_m is None and not _overlaps(scene, longer)
+    length = _up(LONGER * max(palm.length_m for palm in palms))
+    longer = on_every_side(scene, {"palm.length_m": length})
+    has_usable = any(palm.usable_m for palm in palms)
+    can_be_longer = not has_usable and not _overlaps(scene, longer)
     if can_be_longer:
         yield None, longer
-    lips = _lips(scene)
     if any(palm.lip_height_m > 0 for palm in palms):
         most = max(palm.lip_clearance_m for palm in palms)
-        clearance = max(float(lips["palm.lip_clearance_m"]), math.ceil(1.5e3 * most) / 1e3)
-        yield None, {"palm.lip_clearance_m": clearance}
+        clearance = max(_clearance(scene), math.ceil(1.5e3 * most) / 1e3)
+        yield None, on_every_side(scene, {"palm.lip_clearance_m": clearance})
     else:
-        yield None, lips
+        yield None, _lips(scene)
         if can_be_longer:
             yield None, {**longer, **_lips(load_scene(scene, dict(longer)))}
         width = _up(2 * (1.25 * own.forecast.most_m if own.forecast else 0.0))
         if width > max(palm.width_m for palm in palms):
-            yield None, {"palm.width_m": width}
+            yield None, on_every_side(scene, {"palm.width_m": width})
     if scene.task.path.kind not in ("arc", "s"):
         return
     for factor in RADII:
@@ -246,13 +248,17 @@ def _plans(scene: Scene, own: CurveTrial) -> Iterator[tuple[str | None, Keys]]:
 
 
 def _lips(scene: Scene) -> Keys:
-    """Lips with a quarter more clearance than they need, and 2 mm."""
+    lips = {"palm.lip_height_m": LIP_HEIGHT_M, "palm.lip_clearance_m": _clearance(scene)}
+    return on_every_side(scene, lips)
+
+
+def _clearance(scene: Scene) -> float:
+    """A quarter more clearance than lips need, and 2 mm [m]."""
     try:
         room = lip_clearance(scene)
     except PalmbotsError:  # no path for this pair; the trial says so
         room = 0.0
-    clearance = math.ceil(1e3 * (1.25 * room + 2e-3)) / 1e3
-    return {"palm.lip_height_m": LIP_HEIGHT_M, "palm.lip_clearance_m": clearance}
+    return math.ceil(1e3 * (1.25 * room + 2e-3)) / 1e3
 
 
 def _overlaps(scene: Scene, longer: Keys) -> bool:

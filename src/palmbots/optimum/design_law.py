@@ -7,12 +7,12 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
 
 import palmbots.optimum.drop_bound as drop_bound
 from palmbots._util.report import Item, Table, bold
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.sides import multiplied
 
 KEYS: Mapping[str, str] = MappingProxyType(
     {
@@ -99,16 +99,9 @@ def compare_with_law(
             found = drop_bound.bound(
                 base,
                 "corrections",
-                overrides={key: factor * _value(base, key)},
+                overrides=multiplied(base, key, factor),
                 on_progress=lambda part, started=started: report(started + part / count),
             )
             points.append(LawPoint(key, factor, found.sigma_star_m_s, found.law_m_s))
     report(1.0)
     return DesignLaw(tuple(points), base)
-
-
-def _value(scene: Scene, key: str) -> float:
-    value: Any = scene.model_dump()
-    for name in key.split("."):
-        value = value[name]
-    return float(value)

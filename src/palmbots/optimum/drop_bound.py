@@ -181,10 +181,6 @@ def bound(
     one_of("speeds", speeds, SPEEDS)
     base = load_scene(scene, overrides)
     refuse_unfit(base)
-    if all(override.noise_m_s is not None for override in (base.robot.left, base.robot.right)):
-        raise PalmbotsError(
-            f"{NOISE_KEY}: both robots override it; allowed: an override of one robot at most"
-        )
     report = on_progress or (lambda fraction: None)
     key = key_of({"scene": base.model_dump(), "speeds": speeds, "rate": drop_rate})
     numbers = cached(key)
@@ -249,7 +245,7 @@ class _Search:
         return solution
 
     def _problem(self, noise: float) -> OpeningProblem:
-        scene = load_scene(self.base, {NOISE_KEY: noise})
+        scene = load_scene(self.base, {NOISE_KEY: noise}, called="bound:")
         return opening_problem(to_spec(scene), self.speeds)
 
     def _count(self, grid: Grid) -> None:

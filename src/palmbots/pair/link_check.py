@@ -19,6 +19,7 @@ from palmbots.links.link import Link
 from palmbots.links.packet_statistics import PacketStatistics, quantile
 from palmbots.pair.pair_file import Pair
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.sides import on_every_side
 from palmbots.wire import Endpoint, FaultCode, Hello, Status, Verdict
 
 PERIOD_S = 0.05
@@ -155,7 +156,8 @@ def needs_of(scene: Scene, delay_s: float, loss: float) -> Needs:
     shortest_s = 2 * (max(delay_s, tick_s) + beacon_s + tick_s)
     in_a_row = math.ceil(math.log(beacon_s / _FALSE_SILENCE_S) / math.log(loss)) if loss > 0 else 0
     lease_s = shortest_s + in_a_row * beacon_s
-    measured = load_scene(scene, {"radio.latency_s": delay_s, "radio.jitter_s": 0.0})
+    keys = {"radio.latency_s": delay_s, "radio.jitter_s": 0.0}
+    measured = load_scene(scene, on_every_side(scene, keys))
     verdicts = {name: _verdict(name, measured, loss, lease_s) for name in shipped_names("robots")}
     return Needs(delay_s, loss, lease_s, verdicts)
 

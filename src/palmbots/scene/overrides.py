@@ -43,7 +43,7 @@ def parse_overrides(texts: Iterable[str]) -> dict[str, Any]:
     given: set[str] = set()
     for text in texts:
         key, value = parse_override(text)
-        for name in _leaves(key, value):
+        for name in leaves(key, value):
             if name in given:
                 raise _twice(name)
             given.add(name)
@@ -59,12 +59,15 @@ def _twice(key: str) -> SceneError:
     return SceneError(f"--set {key}: is given twice; allowed: each key once")
 
 
-def _leaves(key: str, value: Any) -> list[str]:
-    """The dotted keys that an override sets: more than one where the value is a table."""
+def leaves(key: str, value: Any) -> dict[str, Any]:
+    """What an override sets by dotted keys: more than one where the value is a table."""
     key = ".".join(part.strip() for part in key.split("."))
     if not isinstance(value, Mapping):
-        return [key]
-    return [leaf for inner, item in value.items() for leaf in _leaves(f"{key}.{inner}", item)]
+        return {key: value}
+    found: dict[str, Any] = {}
+    for inner, item in value.items():
+        found |= leaves(f"{key}.{inner}", item)
+    return found
 
 
 def merged(

@@ -30,6 +30,7 @@ from palmbots.scene.palm_section import Palm, PalmParameters
 from palmbots.scene.radio_section import Radio
 from palmbots.scene.robot_section import Control, Robot, RobotParameters, Tactile
 from palmbots.scene.section import Section, as_given, plain
+from palmbots.scene.sides import refuse_without_effect
 from palmbots.scene.task_section import Bumps, Start, Task
 
 _STEP = re.compile(r"(\w+)|\[(\d+)\]")
@@ -200,7 +201,9 @@ def load_scene(
         raise SceneError(f"{called} {show(overrides)} is not a table; allowed: {{key: value}}")
     data, changes = with_named_object(data), with_named_object(overrides, called)
     data = without_superseded(data, changes, called)
-    return _validated(called, merged(data, changes, called=called))
+    changed = _validated(called, merged(data, changes, called=called))
+    refuse_without_effect(changed, changes, called)
+    return changed
 
 
 def _empty_parts(data: Mapping[str, Any]) -> list[str]:

@@ -174,10 +174,6 @@ def noise_limit(
     few = max(FEW_IN_PYTHON if is_slow else FEW, math.ceil(4 / drop_rate))
     if is_slow:
         _refuse_if_slow(entry, place, drop_rate, relative_half_width, few)
-    if all(override.noise_m_s is not None for override in (base.robot.left, base.robot.right)):
-        raise PalmbotsError(
-            f"{NOISE_KEY}: both robots override it; allowed: an override of one robot at most"
-        )
     expected = _expected(drop_rate, relative_half_width, few)
     report = on_progress or (lambda fraction: None)
     run = _Carries(base, entry, place, seed, workers, report, expected)
@@ -299,7 +295,7 @@ class _Carries:
 
     def _prepared(self, noise: float) -> Prepared:
         if noise not in self.prepared:
-            scene = load_scene(self.base, {NOISE_KEY: noise})
+            scene = load_scene(self.base, {NOISE_KEY: noise}, called="noise-limit:")
             self.prepared[noise] = prepare(scene, self.entry, self.place)
         return self.prepared[noise]
 

@@ -25,6 +25,7 @@ from palmbots._util.text import format_number, plural
 from palmbots.control.registry import ControllerLike, resolve, shipped_names
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.spec import to_spec
 from palmbots.scene.variations import with_values
 from palmbots.simulation.batch import DELIVERED, DROPPED
 from palmbots.simulation.outcome_counts import carry_seeds
@@ -291,6 +292,12 @@ def compare(
         for value in values
     ]
     _each_once("values", values)
+    specs = [] if place.is_stepped else [to_spec(at).to_bytes() for at in scenes]
+    if len(specs) > 1 == len(set(specs)):
+        raise PalmbotsError(
+            f"sweep: {key}: no carry of this scene in the {place.name} world depends on it; "
+            "allowed: other keys, or a world in which they do"
+        )
     rows, refusals = [], []
     cells = [(e, v, s) for e in entries for v, s in zip(values, scenes, strict=True)]
     for i, (entry, value, at) in enumerate(cells):

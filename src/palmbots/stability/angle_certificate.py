@@ -13,8 +13,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from palmbots._types import SIDES, Interval
+from palmbots._types import Interval
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.sides import on_every_side
 from palmbots.stability.angle_grid import Quantity, Uncertainty
 from palmbots.stability.certificates.box_from_scene import box_of
 from palmbots.stability.certificates.obligations import BOTH_TURN, ONE_TURNS
@@ -31,13 +32,8 @@ _FEW_BOXES, _MANY_BOXES = 3000, 20_000
 
 def angle_keys(scene: Scene, angles_deg: Interval) -> dict[str, float]:
     """The scene keys that give both palms these angles (shallow, steep)."""
-    keys: dict[str, float] = {"palm.shallow_deg": angles_deg[0], "palm.steep_deg": angles_deg[1]}
-    for side in SIDES:
-        override = getattr(scene.palm, side)
-        for name, angle in zip(("shallow_deg", "steep_deg"), angles_deg, strict=True):
-            if getattr(override, name) is not None:
-                keys[f"palm.{side}.{name}"] = angle
-    return keys
+    names = "palm.shallow_deg", "palm.steep_deg"
+    return on_every_side(scene, dict(zip(names, angles_deg, strict=True)))
 
 
 def scene_at(scene: Scene, angles_deg: Interval) -> Scene:

@@ -158,6 +158,7 @@ class _State:
         size = len(self.grid.degrees)
         self.sigma = np.full((size, size), np.nan)
         limit, slope = self.start
+        load_scene(self.scene, {NOISE_KEY: limit}, called="design:")  # refused if no robot takes it
         self.noise_m_s = self._towards(limit, _RATE, _ROUNDS[0].drop_rate, slope)
 
     def rank(self, places: list[Place], rules: _Round) -> list[Place]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import palmbots._core as _core
@@ -20,6 +20,7 @@ from palmbots._util.plain_values import derived
 from palmbots._util.text import millimetres
 from palmbots.mechanics.load_limits import mass_text
 from palmbots.scene.scene import Scene
+from palmbots.scene.sides import on_every_side
 
 if TYPE_CHECKING:
     from palmbots.stability.analysis import Analysis
@@ -87,7 +88,10 @@ def angle_step_deg(scene: Scene) -> float:
 
 def ranked_margins(analysis: Analysis) -> tuple[RankedMargin, ...]:
     """All margins, the tightest first; those of which the scene uses nothing up last."""
-    found = list(_margins(analysis))
+    found = [
+        replace(one, keys=tuple(on_every_side(analysis.scene, dict.fromkeys(one.keys))))
+        for one in _margins(analysis)
+    ]
     return tuple(sorted(found, key=lambda one: math.inf if one.times is None else one.times))
 
 
@@ -145,7 +149,8 @@ def _contact(analysis: Analysis, noise: float) -> RankedMargin:
     if allowed <= 0:
         limit = "a property fails wherever the contacts are"
     use = f"noise moves it by {millimetres(noise)} over the carry if no robot corrects it"
-    keys = ("palm.usable_m" if scene.palm.usable_m else "palm.length_m", "robot.noise_m_s")
+    is_part = any(scene.palm_of(side).usable_m for side in SIDES)
+    keys = ("palm.usable_m" if is_part else "palm.length_m", "robot.noise_m_s")
     return RankedMargin("contact", allowed, noise, "m", limit, use, keys)
 
 

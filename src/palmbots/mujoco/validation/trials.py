@@ -18,6 +18,7 @@ from palmbots._types import SIDES
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.sides import on_every_side
 from palmbots.scene.spec import to_spec
 
 Slides = Literal["left", "right", "both", "none"]
@@ -59,8 +60,7 @@ def scene_of(base: Scene, state: State) -> Scene:
     """The scene that starts in this state, without noise."""
     left, right = state.angles_deg
     changes: dict[str, Any] = {
-        "palm.friction": state.friction,
-        "robot.noise_m_s": 0.0,
+        **on_every_side(base, {"palm.friction": state.friction, "robot.noise_m_s": 0.0}),
         "object.com_m": [state.com_x, base.object.com_m[1]],
         "start.left_m": state.contacts[0],
         "start.right_m": state.contacts[1],

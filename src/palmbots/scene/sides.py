@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Keys that a side or a sender may override: ``robot.left.noise_m_s`` beside ``robot.noise_m_s``.
+
+The key without a side is the value of all that have none of their own. To change it everywhere is
+therefore to change the overrides, too; and where both sides override it, the key alone changes
+nothing. All that sets or multiplies such keys uses the functions here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from palmbots._types import SIDES
+from palmbots.errors import SceneError
+from palmbots.scene.overrides import leaves, merged
+
+if TYPE_CHECKING:
+    from palmbots.scene.scene import Scene
+
+_HOLDERS = {"palm": SIDES, "robot": SIDES, "radio": (*SIDES, "station")}
+_EITHER = ("friction", "friction_angle_deg")  # a side with one of them ignores both of the pair
+
+
+def overriding(scene: Scene, key: str) -> tuple[str, ...]:
+    """The sides and senders with a value of their own for a key without a side."""
+    section, _, name = key.partition(".")
+    names = _EITHER if key.startswith("palm.") and name in _EITHER else (name,)
+    found = []
+    for holder in _HOLDERS.get(section, ()):
+        own = getattr(getattr(scene, section), holder)
+        if any(getattr(own, one, None) is not None for one in names):
+            found.append(holder)
+    return tuple(found)
+
+
+def on_every_side(scene: Scene, keys: Mapping[str, Any]) -> dict[str, Any]:
+    """These keys, and the keys of all that override them, so that each value holds everywhere."""
+    found: dict[str, Any] = {}
+    for key, value in keys.items():
+        own = overriding(scene, key)
+        if not _is_without_effect(own):
+            found[key] = value
+        found |= {_key_of(key, holder): value for holder in own}
+    return found
+
+
+def multiplied(scene: Scene, key: str, factor: float) -> dict[str, float]:
+    """A key multiplied wherever it is set; empty where it is no number."""
+    found = {}
+    for one in on_every_side(scene, {key: None}):
+        value = value_of(scene, one)
+        if isinstance(value, int | float):
+            found[one] = factor * value
+    return found
+
+
+def value_of(scene: Scene, key: str) -> Any:
+    """The value that holds for a dotted key: for ``robot.left.noise_m_s``, that of the left robot,
+    also where ``robot.noise_m_s`` sets it; for a friction, also that of an angle."""
+    section, _, name = key.partition(".")
+    holder, _, own = name.partition(".")
+    own_ones = [holder] if holder in SIDES else overriding(scene, key)
+    for side in SIDES if section in ("palm", "robot") else ():
+        if (side in own_ones) == bool(own):
+            parameters = scene.palm_of(side) if section == "palm" else scene.robot_of(side)
+            return getattr(parameters, own or name)
+    found: Any = scene
+    for part in key.split("."):
+        found = getattr(found, part)
+    if found is None and own and holder in _HOLDERS.get(section, ()):
+        return value_of(scene, f"{section}.{own}")
+    return list(found) if isinstance(found, tuple) else found
+
+
+def refuse_without_effect(scene: Scene, changes: Mapping[str, Any], called: str) -> None:
+    """Raise `SceneError` for a key without a side among `changes`, which made `scene`, if both
+    robots override it, unless the changes set these overrides, too."""
+    given = merged({}, changes)
+    for section in _HOLDERS:
+        if not isinstance(given.get(section), Mapping):
+            continue
+        keys = {k for k, value in leaves(section, given[section]).items() if value is not None}
+        for key in sorted(keys):
+            own = overriding(scene, key)
+            if _is_without_effect(own) and not {_key_of(key, one) for one in SIDES} <= keys:
+                ones = " and ".join(_key_of(key, one) for one in SIDES)
+                raise SceneError(f"{called} {key}: both sides override it; allowed: {ones}")
+
+
+def _is_without_effect(overriding: tuple[str, ...]) -> bool:
+    """Whether both robots have values of their own. What the station sends has a key of its own."""
+    return set(SIDES) <= set(overriding)
+
+
+def _key_of(key: str, holder: str) -> str:
+    return key.replace(".", f".{holder}.", 1)
