@@ -123,3 +123,25 @@ def test_processes_give_the_carries_of_this_one(tmp_path: Path) -> None:
     found = count_outcomes("paper", name, seeds=6, overrides=overrides)
     ends = [pb.carry("paper", name, seed=k, overrides=overrides).outcome for k in range(6)]
     assert (found.dropped, found.stalled) == (ends.count("dropped"), ends.count("stalled"))
+
+
+@pytest.mark.parametrize(
+    ("controller", "dropped", "stalled", "tries"),
+    [
+        ("distributed", 10, 0, True),
+        ("distributed", 0, 10, True),
+        ("distributed", 5, 5, True),
+        ("distributed", 9, 0, False),
+        ("distributed", 0, 9, False),
+        ("creeping", 900, 0, False),  # its carries take long
+    ],
+)
+def test_other_controllers_are_tried_from_one_failure_in_a_hundred(
+    monkeypatch: pytest.MonkeyPatch, controller: str, dropped: int, stalled: int, tries: bool
+) -> None:
+    own = outcome_counts.OutcomeCounts("distributed", 1000, dropped, stalled)
+    better = (outcome_counts.OutcomeCounts("silent", 1000, 0, 0),)
+    monkeypatch.setattr(outcome_counts, "_counted", lambda *given: own)
+    monkeypatch.setattr(outcome_counts, "better_controllers", lambda *given, **more: better)
+    found = scene_statistics(prepare(pb.load_scene("paper"), controller), seeds=1000)
+    assert found == outcome_counts.SceneStatistics(own, better if tries else None)

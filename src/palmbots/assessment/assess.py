@@ -8,7 +8,7 @@ counted, from carries of this scene. Nothing is taken from the default scene.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from palmbots._types import SIDES, Interval, Overrides
 from palmbots._util.command import Option, command
@@ -16,9 +16,9 @@ from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots.assessment.angles import AngleTrial, try_angles
-from palmbots.assessment.changes import ChangeTrial, try_changes
+from palmbots.assessment.changes import ChangeTrial, NoChange, try_changes
 from palmbots.assessment.friction import FrictionTrial, hardest_to_hold, try_friction
-from palmbots.assessment.load import LoadTrial, try_load
+from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
 from palmbots.assessment.verdicts import (
     WORDS,
     Answer,
@@ -56,12 +56,13 @@ LOSSES = (0.0, 0.05, 0.2, 0.5)
 """Shares of lost messages that are tried."""
 FEWEST = 400
 """Fewest carries of each controller: if none of 400 fails, the interval ends below 1 %."""
-CURVE_CARRIES, LOAD_CARRIES = 10, 4
+CURVE_CARRIES = 10
 """In the MuJoCo world."""
 QUESTIONS = (
     "carried", "load", "drops", "controllers", "angles", "friction", "radio", "curve", "change",
 )  # fmt: skip
 """Fields of `Answers`, in the order of the page."""
+_OF_CARRIES = ("drops", "controllers", "angles", "radio", "curve")
 
 
 @dataclass(frozen=True)
@@ -127,23 +128,45 @@ class Assessment(Result):
             if self.answers.load.verdict == "no":
                 return "the object is too heavy for these robots"
             return "no shipped controller carries this object"
-        load = "the object may be too heavy for these robots"
-        if self.load is not None and self.load.remarks and not self.load.counts.failure_rate:
-            load = "wheels slip under the load"
         use = f"use {best.controller}: it fails in {failures(best)} of carries"
-        doubts = [
+        doubts = []
+        if self.load is not None and self.load.cause == "other":
+            doubts.append("it fails more often in MuJoCo, whatever its weight")
+        doubts += [
             words
             for answer, words in (
                 (self.answers.carried, "the object is not held in every state that may occur"),
-                (self.answers.load, load),
+                (self.answers.load, self._doubt_of_load()),
                 (self.answers.friction, "it may fail with some friction of the interval"),
             )
             if answer.verdict in ("no", "partly")
         ]
-        if self.scene.task.path.is_curved and self.answers.curve.verdict in ("no", "partly"):
-            doubts.append("it fails on its curve")
+        if self.scene.task.path.is_curved:
             use += " on a straight path"
+            if self.answers.curve.verdict == "open":
+                use += "; its curve was not tried"
+            elif self.curve is not None and self.curve.counts is not None:
+                use += f", and in {failures(self.curve.counts)} on its curve, in MuJoCo"
+            else:
+                doubts.append("on its curve the object would tip sideways")
         return "; ".join([*doubts, use])
+
+    def _doubt_of_load(self) -> str:
+        """What speaks against the weight, in as few words as its cause is known."""
+        cause = "none" if self.load is None else self.load.cause
+        if cause == "weight":
+            return "the object is too heavy for these robots"
+        if cause == "unclear":
+            return "it fails more often in MuJoCo, perhaps because of its weight"
+        scene = self.scene
+        if self.friction is not None:
+            scene = hardest_to_hold(scene, self.friction.friction)
+        limits = load_limits(scene)
+        if limits.held_within_m < limits.reach_m:
+            return "the object may be too heavy for these robots"
+        if self.load is not None and self.load.remarks:
+            return "in MuJoCo wheels slip, or robots drive too fast"
+        return "wheels may slip under the load"
 
     def paragraphs(self) -> Iterator[tuple[Answer, Table | None]]:
         """Each answer, and the numbers behind it."""
@@ -210,13 +233,14 @@ def assess(
     rough, loaded = None, chosen
     if friction is not None:
         rules = best.controller if best else None
-        rough = try_friction(straight, friction, rules, counts[0].carries)
+        rough = try_friction(straight, friction, rules, counts[0].carries if counts else 0)
         loaded = hardest_to_hold(chosen, friction)
-    angles = curve = load = change = None
+    angles = curve = load = None
+    change: ChangeTrial | NoChange | None = None
     if best is not None:
         angles = try_angles(straight, best.controller, lambda done: report(0.1 + 0.1 * done))
         held = _straightened(loaded)
-        load = try_load(held, best.controller, LOAD_CARRIES, lambda n: report(0.2 + 0.2 * n))
+        load = try_load(held, best, LOAD_CARRIES, lambda n: report(0.2 + 0.2 * n))
     radio = tuple(_with_losses(straight, counts))
     report(0.45)
     if best is not None or load_limits(straight).refusal():
@@ -239,15 +263,28 @@ def assess(
     answers = Answers(
         carried=on_mechanics(analysis, planar),
         load=on_load(load_limits(loaded), best, load, name, rough),
-        drops=on_drops(counts, planar),
+        drops=on_drops(counts, load, planar),
         controllers=on_controllers(counts, planar, straight),
         angles=on_angles(angles, planar, straight),
         friction=on_friction(rough, analysis, planar),
-        radio=on_radio(radio, planar, straight),
-        curve=on_curve(curve, chosen),
+        radio=on_radio(radio, counts, planar, straight),
+        curve=on_curve(curve, best, chosen),
         change=on_change(change, planar, straight),
     )
-    return Assessment(answers, counts, angles, load, rough, radio, curve, change, chosen, analysis)
+    if not counts:
+        refused = _refused(straight)
+        answers = replace(
+            answers,
+            **{name: replace(getattr(answers, name), **refused) for name in _OF_CARRIES},
+        )
+    trial = change if isinstance(change, ChangeTrial) else None
+    return Assessment(answers, counts, angles, load, rough, radio, curve, trial, chosen, analysis)
+
+
+def _refused(scene: Scene) -> dict[str, str]:
+    """Text and command of the answers on carries where none can begin."""
+    command = "load" if load_limits(scene).refusal() else "carry"
+    return {"text": "no carry can begin", "command": f"palmbots {command} {scene.spelled}"}
 
 
 def _straightened(scene: Scene) -> Scene:

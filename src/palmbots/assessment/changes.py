@@ -10,7 +10,7 @@ hold it are tried.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,14 +18,21 @@ import numpy as np
 from palmbots._types import SIDES
 from palmbots._util.confidence_intervals import rate_interval
 from palmbots.assessment.angles import FRESH, count_failures
+from palmbots.assessment.load import LOAD_CARRIES
 from palmbots.errors import PalmbotsError
-from palmbots.mechanics.load_limits import LoadLimits, load_limits
+from palmbots.mechanics.load_limits import DECISIVE, MEANINGS, LoadLimits, load_limits
 from palmbots.mujoco.curve_trial import settings_of
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import multiplied, value_of
 from palmbots.simulation.batch import DELIVERED, Columns
 from palmbots.simulation.noise_limit import NOISE_KEY
-from palmbots.simulation.outcome_counts import SMALL, carry_seeds, default_carries
+from palmbots.simulation.outcome_counts import (
+    SMALL,
+    OutcomeCounts,
+    carry_seeds,
+    count_outcomes,
+    default_carries,
+)
 from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.stability.analysis import analyze
 
@@ -46,7 +53,18 @@ NOISE_FACTORS = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 12.0)
 STRONGER = (1.25, 1.5, 2.0, 3.0, 5.0, 10.0)
 """Factors by which the strength of a robot is multiplied if it cannot hold the object."""
 Keys = Mapping[str, float | str | list[float]]
+MOST_IN_MUJOCO = 8
+"""Changes for the load that are carried there."""
 _ENOUGH = 0.05  # share of failures with more noise at which changes can be compared
+
+
+@dataclass(frozen=True)
+class NoChange:
+    """Why no change was found."""
+
+    why: str
+    is_for_load: bool = False
+    """Whether the object is too heavy."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +96,9 @@ class ChangeTrial:
     """Mean of the carries that deliver, at the scene's own noise, before and after."""
     own_messages: float | None
     messages: float | None
+    mujoco: OutcomeCounts | None = None
+    """Carries with a change for the load in the MuJoCo world, where weight acts; None: not
+    tried."""
 
     @property
     def settings(self) -> str:
@@ -105,8 +126,9 @@ def try_changes(
     angles: Keys,
     reach_m: float | None,
     report: Callable[[float], None] = lambda fraction: None,
-) -> ChangeTrial | None:
-    """Carry the scene with each change.
+) -> ChangeTrial | NoChange:
+    """Carry the scene with each change. Where the object is too heavy, the best changes are also
+    carried in the MuJoCo world, until all carries with one arrive.
 
     Args:
         scene: with a straight path.
@@ -116,7 +138,7 @@ def try_changes(
         report: called with the completed fraction.
 
     Returns:
-        The best change; None: none could be tried.
+        The best change, or why there is none.
     """
     load = load_limits(scene)
     is_heavy = not _is_held(load, reach_m)
@@ -126,25 +148,32 @@ def try_changes(
     if own is not None and count is not None and not is_heavy:
         found = _revealing_noise(scene, controller, count)
         if found is None:
-            return None
+            return NoChange(_unfailing(scene, count))
         noise = found
     own_holds = analyze(scene).holds
     judged: dict[int, tuple[bool, int]] = {}
     for k, keys in enumerate(plans):
-        report(0.9 * k / len(plans))
+        report((0.5 if is_heavy else 0.9) * k / len(plans))
         try:
             changed = load_scene(scene, dict(keys))
             count = default_carries(prepare(changed, controller)) if count is None else count
             if count is None:
-                return None
+                return NoChange(_LONG)
             holds = analyze(changed).holds
             if holds or not own_holds:
                 judged[k] = not holds, count_failures(_noisy(changed, controller, noise), 0, count)
         except PalmbotsError:  # the palms collide, or a value is beyond its limits
             continue
     if not judged or count is None:
-        return None
-    chosen = min(judged, key=lambda k: judged[k])
+        if is_heavy:
+            return NoChange(f"even {_STRONG} do not hold it", is_for_load=True)
+        return NoChange(_LONG if count is None else "every change that was tried is refused")
+    ranked = sorted(judged, key=lambda k: judged[k])
+    chosen, mujoco = ranked[0], None
+    if is_heavy:
+        chosen, mujoco = _carried_in_mujoco(scene, plans, ranked, controller, report)
+        if mujoco is not None and mujoco.failure_rate == 1:
+            return NoChange(f"up to {_STRONG} fail in every carry in MuJoCo", is_for_load=True)
     best, holds = plans[chosen], not judged[chosen][0]
     changed = load_scene(scene, dict(best))
     after = _usual(prepare(changed, controller), count)
@@ -170,7 +199,43 @@ def try_changes(
         time_s=_mean(after, "time_s"),
         own_messages=None if usual is None else _mean(usual, "messages"),
         messages=_mean(after, "messages"),
+        mujoco=mujoco,
     )
+
+
+_LONG = "carries take long, and none was tried"
+_STRONG = f"robots {STRONGER[-1]:g} times as strong"
+
+
+def _unfailing(scene: Scene, count: int) -> str:
+    """Why no change can be compared in a scene that does not fail."""
+    text = f"none of {count:,} carries fails"
+    if any(scene.robot_of(side).noise_m_s for side in SIDES):
+        return f"{text}, and few do with {NOISE_FACTORS[-1]:g} times the noise"
+    return f"{text}, and the robots have no noise that could be raised to compare changes"
+
+
+def _carried_in_mujoco(
+    scene: Scene,
+    plans: Sequence[Keys],
+    ranked: Sequence[int],
+    controller: str,
+    report: Callable[[float], None],
+) -> tuple[int, OutcomeCounts | None]:
+    """The first change with which all carries in the MuJoCo world arrive, else the one with which
+    most do; its number, and how its carries end. None: that world refuses the scene."""
+    found: dict[int, OutcomeCounts] = {}
+    for n, k in enumerate(ranked[:MOST_IN_MUJOCO]):
+        report(0.5 + 0.4 * n / MOST_IN_MUJOCO)
+        changed = load_scene(scene, dict(plans[k]))
+        try:
+            found[k] = count_outcomes(changed, controller, seeds=LOAD_CARRIES, world="mujoco")
+        except PalmbotsError:
+            continue
+        if found[k].failure_rate == 0:
+            break
+    best = min(found, key=lambda k: found[k].failure_rate, default=ranked[0])
+    return best, found.get(best)
 
 
 def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:
@@ -191,16 +256,28 @@ def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:
 
 
 def _stronger(scene: Scene, load: LoadLimits, reach_m: float | None) -> Iterator[Keys]:
-    """The least strength of each kind with which the robots hold the object."""
-    for key in dict.fromkeys(limit.key for limit in load.limits):
-        for factor in STRONGER:
-            keys = _multiplied(scene, key, factor)
-            try:
-                if _is_held(load_limits(scene, overrides=dict(keys)), reach_m):
-                    yield keys
-                    break
-            except PalmbotsError:
-                continue
+    """Strengths of one kind with which the robots hold the object, the least first; where no kind
+    suffices alone, of all kinds without which no carry begins."""
+    alone = [(limit.key,) for limit in load.limits]
+    together = [tuple(MEANINGS[kind][1] for kind in DECISIVE)]
+    for names in (alone, together):
+        plans = [
+            {one: v for name in some for one, v in _multiplied(scene, name, factor).items()}
+            for factor in STRONGER
+            for some in names
+        ]
+        held = [keys for keys in plans if _holds(scene, keys, reach_m)]
+        yield from held
+        if held:
+            return
+
+
+def _holds(scene: Scene, keys: Keys, reach_m: float | None) -> bool:
+    """Whether the robots hold the object with these changes."""
+    try:
+        return bool(keys) and _is_held(load_limits(scene, overrides=dict(keys)), reach_m)
+    except PalmbotsError:
+        return False
 
 
 def _multiplied(scene: Scene, key: str, factor: float) -> Keys:

@@ -1,16 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a load does to the robots, tried by carries in the MuJoCo world on a straight path."""
+"""What a load does to the robots, tried by carries in the MuJoCo world on a straight path.
+
+A carry there may fail for reasons that have nothing to do with the weight. The quasistatic world
+knows no weight, so that only more failures than there need another reason. If there are more, the
+same seeds carry a light object of the same shape: the weight is the reason if it fails less.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 from palmbots.errors import PalmbotsError
+from palmbots.mechanics.load_limits import load_limits
 from palmbots.mujoco.carry_runner import traction_warnings
-from palmbots.scene.scene import Scene
+from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.outcome_counts import OutcomeCounts, reason_counts
 from palmbots.simulation.single import carry
+
+LOAD_CARRIES = 5
+"""In the MuJoCo world, of each scene."""
+LIGHT = 0.25
+"""The mass of the light object, as a share of what the robots hold anywhere on the palms."""
 
 
 @dataclass(frozen=True)
@@ -23,14 +35,62 @@ class LoadTrial:
     speed_m_s: float
     """The highest mean speed of a carry."""
     remarks: tuple[str, ...]
-    """What is wrong with the carries, in words, those of the carry with most slip first; empty:
-    nothing."""
+    """What the wheels did wrong in carries that did not drop the object, in words, those of the
+    carry with most slip first; empty: nothing."""
+    light: OutcomeCounts | None = None
+    """The same with an object of `light_kg`; None: that is refused, or not needed."""
+    light_kg: float | None = None
+    """None: nothing needs a reason."""
+
+    @property
+    def failed(self) -> int:
+        """How many carries did not deliver."""
+        return self.counts.dropped + self.counts.stalled
+
+    @property
+    def cause(self) -> Literal["none", "weight", "other", "unclear"]:
+        """Why more carries fail than in the quasistatic world: ``none`` do; a light object fails
+        measurably less (``weight``), or at least as often (``other``); or these carries do not show
+        it (``unclear``)."""
+        if self.light_kg is None:
+            return "none"
+        if self.light is None:
+            return "unclear"
+        if self.light.failure_rate >= self.counts.failure_rate:
+            return "other"
+        lighter = self.light.failure_interval[1] < self.counts.failure_interval[0]
+        return "weight" if lighter else "unclear"
 
 
 def try_load(
+    scene: Scene, planar: OutcomeCounts, carries: int, report: Callable[[float], None]
+) -> LoadTrial | None:
+    """Carry with the seeds 0, 1, …
+
+    Args:
+        scene: with a straight path.
+        planar: how carries of the scene end in the quasistatic world, with the same controller.
+        carries: how many.
+        report: called with the completed fraction.
+
+    Returns:
+        None: the MuJoCo world refuses the scene.
+    """
+    controller = planar.controller
+    found = _trial(scene, controller, carries, lambda done: report(0.5 * done))
+    if found is None or found.counts.failure_interval[0] <= planar.failure_interval[1]:
+        return found
+    heaviest = load_limits(scene).heaviest_kg
+    mass = scene.object.mass_kg
+    light_kg = float(f"{LIGHT * (mass if heaviest is None else min(mass, heaviest)):.2g}")
+    light = load_scene(scene, {"object.mass_kg": light_kg})
+    other = _trial(light, controller, carries, lambda done: report(0.5 + 0.5 * done))
+    return replace(found, light=None if other is None else other.counts, light_kg=light_kg)
+
+
+def _trial(
     scene: Scene, controller: str, carries: int, report: Callable[[float], None]
 ) -> LoadTrial | None:
-    """Carry with the seeds 0, 1, …; None: the MuJoCo world refuses the scene."""
     found = []
     for seed in range(carries):
         try:
@@ -41,7 +101,12 @@ def try_load(
     outcomes = [one.outcome for one in found]
     slips = [one.wheel_slip_m.values() for one in found if one.wheel_slip_m is not None]
     pairs = sorted(zip(found, slips, strict=True), key=lambda pair: -max(map(abs, pair[1])))
-    remarks = [text for one, slip in pairs for text in traction_warnings(scene, one, slip)]
+    remarks = [
+        text
+        for one, slip in pairs
+        if one.outcome != "dropped"  # a fall shakes the robots
+        for text in traction_warnings(scene, one, slip)
+    ]
     return LoadTrial(
         counts=OutcomeCounts(
             controller,

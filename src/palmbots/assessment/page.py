@@ -65,7 +65,7 @@ def _sheet(assessment: Assessment) -> Figure:
     from palmbots.viz.style import styled
 
     lines = [*_text(assessment)]
-    figures = (_outcomes(assessment), assessment.analysis.plot())
+    figures = [*_outcomes(assessment), assessment.analysis.plot()]
     pictures = [imread(io.BytesIO(_png(figure, 200))) for figure in figures]
     wide = _WIDTH_IN - 2 * _MARGIN_IN
     heights = [wide * picture.shape[0] / picture.shape[1] for picture in pictures]
@@ -111,7 +111,8 @@ def _page(assessment: Assessment) -> Iterator[str]:
     yield f"<h1>{name}</h1>"
     conclusion = html.escape(assessment.conclusion)
     yield f'<p><strong class="{assessment.verdict}">{conclusion}</strong></p>'
-    yield _image(_outcomes(assessment), "how often each controller fails")
+    for figure in _outcomes(assessment):
+        yield _image(figure, "how often each controller fails")
     for answer, table in assessment.paragraphs():
         yield f"<h2>{html.escape(answer.question)}</h2>"
         word = html.escape(answer.word)
@@ -147,14 +148,16 @@ def _image(figure: Figure, text: str) -> str:
     return f'<img alt="{html.escape(text)}" src="data:image/png;base64,{data}">'
 
 
-def _outcomes(assessment: Assessment) -> Any:
-    """Failures of each controller, with intervals."""
+def _outcomes(assessment: Assessment) -> Iterator[Figure]:
+    """Failures of each controller, with intervals; nothing where no carry can begin."""
     from matplotlib.figure import Figure
 
     from palmbots.viz.style import axis_label, controller_looks, styled
 
+    counts = assessment.counts
+    if not counts:
+        return
     with styled():
-        counts = assessment.counts
         figure = Figure(figsize=(6.3, 0.6 + 0.32 * len(counts)), layout="constrained")
         axes = figure.subplots()
         looks = controller_looks(one.controller for one in counts)
@@ -168,4 +171,4 @@ def _outcomes(assessment: Assessment) -> Any:
         axes.invert_yaxis()
         axes.set_xlim(0, max(100 * one.failure_interval[1] for one in counts) * 1.05)
         axes.set_xlabel(axis_label("carries that fail, with 95 % intervals", "%"))
-        return figure
+    yield figure

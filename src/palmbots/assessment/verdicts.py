@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Literal
 
-from palmbots._util.confidence_intervals import rate_text
+from palmbots._util.confidence_intervals import rate_interval, rate_text
 from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, quiet, warn_word
 from palmbots._util.text import format_number, millimetres
 from palmbots.assessment.angles import AngleTrial
-from palmbots.assessment.changes import ChangeTrial
+from palmbots.assessment.changes import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial, friction_keys
 from palmbots.assessment.load import LoadTrial
 from palmbots.control.dead_band import overrun_m, zero_zone_m
@@ -90,7 +91,7 @@ def best_of(counts: Sequence[OutcomeCounts]) -> OutcomeCounts | None:
 
 def on_mechanics(analysis: Analysis, name: str) -> Answer:
     """Whether the object can be carried at all, and what is tightest."""
-    question, command = "Can it be carried?", f"palmbots analyze {name}"
+    question, command = "Can palms hold it?", f"palmbots analyze {name}"
     if analysis.holds:
         # The next question is about the weight.
         doubts = [one for one in analysis.warnings if one != analysis.load.warning()]
@@ -135,19 +136,41 @@ def on_load(
     if trial is None:
         texts += ["not tried in MuJoCo"] * (best is not None)
     else:
-        counts = trial.counts
-        failed = counts.dropped + counts.stalled
-        texts.append(f"in MuJoCo {counts.carries - failed} of {counts.carries} carries arrive")
-        if failed or trial.remarks:
-            verdict = "no" if failed == counts.carries else "partly"
-            texts += [*filter(None, [usual_reason(counts, "mujoco")]), *trial.remarks[:1]]
+        texts.append(_arrivals(trial))
+        if trial.cause == "weight":
+            verdict = "no" if trial.counts.failure_rate == 1 else "partly"
+            texts += filter(None, [usual_reason(trial.counts, "mujoco")])
+        elif trial.cause == "unclear" or trial.remarks:
+            verdict = "partly"
+        texts += trial.remarks[:1]
     if rough is not None:
         texts.append(f"all with friction {friction:g}, the worse end")
     return Answer(question, verdict, "; ".join(texts), command)
 
 
-def on_drops(counts: Sequence[OutcomeCounts], name: str) -> Answer:
-    """How often the scene fails with the best controller."""
+def _arrivals(trial: LoadTrial) -> str:
+    """How many carries in MuJoCo arrive, and whether the weight keeps the others from it."""
+    text = f"in MuJoCo {_arrived(trial.counts)} carries arrive"
+    if trial.failed and trial.light_kg is None:
+        text += ", not measurably fewer than in the quasistatic world, where no object is too heavy"
+    if trial.light is not None:
+        text += f", and {_arrived(trial.light)} with an object of {trial.light_kg:g} kg"
+    means = {
+        "none": "",
+        "weight": ": the weight is the reason",
+        "other": ": the weight is not the reason",
+        "unclear": ": these do not show whether the weight is the reason",
+    }
+    return text + means[trial.cause]
+
+
+def _arrived(counts: OutcomeCounts) -> str:
+    return f"{counts.carries - counts.dropped - counts.stalled} of {counts.carries}"
+
+
+def on_drops(counts: Sequence[OutcomeCounts], load: LoadTrial | None, name: str) -> Answer:
+    """How often the scene fails with the best controller, also in MuJoCo where that is not due to
+    the weight."""
     question = "Does it arrive reliably?"
     best = best_of(counts)
     if best is None:
@@ -155,6 +178,12 @@ def on_drops(counts: Sequence[OutcomeCounts], name: str) -> Answer:
     command = f"palmbots drop-rate {name} -c {best.controller}"
     verdict: Verdict = "yes" if suffices(best) else "no" if best.failure_rate > 0.5 else "partly"
     text = f"{best.controller} fails in {failures(best)} of carries"
+    if load is not None and load.cause in ("other", "unclear"):
+        if verdict != "no":
+            verdict = "no" if load.counts.failure_rate > 0.5 else "partly"
+        reason = usual_reason(load.counts, "mujoco")
+        failed = f"in MuJoCo, with weight and wheels, in {load.failed} of {load.counts.carries}"
+        text = "; ".join(filter(None, [text, failed, reason]))
     return Answer(question, verdict, text, command)
 
 
@@ -197,7 +226,8 @@ def _widths(scene: Scene, controller: str) -> str:
 
 
 def on_angles(trial: AngleTrial | None, name: str, scene: Scene) -> Answer:
-    """Which palm angles, and whether they matter."""
+    """Which palm angles, and whether they matter. They are not right where the scene fails, but no
+    others are better then."""
     question, command = "Are the palm angles right?", f"palmbots design {name}"
     if _swept(scene, NOISE_KEY) != NOISE_KEY:  # there is no one noise to be tolerated
         command += " --maximize angle"
@@ -212,7 +242,9 @@ def on_angles(trial: AngleTrial | None, name: str, scene: Scene) -> Answer:
     own, best = (rate_text(n, trial.carries) for n in (trial.own_failures, trial.best_failures))
     if not trial.is_better:
         text = f"{trial.controller} fails in {own} at the scene's angles; {spread}"
-        return Answer(question, "yes", text, command)
+        if rate_interval(trial.own_failures, trial.carries)[1] <= SMALL:
+            return Answer(question, "yes", text, command)
+        return Answer(question, "partly", f"no pair that was tried is better: {text}", command)
     shallow, steep = trial.best_deg
     text = (
         f"{trial.controller} fails in {best} at {shallow:g}° and {steep:g}°, and in {own} at the "
@@ -260,11 +292,15 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
     return Answer(question, verdict, "; ".join(proofs), command)
 
 
-def on_change(trial: ChangeTrial | None, name: str, scene: Scene) -> Answer:
+def on_change(trial: ChangeTrial | NoChange | None, name: str, scene: Scene) -> Answer:
     """Which change helps most, and what it costs."""
     question = "Does one change help?"
-    if trial is None:
-        text = "no change was found with which this scene would fail less often"
+    if trial is None or isinstance(trial, NoChange):
+        text = "no carry arrives that a change could make more frequent"
+        if trial is not None:
+            text = trial.why
+        if trial is not None and trial.is_for_load:
+            return Answer(question, "no", text, f"palmbots load {name}")
         return Answer(question, "open", text, _failure_command(scene, name, RECOMMENDED))
     controller, own = trial.controller, "refused"
     if trial.own_failures is not None:
@@ -283,6 +319,7 @@ def on_change(trial: ChangeTrial | None, name: str, scene: Scene) -> Answer:
         f"{key} from {format_number(trial.before[key])} to {format_number(value)}"
         for key, value in trial.changes.items()
     )
+    verdict: Verdict = "yes"
     after = rate_text(trial.failures, trial.carries)
     rates = f"{after} instead of {own}"
     text = f"{changed}: {noise}{controller} fails in {rates}"
@@ -299,7 +336,10 @@ def on_change(trial: ChangeTrial | None, name: str, scene: Scene) -> Answer:
             f"{changed}: no robot tips and no palm sags up to {masses} {place}; {controller} then "
             f"fails in {after} of carries"
         )
-    return Answer(question, "yes", "; ".join([text, *_costs(trial)]), setting)
+        if trial.mujoco is not None:
+            text += f", and in MuJoCo {_arrived(trial.mujoco)} carries arrive"
+            verdict = "yes" if trial.mujoco.failure_rate == 0 else "partly"
+    return Answer(question, verdict, "; ".join([text, *_costs(trial)]), setting)
 
 
 def _failure_command(scene: Scene, name: str, controller: str) -> str:
@@ -319,28 +359,39 @@ def _costs(trial: ChangeTrial) -> Iterator[str]:
             yield f"{words} {after:.0f} {unit} instead of {before:.0f}"
 
 
-def on_radio(trials: Sequence[RadioTrial], name: str, scene: Scene) -> Answer:
+def on_radio(
+    trials: Sequence[RadioTrial], counts: Sequence[OutcomeCounts], name: str, scene: Scene
+) -> Answer:
     """What lost messages do."""
     question = "Does it survive lost messages?"
     key = _swept(scene, "radio.loss")
     command = f"palmbots compare {name} --sweep {key} --values 0,0.05,0.2,0.5"
     if not trials:
-        return Answer(question, "open", "the controllers that suffice use no radio", command)
+        best = best_of(counts)
+        if best is None:
+            return Answer(question, "open", "no carry arrives even without losses", command)
+        if suffices(best):
+            return Answer(question, "yes", "the controllers that suffice use no radio", command)
+        text = f"no controller suffices, and {best.controller} uses no radio"
+        return Answer(question, "open", text, command)
     worst = trials[-1]
     kept = [one.controller for one in worst.counts if suffices(one)]
     if kept:
         text = f"even if {100 * worst.loss:g} % are lost: {', '.join(kept)}"
         return Answer(question, "yes", text, command)
-    held = [row.loss for row in trials if any(map(suffices, row.counts))]
-    text = f"up to {100 * held[-1]:g} % lost" if held else "it fails even without losses"
+    held = [row.loss for row in takewhile(lambda row: any(map(suffices, row.counts)), trials)]
+    text = "it fails even without losses"
+    if held:
+        text = f"up to {100 * held[-1]:g} % lost" if held[-1] else "only if none is lost"
     return Answer(question, "partly" if len(held) > 1 else "no", text, command)
 
 
-def on_curve(trial: CurveTrial | None, scene: Scene) -> Answer:
+def on_curve(trial: CurveTrial | None, best: OutcomeCounts | None, scene: Scene) -> Answer:
     """What a curve does."""
     question, name = "Does it survive a curve?", scene.spelled
     if trial is None:
-        return Answer(question, "open", "", f"palmbots curve {name}")
+        why = "no turn was asked for" if best else "no carry arrives on a straight path"
+        return Answer(question, "open", why, f"palmbots curve {name}")
     command = f"palmbots curve {name} -c {trial.controller}"
     where, radius = f"on its path ({scene.task.path.kind})", trial.changes.get("task.path.radius_m")
     if isinstance(radius, float):
@@ -350,7 +401,7 @@ def on_curve(trial: CurveTrial | None, scene: Scene) -> Answer:
             where += ", on a level floor"
         command += f" --turn-radius-m {radius:g} --turn-angle-deg {format_number(angle)}"
     forecast, counts = trial.forecast, trial.counts
-    if forecast is None:
+    if forecast is None or trial.refusal:
         return Answer(question, "open", f"{where}: {trial.refusal}", command)
     if counts is None:
         return Answer(question, "no", f"{where}: {forecast.text()}", command)
@@ -368,8 +419,10 @@ def on_curve(trial: CurveTrial | None, scene: Scene) -> Answer:
     return Answer(question, verdict, text, command)
 
 
-def counts_table(counts: Sequence[OutcomeCounts]) -> Table:
+def counts_table(counts: Sequence[OutcomeCounts]) -> Table | None:
     """Drops and stalls by controller."""
+    if not counts:
+        return None
     heads = ("  controller", "drops", "stalls", "carries")
     rows = [
         (f"  {one.controller}", rate_text(one.dropped, one.carries),

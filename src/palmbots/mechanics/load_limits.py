@@ -40,6 +40,7 @@ _Force: TypeAlias = tuple[Array, Array]  # of the object on a palm: down, outwar
 
 _CONTACTS = 9  # places on each palm
 _HALVINGS = 20
+_NEAR = 5e-4  # of a pivot: contacts are never that close to both [m]
 _G = _core.standard_gravity
 MEANINGS = {
     "tipping": ("a robot tips over", "mujoco.body_kg"),
@@ -48,7 +49,7 @@ MEANINGS = {
     "drive": ("the motors of a robot are too weak", "mujoco.drive_force_n"),
 }
 """What happens beyond each limit, and the key that moves it."""
-_DECISIVE = ("tipping", "servo")  # no carry can begin; wheels that slip only end a squeeze
+DECISIVE = ("tipping", "servo")  # no carry can begin; wheels that slip only end a squeeze
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ class LoadLimits(Result):
         """The heaviest object that tips no robot and makes no palm sag with contacts up to this
         distance from the pivots, whatever the squeeze [kg]; infinite: any."""
         states = _everywhere(self.scene, reach_m)
-        return min(states.heaviest(kind)[0] for kind in _DECISIVE)
+        return min(states.heaviest(kind)[0] for kind in DECISIVE)
 
     def refusal(self) -> str | None:
         """Why no carry of the object can begin; None: it can."""
@@ -181,7 +182,9 @@ class LoadLimits(Result):
         if within == self.reach_m:
             where = "anywhere on the palms"
         text = f"with contacts {where} no robot tips and no palm sags"
-        slips = [one for one in self.limits if one.kind not in _DECISIVE]
+        if within < _NEAR:
+            text = "a robot may tip, or a palm sag, wherever the contacts are"
+        slips = [one for one in self.limits if one.kind not in DECISIVE]
         if beyond := [one.meaning for one in slips if self.mass_kg > one.heaviest_kg]:
             text += f"; with the hardest squeeze that friction permits, {' and '.join(beyond)}"
         return text
@@ -232,7 +235,7 @@ def check_load(scene: Scene, spec: _core.Spec) -> None:
     if any(contact_radii(spec)):
         return
     start = _start(scene, spec)
-    refusal = _refusal(scene.object.mass_kg, {k: start.heaviest(k)[0] for k in _DECISIVE})
+    refusal = _refusal(scene.object.mass_kg, {k: start.heaviest(k)[0] for k in DECISIVE})
     if refusal is not None:
         raise SceneError(refusal)
 
@@ -253,7 +256,7 @@ def _start(scene: Scene, spec: _core.Spec) -> _States:
 
 def _first_at_start(masses: dict[str, float]) -> tuple[str, float | None]:
     """The limit that ends a carry before it begins, and its mass [kg]."""
-    decisive = {kind: masses[kind] for kind in _DECISIVE if masses.get(kind, math.inf) < math.inf}
+    decisive = {kind: masses[kind] for kind in DECISIVE if masses.get(kind, math.inf) < math.inf}
     first = min(decisive, key=lambda kind: decisive[kind], default="")
     return first, decisive.get(first)
 
