@@ -24,6 +24,7 @@ MEANING = {
     "partner_ended": "the partner is heard to be disarmed, armed or in a fault",
     "partner_lost": "the partner is silent for longer than the lease, and `partner_lost` is `stop`",
     "time_up": "the carry has reached the time limit",
+    "partner_silent": "the partner is silent for longer than the lease",
     "partner_starts": "the partner is heard, within the lease, to be ready or to carry",
     "rests": "the controller does not travel",
     "travels": "the controller travels",

@@ -42,3 +42,17 @@ def test_a_station_that_is_heard_late_counts_as_lost(tmp_path: Path) -> None:
         pair.run_until(lambda: not pair.carries(), 3.0)
         assert "station_lost" in pair.faults().values(), pair.report()
         assert pair.finish()["outcome"] == "stopped", pair.report()
+
+
+def test_a_start_is_void_while_the_robots_do_not_hear_each_other(tmp_path: Path) -> None:
+    """Both have heard it. Whoever keeps them apart must not choose when they drive off."""
+    with SteppedProcesses(tmp_path, overrides={"task.distance_m": 0.1}) as pair:
+        pair.start()
+        pair.run_until(lambda: {*pair.modes().values()} == {"armed"}, 20.0)
+        pair.packets.cut(("left", "right"), ("right", "left"))
+        pair.run(3.0)
+        pair.packets.cut()
+        pair.run_until(lambda: pair.has_ended("station"), 60.0)
+        assert pair.says(r"left: ready"), pair.report()
+        assert pair.says(r"left: armed \(partner_lost\)"), pair.report()
+        assert not pair.says(r"left: (carrying|holding)"), pair.report()

@@ -8,6 +8,8 @@
 //
 // STARTING TOGETHER. A robot starts when its operator has started it and it has heard, within the
 // lease, that its partner is ready or carries. Without a radio it starts when its operator says so.
+// A robot that is ready and no longer hears its partner has to be started again. Otherwise whoever
+// keeps two ready robots from hearing each other would choose when they start.
 // ENDING TOGETHER. A robot that has covered the distance is done and says so. The partner is done
 // when it hears that. If a robot hears that its partner does not carry for another reason, it ends
 // with a fault.
@@ -47,17 +49,21 @@ enum class ModeEvent : std::uint8_t {
   partner_ended,   // the partner does not carry, for another reason
   partner_lost,    // not heard within the lease, and the settings say stop
   time_up,         // the carry has taken the time limit
+  partner_silent,  // not heard within the lease
   partner_starts,  // the partner is ready or carries, heard within the lease; or there is no radio
   rests,           // the controller does not travel
   travels,         // it travels
 };
 
 constexpr const char* name_of(ModeEvent event) {
-  constexpr const char* names[] = {
-      "any",     "storage_failed", "stop_stored", "carry_stored", "stop",          "partner_stop",
-      "release", "disarm",         "arm",         "arm_refused",  "start",         "driver_failed",
-      "overrun", "station_lost",   "covered",     "partner_done", "partner_ended", "partner_lost",
-      "time_up", "partner_starts", "rests",       "travels"};
+  constexpr const char* names[] = {"any",          "storage_failed", "stop_stored",
+                                   "carry_stored", "stop",           "partner_stop",
+                                   "release",      "disarm",         "arm",
+                                   "arm_refused",  "start",          "driver_failed",
+                                   "overrun",      "station_lost",   "covered",
+                                   "partner_done", "partner_ended",  "partner_lost",
+                                   "time_up",      "partner_silent", "partner_starts",
+                                   "rests",        "travels"};
   return names[static_cast<int>(event)];
 }
 
@@ -97,7 +103,7 @@ struct ModeOutput {
 };
 
 struct ModeTable {
-  static constexpr std::size_t row_count = 25;
+  static constexpr std::size_t row_count = 26;
   std::array<ModeOutput, wire::robot_modes> outputs;
   std::array<ModeRow, row_count> rows;
 };
@@ -144,7 +150,8 @@ constexpr ModeTable make_mode_table() {
       {carry,                        E::partner_lost,   fault,    set, F::partner_lost},
       {carry,                        E::time_up,        fault,    set, F::time_limit},
       // The start, and the carry itself.
-      {armed,                        E::start,          ready},
+      {armed,                        E::start,          ready,    set, F::none},
+      {ready,                        E::partner_silent, armed,    set, F::partner_lost},
       {ready,                        E::partner_starts, carrying},
       {carrying,                     E::rests,          holding},
       {holding,                      E::travels,        carrying},
@@ -284,6 +291,7 @@ class ModeMachine {
     note(in.partner.mode == M::done, E::partner_done);
     note(others.has(in.partner.mode), E::partner_ended);
     const bool silent = is_silent(in.partner.age, s.lease);
+    note(silent, E::partner_silent);
     note(silent && s.partner_lost == PartnerLost::stop, E::partner_lost);
     return found;
   }

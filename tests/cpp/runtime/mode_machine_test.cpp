@@ -122,6 +122,22 @@ void a_robot_starts_with_its_partner() {
   CHECK(silent.step(alone).wheels);
 }
 
+void a_start_is_void_once_the_partner_is_silent() {
+  ModeMachine machine = disarmed();
+  machine.step(with(Operation::arm));
+  machine.step(with(Operation::start));
+  ModeInputs in = good();
+  in.partner = {RobotMode::armed, 20};
+  CHECK(machine.step(in).mode == RobotMode::ready);
+  in.partner = {RobotMode::ready, 21};
+  CHECK(ends(machine, in, RobotMode::armed, FaultCode::partner_lost));
+  machine.step(in);
+  in.partner.age = 0;
+  CHECK(machine.step(in).mode == RobotMode::armed);
+  CHECK(machine.step(with(Operation::start)).code == FaultCode::none);
+  CHECK(machine.step(in).wheels);
+}
+
 void each_end_of_a_carry() {
   const auto ended = [](auto&& change, RobotMode mode, FaultCode code = FaultCode::none) {
     ModeInputs in = good();
@@ -323,10 +339,10 @@ void a_fault_before_the_start() {
     spoilt = in;
     spoilt.order(Operation::disarm, true);
     CHECK(ends(machine, spoilt, RobotMode::disarmed));
-    // Neither the partner's silence nor what it does ends the wait.
+    // What the partner does never ends the wait.
     for (const RobotMode mode : {RobotMode::disarmed, RobotMode::done, RobotMode::fault}) {
       spoilt = in;
-      spoilt.partner = {mode, never};
+      spoilt.partner = {mode, 0};
       CHECK(ends(machine, spoilt, machine.memory().mode));
     }
   }
@@ -358,6 +374,7 @@ void some_modes_sound_alike() {
 int main() {
   arming_needs_every_check();
   a_robot_starts_with_its_partner();
+  a_start_is_void_once_the_partner_is_silent();
   each_end_of_a_carry();
   nothing_else_ends_a_carry();
   limits_of_time();

@@ -105,14 +105,14 @@ int main(int argc, char** argv) {
   if (much < 1) return 0;
   ModeWorld steady = careful();
   steady.reboots = 0;
-  holds_everywhere("careful, no reboot", steady, 34206);
-  holds_everywhere("persistent", persistent(), 205962);
+  holds_everywhere("careful, no reboot", steady, 44411);
+  holds_everywhere("persistent", persistent(), 258020);
   if (much < 2) return 0;
-  holds_everywhere("careful", careful(), 106465);
+  holds_everywhere("careful", careful(), 134460);
   ModeWorld patient = persistent();
   patient.settings.lease = 2;
-  holds_everywhere("longer lease", patient, 865468);
+  holds_everywhere("longer lease", patient, 1084270);
   ModeWorld crowded = careful();
   crowded.room = 2;
-  holds_everywhere("overtaking", crowded, 891534);
+  holds_everywhere("overtaking", crowded, 1227422);
 }
