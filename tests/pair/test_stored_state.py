@@ -5,7 +5,8 @@ import json
 import math
 import os
 import threading
-from dataclasses import asdict
+import time
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -126,3 +127,39 @@ def test_a_boot_forgets_what_could_not_be_stored_before(
         assert keeper.boot().epoch == 2
     assert read_state(file).epoch == 2
     assert keeper._missing is None
+
+
+def test_a_boot_is_written_after_what_a_slow_disk_still_had_to_write(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = left_in(tmp_path)
+    write_state(file, StoredState(1))
+
+    def slow(file: StateFile, state: StoredState) -> None:
+        time.sleep(0.02)
+        write_state(file, state)
+
+    monkeypatch.setattr(state_keeper, "write_state", slow)
+    with state_keeper.StateKeeper(file, StoredState(1)) as keeper:
+        for covered_m in (0.1, 0.2, 0.3):
+            keeper.keep(StoredState(1, carries=True, covered_m=covered_m))
+        booted = keeper.boot()
+        keeper.settle()
+        assert read_state(file) == booted == StoredState(2, carries=True, covered_m=0.3)
+
+
+@pytest.mark.parametrize(
+    ("change", "is_done"),
+    [
+        ({"assists": True}, False), ({"carries": False}, False), ({"stop": True}, False),
+        ({"covered_m": 0.5}, True),
+    ],
+)  # fmt: skip
+def test_the_partner_waits_for_all_but_the_distance(
+    tmp_path: Path, change: dict[str, Any], is_done: bool
+) -> None:
+    before = StoredState(1, carries=True)
+    keeper = state_keeper.StateKeeper(left_in(tmp_path), before)  # its thread does not run
+    assert keeper.is_done
+    keeper.keep(replace(before, **change))
+    assert keeper.is_done is is_done

@@ -45,7 +45,7 @@ def test_a_station_that_is_heard_late_counts_as_lost(tmp_path: Path) -> None:
 
 
 def test_a_start_is_void_while_the_robots_do_not_hear_each_other(tmp_path: Path) -> None:
-    """Both have heard it. Whoever keeps them apart must not choose when they drive off."""
+    """Both have heard it. A radio that fails between them must not choose when they drive off."""
     with SteppedProcesses(tmp_path, overrides={"task.distance_m": 0.1}) as pair:
         pair.start()
         pair.run_until(lambda: {*pair.modes().values()} == {"armed"}, 20.0)

@@ -33,7 +33,7 @@ class Hardware:
         self.written: list[Drive] = []
         self.kept: list[StoredState] = []
         self.sent: list[str] = []
-        self.stops = self.boots = 0
+        self.stops = self.boots = self.forgotten = 0
 
     def read(self) -> Reading | None:
         if not self.reads:
@@ -66,7 +66,7 @@ class Hardware:
         pass
 
     def forget(self) -> None:
-        pass
+        self.forgotten += 1
 
 
 class Program:
@@ -85,13 +85,16 @@ class Log:
 
     def __init__(self) -> None:
         self.read: list[dict[str, Any]] = []
+        self.withheld: list[int] = []
 
     def take(
         self, robot: Any, elapsed: int, values: dict[str, Any], packets: Any, answer: Any
     ) -> None:
         self.read.append(values)
 
-    def withhold(self, receiver: int) -> None: ...
+    def withhold(self, receiver: int) -> None:
+        self.withheld.append(receiver)
+
     def close(self) -> None: ...
 
 
@@ -101,7 +104,7 @@ def pair(tmp_path: Path) -> Pair:
 
 
 def loop_of(
-    pair: Pair, hardware: Hardware, *, wheels: bool, may_resume: bool = True
+    pair: Pair, hardware: Hardware, *, wheels: bool, may_resume: bool = True, last_ticks: int = 1
 ) -> tuple[RobotLoop, list[StoredState]]:
     """A loop whose program has started, and the states with which it starts."""
     starts: list[StoredState] = []
@@ -114,7 +117,7 @@ def loop_of(
     gauge = ReadingGauge(pair, "left", Scene(), SEEN, 0.0)
     loop = RobotLoop(
         "left", Scene(), start, both, both, both, both, gauge,
-        watchdog=WATCHDOG, on_line=lambda _: None,
+        watchdog=WATCHDOG, last_ticks=last_ticks, on_line=lambda _: None,
     )  # fmt: skip
     loop.start(StoredState(epoch=7, carries=wheels), may_resume=may_resume)
     return loop, starts
@@ -144,7 +147,7 @@ def test_a_program_held_up_longer_than_the_watchdog_boots_in_a_carry(
     hardware = Hardware([SEEN])
     loop, starts = loop_of(pair, hardware, wheels=wheels)
     assert loop.step(elapsed)
-    assert hardware.boots == boots
+    assert hardware.boots == hardware.forgotten == boots  # late ticks are those since the boot
     assert [state.epoch for state in starts] == [7, 8][: 1 + boots]
 
 
@@ -195,3 +198,67 @@ def test_limits_of_the_station_follow_the_rate_of_a_simulated_robot(pair: Pair) 
     for name in ("station_limit", "order_age", "status_period"):
         assert fast[name] == 3 * usual[name], name
     assert fast["time_limit"] == usual["time_limit"]
+
+
+def test_time_limits_of_the_core_are_those_of_the_pair(tmp_path: Path) -> None:
+    """Stated in seconds, counted in ticks of 10 ms."""
+    values = {
+        "limits.time_limit_s": 12.0, "limits.station_limit_s": 0.305, "limits.order_age_s": 2.0,
+    }  # fmt: skip
+    pair = load_pair(init_pair(tmp_path / "pair.toml", values=values)[0])
+    scene = load_scene("paper", {"control.period_s": 0.01, "robot.acceleration_m_s2": 0.5})
+    settings = core_settings(pair, scene, controller_of(pair), 3.0)
+    braking = scene.robot_of("left").speed_m_s / 0.5
+    found = {name: settings[name] for name in ("time_limit", "station_limit", "order_age")}
+    assert found == {"time_limit": 1200, "station_limit": 31, "order_age": 200}
+    assert settings["travel"] == 300
+    assert settings["stopping_limit"] == math.ceil(100 * braking - 1e-9)
+    # More than half of the newest hundred ticks may not be missed.
+    assert settings["most_overruns"] == 50
+
+
+@pytest.mark.parametrize("wheels", [False, True])
+def test_a_packet_for_the_partner_that_is_withheld_is_logged_as_such(
+    pair: Pair, wheels: bool
+) -> None:
+    """A replay must not take it for sent."""
+    hardware = Hardware([SEEN])
+    hardware.is_done = False
+    loop, _ = loop_of(pair, hardware, wheels=wheels)
+    assert loop.step(1)
+    log: Any = loop._log
+    assert (hardware.sent, log.withheld) == (([], [1]) if wheels else (["right"], []))
+
+
+def test_a_lost_driver_is_reported_for_as_many_ticks_as_given(pair: Pair) -> None:
+    """The station hears a robot only once per period of its status."""
+    hardware = Hardware([])
+    loop, _ = loop_of(pair, hardware, wheels=True, last_ticks=5)
+    with pytest.raises(PalmbotsError, match="is lost"):
+        loop.step(1)
+    assert len(hardware.sent) == 5
+
+
+@pytest.mark.parametrize(
+    ("stopping_s", "ticks"), [(0.1, 10), (0.101, 11), (0.109, 11), (0.3, 30), (0.07, 7)]
+)
+def test_a_measured_stopping_time_is_never_rounded_down(
+    tmp_path: Path, stopping_s: float, ticks: int
+) -> None:
+    values = {"hardware.stopping_s": stopping_s}
+    pair = load_pair(init_pair(tmp_path / "pair.toml", values=values)[0])
+    scene = load_scene("paper", {"control.period_s": 0.01})
+    gauge = ReadingGauge(pair, "left", scene, SEEN, 0.0)
+    assert gauge.take(SEEN, carries=False)["stopping"] == ticks
+
+
+@pytest.mark.parametrize(
+    ("battery_v", "battery_mv"), [(None, 0xFFFF), (12.6, 12600), (70.0, 0xFFFE), (-0.2, 0)]
+)
+def test_a_voltage_fits_into_the_status(
+    pair: Pair, battery_v: float | None, battery_mv: int
+) -> None:
+    """The largest number says that it is not measured."""
+    gauge = ReadingGauge(pair, "left", Scene(), SEEN, 0.0)
+    seen = Reading(0, True, 0.5, battery_v)
+    assert gauge.take(seen, carries=False)["battery_mv"] == battery_mv

@@ -8,8 +8,8 @@
 //
 // STARTING TOGETHER. A robot starts when its operator has started it and it has heard, within the
 // lease, that its partner is ready or carries. Without a radio it starts when its operator says so.
-// A robot that is ready and no longer hears its partner has to be started again. Otherwise whoever
-// keeps two ready robots from hearing each other would choose when they start.
+// A robot that is ready and no longer hears its partner has to be started again. Otherwise a radio that
+// fails between two ready robots would choose when they start.
 // ENDING TOGETHER. A robot that has covered the distance is done and says so. The partner is done
 // when it hears that. If a robot hears that its partner does not carry for another reason, it ends
 // with a fault.
