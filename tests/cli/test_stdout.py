@@ -89,6 +89,19 @@ def test_numbers_are_not_shortened_in_a_narrow_terminal(monkeypatch: pytest.Monk
     assert re.search(r"\n +0\.50000000001 +< 95 % +26\.4 +0 +0\n", plain)
 
 
+def test_running_text_is_as_narrow_as_columns_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tables keep 80 columns, and commands are never broken."""
+    wide = palmbots("load").stdout
+    monkeypatch.setenv("COLUMNS", "40")
+    narrow = palmbots("load").stdout
+    prose, table = narrow.split("   anywhere")[0], narrow.partition("   anywhere")[2]
+    assert max(map(len, prose.splitlines()[:-1])) <= 40
+    assert table == wide.partition("   anywhere")[2]
+    assert "".join(narrow.split()) == "".join(wide.split())
+    monkeypatch.setenv("COLUMNS", "0")
+    assert palmbots("load").stdout == wide
+
+
 @pytest.mark.parametrize("option", [(), ("--json",)])
 def test_full_disk_under_stdout_is_reported_in_one_line(option: tuple[str, ...]) -> None:
     with open("/dev/full", "w") as full:

@@ -145,3 +145,10 @@ def test_other_controllers_are_tried_from_one_failure_in_a_hundred(
     monkeypatch.setattr(outcome_counts, "better_controllers", lambda *given, **more: better)
     found = scene_statistics(prepare(pb.load_scene("paper"), controller), seeds=1000)
     assert found == outcome_counts.SceneStatistics(own, better if tries else None)
+
+
+def test_one_carry_is_no_plural(here: Run) -> None:
+    text = here("carry", "--seeds", "1", "--set", "task.distance_m=0.1").stdout
+    assert "distributed: 1 carry of this scene" in text
+    text = here("carry", "--seeds", "2", "--set", "task.distance_m=0.1").stdout
+    assert "distributed: 2 carries of this scene" in text

@@ -22,6 +22,8 @@ from typing import BinaryIO
 from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 
+_OF_FILES = (".png", ".svg", ".pdf", ".html", ".gif", ".mp4", ".json", ".csv", ".mcap", ".toml")
+
 
 def open_regular(path: Path) -> BinaryIO:
     """Open a file for reading. A pipe, which may keep a reader waiting for ever, is refused.
@@ -177,10 +179,16 @@ def set_aside(path: Path) -> Path | None:
 
 
 def _folder_named(path: str | os.PathLike[str]) -> Path:
-    """The path; refuses an empty name, which `Path` would take for the working directory."""
+    """The path; refuses an empty name, which `Path` would take for the working directory, and a
+    new folder with the name of a picture or a page, because a file was meant."""
     if not os.fspath(path):
         raise PalmbotsError('folder: value is ""; allowed: a name (. is the working directory)')
-    return user_path(path)
+    place = user_path(path)
+    if place.suffix.lower() in _OF_FILES and not os.path.lexists(place):
+        raise PalmbotsError(
+            f"{place}: is the name of a file, but several files are written; allowed: a folder"
+        )
+    return place
 
 
 def check_folder(path: str | os.PathLike[str]) -> None:

@@ -7,12 +7,16 @@ import math
 from dataclasses import dataclass
 
 from palmbots._types import Interval
+from palmbots._util.arguments import show, two_numbers
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.load_limits import load_limits
+from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
 from palmbots.stability.certificates.prover import Verdict, certify
+
+LEAST, MOST = (ROWS["palm.friction"][end] for end in ("least", "most"))
 
 
 @dataclass(frozen=True)
@@ -37,10 +41,11 @@ def try_friction(
     Raises:
         PalmbotsError: the interval is not one of friction, or a scene refuses an end of it.
     """
-    low, high = map(float, friction)
-    if not low < high:
+    low, high = two_numbers("friction", friction)
+    if not (LEAST <= low < high <= MOST):
         raise PalmbotsError(
-            f"friction: value is {low:g} {high:g}; allowed: two numbers, the smaller one first"
+            f"friction: value is {show([low, high])}; allowed: two numbers, the lower one first, "
+            f"from {LEAST:g} to {MOST:g}"
         )
     ends = [_with_friction(scene, end) for end in (low, high)]
     alike = certify(scene, friction=(low, high), common_friction=True).verdict

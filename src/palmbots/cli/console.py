@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The console of all reports: 80 columns in a pipe, no trailing blanks, common styles and texts."""
+"""The console of all reports: no trailing blanks, common styles and texts, 80 columns in a pipe."""
 
+import os
 import re
 import sys
 from collections.abc import Collection, Iterable
@@ -20,7 +21,8 @@ _STYLES: dict[Mark, str] = {
     "": "default", "bold": "bold", "good": GOOD, "bad": BAD, "warning": "bold yellow",
     "quiet": QUIET,
 }  # fmt: skip
-_WIDTH = 80  # columns, in a pipe or a file; also the least in a terminal
+_WIDTH = 80  # columns, in a pipe or a file; also the least of tables
+_LEAST = 20  # columns of running text
 _TRAILING_BLANKS = re.compile(r" +((?:\x1b\[[0-9;]*m)*)$", re.MULTILINE)
 
 
@@ -41,8 +43,9 @@ def report_console() -> Console:
     """A console on stdout; warnings that are held are printed before it.
 
     It is 80 columns wide in a pipe and as wide as the window in a terminal, but not narrower than
-    80 columns: a terminal may break lines, but no table shortens numbers to fit. Markup is off,
-    because units are written in brackets.
+    80 columns: a terminal may break lines, but no table shortens numbers to fit. Running text is
+    narrower where the variable COLUMNS asks for it. Markup is off, because units are written in
+    brackets.
     """
     print_held_warnings()
     console = Console(
@@ -61,6 +64,7 @@ def print_report(items: Iterable[Item], about: str = "", console: Console | None
         console: where to print; None: on stdout.
     """
     console = console or report_console()
+    width = _text_width(console)
     for item in _about(list(items), about) if about else items:
         if isinstance(item, TableOfTexts):
             console.print(_table(item))
@@ -70,7 +74,14 @@ def print_report(items: Iterable[Item], about: str = "", console: Console | None
         if line.is_whole:
             console.print(Text(" " * line.indent).append_text(text), soft_wrap=True)
         else:
-            console.print(indented(text, line.indent))
+            console.print(indented(text, line.indent), width=width)
+
+
+def _text_width(console: Console) -> int:
+    """Columns of running text: fewer than those of tables where COLUMNS asks for it."""
+    asked = os.environ.get("COLUMNS", "")
+    is_width = asked.isdecimal() and int(asked) >= _LEAST
+    return min(console.width, int(asked)) if is_width else console.width
 
 
 def _about(items: list[Item], about: str) -> list[Item]:

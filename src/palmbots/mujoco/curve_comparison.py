@@ -20,7 +20,7 @@ from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, warn_word
 from palmbots._util.results import Result
-from palmbots._util.text import duration, millimetres
+from palmbots._util.text import duration, millimetres, plural
 from palmbots.control.registry import ControllerLike, refuse_reference, resolve
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.errors import PalmbotsError
@@ -91,7 +91,9 @@ class CurveComparison(Result):
         )
         shown = best or own
         changes = self.own.settings if shown is not own else ""
-        carries = "" if shown.counts is None else f"{shown.counts.carries} carries each, seeds "
+        carries = ""
+        if shown.counts is not None:
+            carries = f"{plural(shown.counts.carries, 'carry')} each, seeds "
         yield quiet(f"{own.controller}; MuJoCo; {carries}from 0; 95 % intervals")
         extra = " --allow-drift-beyond-budget" if shown.counts is None else " --seeds 100"
         command = (
@@ -150,7 +152,7 @@ def compare_on_curve(
     on_progress: Callable[[float], None] | None = None,
     on_line: Callable[[str], None] | None = None,
 ) -> CurveComparison:
-    """Try what helps along a curve in MuJoCo.
+    """Compare changes of a scene on a curve in MuJoCo.
 
     The scene is carried as it is, and with lips, wider palms, longer palms, larger radii and the
     recommended controller. Where the forecast drift exceeds the budget, nothing is carried.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What no controller can beat while its robots drive, and references with full information.
+"""A bound for controllers whose robots keep driving, and references with full information.
 
 `palmbots.bound` computes the bound; this room exports the types of its result.
 """

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What no controller can beat while its robots drive: the least drop rate of a scene, and the
-greatest noise."""
+"""The least drop rate and the greatest noise of a model with one coordinate: a bound of controllers
+whose robots keep driving (docs/theory/optimum.md states the assumptions)."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class FrontPoint:
 
 @dataclass(frozen=True, repr=False)
 class Bound(Result):
-    """The noise and the drop rate that no controller can beat while its robots drive."""
+    """Bounds of the noise and the drop rate of controllers whose robots keep driving."""
 
     sigma_star_m_s: float
     """The greatest ``robot.noise_m_s`` at which a controller can drop only the fraction `rate`.

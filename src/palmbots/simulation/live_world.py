@@ -212,7 +212,7 @@ def run_live_world(
 
 
 def _was_unavoidable(scene: Scene, stage: Stage, contacts: np.ndarray) -> bool:
-    """Whether no controller could have prevented the drop; the last contacts are those of the
+    """Whether braking could not have prevented the drop; the last contacts are those of the
     drop."""
     if stage.drop_reason() != "off-palm":
         return False

@@ -97,9 +97,8 @@ class OutcomeCounts(Result):
         """Drops and stalls, and of how many carries."""
         drops, stalls = (rate_text(events, self.carries) for events in (self.dropped, self.stalled))
         yield Line(bold(f"drops {drops}"), f", stalls {stalls}")
-        yield quiet(
-            f"{self.controller}: {self.carries:,} carries of this scene, seeds from 0; 95 %"
-        )
+        shown = "1 carry" if self.carries == 1 else f"{self.carries:,} carries"
+        yield quiet(f"{self.controller}: {shown} of this scene, seeds from 0; 95 %")
 
 
 @dataclass(frozen=True, repr=False)

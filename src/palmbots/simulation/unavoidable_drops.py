@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether any controller could have prevented a drop.
+"""Whether braking could have prevented a drop.
 
 A sensor reports nothing as long as a contact is in the zero zone. The earliest instant at which a
 controller can know of an error is therefore the first control step after the contact has left the
@@ -32,7 +32,8 @@ def largest_acceleration_m_s2(scene: Scene) -> float:
 
 
 def is_unavoidable(carry: Carry) -> bool:
-    """Whether no controller could have kept the contact on its palm.
+    """Whether full braking could not have kept the contact on its palm, if it began in the first
+    control step after the contact left the zero zone for the last time.
 
     Drops for any other reason than a contact off its palm count as avoidable.
 
