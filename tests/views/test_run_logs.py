@@ -367,3 +367,31 @@ def test_nothing_is_drawn_where_the_log_of_a_robot_has_a_gap(tmp_path: Path, clo
     separation = trace["separation"].to_numpy()
     assert np.isfinite(separation[:-100]).all()
     assert np.isnan(separation[-90:]).all()
+
+
+def test_figures_of_a_damaged_log_are_refused_in_one_line(tmp_path: Path, clock: Any) -> None:
+    """A right checksum hides the damage."""
+    clock["air"] = air = Air()
+    pair = LoggedPair(tmp_path, "resilient", air, UP)
+    pair.start()
+    pair.run(60)
+    logs = read_run([pair.written()])
+    clocks = replay_run(logs).clocks
+    ticks = next(log for log in logs if log.end == "right").messages["ticks"]
+    now_s, usual = ticks[-1]
+    assert usual.wheels
+    wrong: dict[str, Any] = {
+        "palm": 2, "move": 3, "sign": 7, "case": "€", "receivers": [1] * 4, "words": [2**40],
+    }  # fmt: skip
+    for field, value in wrong.items():
+        tick = copy.deepcopy(usual)
+        if isinstance(value, list):
+            getattr(tick, field)[:] = value
+        else:
+            setattr(tick, field, value)
+        ticks[-1] = (now_s, tick)
+        with pytest.raises(pb.PalmbotsError, match=rf"is damaged: its tick {len(ticks)} "):
+            carry_of(logs, clocks)
+    ticks[-1] = (1e9, usual)
+    with pytest.raises(pb.PalmbotsError, match="never turned at once"):
+        carry_of(logs, clocks)

@@ -33,6 +33,8 @@ from palmbots.views.run_replay import RunReplay
 
 _ENDS = (*SIDES, "station")
 _GAP_TICKS = 5
+_APART_S = 2.0
+"""Wheels that rest for longer have ended a carry."""
 WORLD = "robots"
 """The world of such a carry."""
 
@@ -80,8 +82,11 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
         clocks: for each log but the first how its clock relates to that of the first.
 
     Raises:
-        PalmbotsError: there is none, or the clocks of the robots cannot be aligned.
+        PalmbotsError: there is none, the clocks of the robots cannot be aligned, or a log is
+            damaged.
     """
+    for log in logs:
+        _check(log)
     fits = [ClockFit(str(logs[0].path), 0.0, 1.0, 0.0, 0), *clocks]
     ticks: dict[Side, list[tuple[float, Any]]] = {side: _ticks(side, logs, fits) for side in SIDES}
     scene = load_scene(next(log for log in logs if log.end in SIDES).facts["scene"])
@@ -133,6 +138,22 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
     )
 
 
+def _check(log: RunLog) -> None:
+    """Refuse numbers that no robot writes, as a right checksum can hide."""
+    most = len(_core.wire.messages)
+    for number, (_, tick) in enumerate(log.messages["ticks"], start=1):
+        if not (
+            tick.palm in (0, 1)
+            and tick.move in (0, 1, 2)
+            and tick.sign in (-1, 0, 1)
+            and tick.case.isascii()
+            and len(tick.receivers) == len(tick.words)
+            and all(0 <= to < len(_ENDS) for to in tick.receivers)
+            and all(0 <= word < most for word in tick.words)
+        ):
+            raise PalmbotsError(f"{log.path}: is damaged: its tick {number} is none of a robot")
+
+
 def _ticks(side: Side, logs: Sequence[RunLog], fits: Sequence[ClockFit]) -> list[tuple[float, Any]]:
     """All ticks of one robot, on the clock of the first log."""
     found: list[tuple[float, Any]] = []
@@ -171,11 +192,14 @@ def _span(ticks: dict[Side, list[tuple[float, Any]]]) -> tuple[float, float]:
         turning = [now for now, tick in ticks[side] if tick.wheels]
         if not turning:
             raise PalmbotsError("logs: show no carry: the wheels of a robot never turned")
-        gaps = [k for k in range(1, len(turning)) if turning[k] - turning[k - 1] > 2.0]
+        gaps = [k for k in range(1, len(turning)) if turning[k] - turning[k - 1] > _APART_S]
         starts.append(turning[gaps[-1] if gaps else 0])
         ends.append(turning[-1])
-    after = [now for side in SIDES for now, _ in ticks[side] if now > max(ends)]
-    return min(starts), min(after, default=max(ends))
+    if max(starts) > min(ends):
+        raise PalmbotsError("logs: show no carry: the wheels of both robots never turned at once")
+    end_s = max(ends)
+    after = [now for side in SIDES for now, _ in ticks[side] if 0 < now - end_s <= _APART_S]
+    return min(starts), min(after, default=end_s)
 
 
 def _rows(ticks: list[tuple[float, Any]], times: Any) -> list[Any]:
