@@ -185,6 +185,35 @@ def test_interrupted_during_imports_prints_one_line(module: str) -> None:
     assert (result.returncode, result.stdout, result.stderr) == (130, "", LINE)
 
 
+# Ctrl-C in the first enumeration that the import of the core makes.
+IN_CORE = """
+import enum, os, signal, sys
+usual = enum.EnumMeta.__call__
+
+def call(*arguments, **named):
+    frame = sys._getframe()
+    while frame is not None:
+        if getattr(frame.f_locals.get("self"), "name", None) == "palmbots._core":
+            enum.EnumMeta.__call__ = usual
+            os.kill(os.getpid(), signal.SIGINT)
+        frame = frame.f_back
+    return usual(*arguments, **named)
+
+enum.EnumMeta.__call__ = call
+from palmbots.__main__ import main
+sys.argv = ["palmbots", "contact-modes"]
+main()
+"""
+
+
+def test_interrupted_while_the_core_is_imported() -> None:
+    """An exception there would end the process by force (SIGABRT)."""
+    result = subprocess.run(
+        [sys.executable, "-c", IN_CORE], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (result.returncode, result.stdout, result.stderr) == (130, "", LINE)
+
+
 def test_importing_the_package_imports_nothing_slow() -> None:
     """What is imported before `main` runs cannot be interrupted in one line."""
     slow = "{'numpy', 'pydantic', 'typer', 'rich'}"

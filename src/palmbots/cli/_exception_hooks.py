@@ -6,13 +6,15 @@ each and continues; the command line prints a warning with the place instead, on
 
 Ctrl-C can be such an exception, too: Python raises it wherever the main thread happens to be, as in
 the garbage collector. There it is lost, so it is sent once more. In a compiled module it may become
-another exception, so it is also remembered.
+another exception, so it is also remembered. While such a module is being imported it may end the
+process by force, so it waits until that is over.
 """
 
 import _thread
 import signal
 import sys
 import threading
+from importlib.machinery import ExtensionFileLoader
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any
@@ -64,7 +66,20 @@ def was_interrupted() -> bool:
 def _interrupt(number: int, frame: FrameType | None) -> None:
     global _is_interrupted
     _is_interrupted = True
+    if _imports_compiled(frame):
+        _interrupt_again()
+        return
     signal.default_int_handler(number, frame)
+
+
+def _imports_compiled(frame: FrameType | None) -> bool:
+    """Whether the import of a compiled module is under way."""
+    while frame is not None:
+        is_import = frame.f_code.co_name in ("create_module", "exec_module")
+        if is_import and isinstance(frame.f_locals.get("self"), ExtensionFileLoader):
+            return True
+        frame = frame.f_back
+    return False
 
 
 _SOON_S = 0.01
