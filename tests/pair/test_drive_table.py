@@ -8,6 +8,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.pair.drive_table import drive_table
+from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.simulation.worlds import world_entry
 
 QUIET: dict[str, Any] = {"robot.noise_m_s": 0.0, "robot.acceleration_m_s2": 1000.0}
@@ -38,3 +39,25 @@ def test_wheels_that_may_not_turn_stand() -> None:
     for shape, drive in drive_table(pb.load_scene("paper"), "left").items():
         assert (drive.palm, drive.move, drive.stop, drive.wheels) == shape
         assert drive.wheels or drive.speed_m_s == 0
+
+
+@pytest.mark.parametrize(
+    ("half_moves", "fastest", "slowest"), [(False, 0.05, -0.05), (True, 0.05, -0.04)]
+)
+def test_a_correction_is_shared_and_within_the_limit(
+    half_moves: bool, fastest: float, slowest: float
+) -> None:
+    """Under a station both robots correct, each at half the speed, and none faster than it can."""
+    keys = {"robot.speed_m_s": 0.01, "robot.correction_m_s": 0.08, "robot.max_speed_m_s": 0.05}
+    scene = pb.load_scene("paper", QUIET | keys)
+    for side in ("left", "right"):
+        speeds = {
+            drive.speed_m_s for drive in drive_table(scene, side, half_moves=half_moves).values()
+        }
+        assert (max(speeds), min(speeds)) == pytest.approx((fastest, slowest))
+
+
+def test_no_robot_may_take_longer_to_stop_than_the_slower_one() -> None:
+    keys = {"robot.acceleration_m_s2": 0.5, "robot.right.acceleration_m_s2": 0.25}
+    scene = pb.load_scene("paper", keys)
+    assert stopping_limit_s(scene) == pytest.approx(scene.robot_of("right").speed_m_s / 0.25)

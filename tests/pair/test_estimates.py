@@ -49,6 +49,16 @@ def test_the_path_of_a_robot_gives_its_wheels(seed: int) -> None:
         assert one.low < truth < one.high
 
 
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_the_interval_holds_what_a_tape_misread_at_both_ends_hides(sign: int) -> None:
+    """The distance is from mark to mark, and each is read to half a millimetre."""
+    turns = 20.0
+    along = 0.04 * turns + sign * 0.0009
+    drive = Drive(0.0, along, 0.0, (turns / 2, turns / 2), (turns, turns), 1e-9)
+    scale, _ = wheel_estimates(drive, 0.04, 0.2)
+    assert scale.low < 1.0 < scale.high
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_lines_through_readings_are_those_of_a_linear_program(seed: int) -> None:
     chance = np.random.default_rng(seed)

@@ -41,6 +41,12 @@ def test_losses_are_those_of_the_radio(tmp_path: Path) -> None:
         assert one.loss == pytest.approx(0.2, abs=4 * math.sqrt(0.2 * 0.8 / sent))
 
 
+def test_copies_of_packets_are_not_counted(tmp_path: Path) -> None:
+    for one in measured(tmp_path, Air(delay_ms=20, duplicate=0.5, seed=3), 10).values():
+        assert one.lost == 0
+        assert one.received == len(one.arrivals)
+
+
 def test_a_robot_that_is_not_there_has_no_figures(tmp_path: Path) -> None:
     air = Air()
     air.cut(("left", "station"))

@@ -61,9 +61,11 @@ def test_a_second_program_of_the_same_end_is_refused_and_counts_no_boot(tmp_path
     """Otherwise the first one would set the counter back when it stores its own state."""
     file = left_in(tmp_path)
     write_state(file, StoredState())
+    file.path.with_suffix(".lock").write_text("12345")  # of a program that has ended
     with booted(file) as state:
         for use in (booted, held):
-            with pytest.raises(pb.PalmbotsError, match=r"another program uses this boot counter; "):
+            line = rf"another program uses this boot counter; .*\(now process {os.getpid()}\)$"
+            with pytest.raises(pb.PalmbotsError, match=line):
                 use(file).__enter__()
         assert read_state(file) == state == StoredState(1)
     with booted(file) as state:

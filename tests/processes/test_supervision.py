@@ -38,10 +38,13 @@ def is_there(number: int) -> bool:
         return False
 
 
-def test_everything_ends_when_up_is_killed(up: Up) -> None:
+def test_everything_ends_when_up_is_killed_and_no_key_is_left(up: Up, tmp_path: Path) -> None:
     started = all_of(up)
     up.kill()
     wait_until(lambda: not any(map(is_there, started.values())))
+    left = [file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()]
+    assert left  # the folder of the pair
+    assert not any(re.search(rb"\b[0-9a-f]{32}\b", content) for content in left)
 
 
 def test_a_killed_robot_starts_again_and_a_killed_world_ends_everything(up: Up) -> None:
