@@ -124,12 +124,13 @@ auto with_splitting(const Spec& spec, const Controller& controller, std::uint64_
 std::pair<std::vector<double>, std::uint64_t> choose_levels(const Spec& spec,
                                                             const nb::object& given,
                                                             std::uint64_t seed,
-                                                            std::uint32_t effort, double share) {
+                                                            std::uint32_t effort, double share,
+                                                            std::uint64_t most) {
   const Controller controller(given);
   const nb::gil_scoped_release release;
   Interruption interruption;
   return with_splitting(spec, controller, seed, effort, interruption, [&](auto splitting) {
-    std::vector<double> levels = splitting.choose_levels(share);
+    std::vector<double> levels = splitting.choose_levels(share, most);
     return std::pair(std::move(levels), splitting.steps());
   });
 }
@@ -184,10 +185,12 @@ nb::tuple replicates(const Spec& spec, const nb::object& given, std::uint64_t se
 }  // namespace
 
 void bind_splitting(nb::module_& m) {
-  m.def("choose_levels", &choose_levels, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"),
-        nb::arg("effort"), nb::arg("share"),
-        "Heights, as parts of the palm's half-length, each reached by about `share` of the carries "
-        "from the one before; and the ticks of finding them.");
+  m.def(
+      "choose_levels", &choose_levels, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"),
+      nb::arg("effort"), nb::arg("share"), nb::arg("most") = ~std::uint64_t{0},
+      "Heights, as parts of the palm's half-length, each reached by about `share` of the carries "
+      "from the one before, or none if that takes more than `most` ticks; and the ticks of finding "
+      "them.");
   m.def("replicates", &replicates, nb::arg("spec"), nb::arg("controller"), nb::arg("seed"),
         nb::arg("effort"), nb::arg("levels"), nb::arg("first"), nb::arg("count"),
         nb::arg("threads"),

@@ -218,6 +218,25 @@ def test_estimated_rest_of_the_work_does_not_grow(
     assert f"budget: {budget:,}" in repr(found)
 
 
+def test_levels_that_cost_half_of_the_budget_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """There are the more of them, the rarer a drop is; all of them would cost twice the budget."""
+    costs: list[tuple[float, int]] = []
+    plain = _Splitting.plain
+
+    def count(run: _Splitting, carries: int) -> int:
+        costs.append((run.spent, carries))
+        return plain(run, carries)
+
+    monkeypatch.setattr(_Splitting, "plain", count)
+    keys = {"robot.noise_m_s": 0.02, "palm.length_m": 0.3, "task.distance_m": 0.3}
+    found = estimate_drop_rate(overrides=keys, controller="shared-sign", budget=20_000)
+    ((spent, carries),) = costs
+    assert 10_000 < spent < 12_000
+    assert found.carries == carries > 8000
+    assert spent + carries <= 20_001
+    assert found.interval[1] < 4e-4
+
+
 @pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])
 def test_student_quantiles_are_those_of_scipy(freedom: int) -> None:
     """Between two entries of the table the wider interval is used."""

@@ -71,12 +71,13 @@ class Splitting {
   }
 
   // Chooses the levels such that each is reached by about `share` of the runs from the level
-  // before.
-  std::vector<double> choose_levels(double share) {
+  // before. None if that takes more steps than `most`, which is looked at between two levels.
+  std::vector<double> choose_levels(double share, std::uint64_t most = ~std::uint64_t{0}) {
     std::vector<double> levels;
     std::vector<Process> parents;
     double last = -never;
     for (std::uint32_t k = 0; k < most_levels; ++k) {
+      if (steps_ > most) return {};
       std::vector<double> tops;
       Stage stage;
       run(pilot, k, parents, never, stage, &tops);

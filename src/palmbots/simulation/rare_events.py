@@ -50,7 +50,8 @@ PILOT = 12
 FEWEST, MOST = 16, 10_000
 """Limits of the number of replicates that count."""
 SPLITTING = 20
-"""A budget of fewer stages than this has plain carries only: splitting would not end within it."""
+"""A budget of fewer stages than this has plain carries only: splitting would not end within it.
+Nor would it where the levels alone take half of the budget."""
 _AT_ONCE = 16  # replicates between two checks of the budget; not a matter of threads
 _SEEDS_APART = 2**41  # plain carries share no seeds with those of other commands
 # More replicates than the scatter of the pilot requires, because that scatter is an estimate: at
@@ -249,8 +250,9 @@ class _Splitting:
         self.ticks = self._before = 0
         tried = max(effort, EFFORT)
         if budget >= SPLITTING * tried:
+            half = int(budget / 2 / self.carries(1))  # in ticks
             self.levels, self._before = _core.choose_levels(
-                prepared.spec, self._core, seed, tried, SHARE
+                prepared.spec, self._core, seed, tried, SHARE, half
             )
         self._fraction = 0.0
 

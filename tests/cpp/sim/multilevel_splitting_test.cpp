@@ -100,6 +100,9 @@ void test_levels_are_reached_by_the_wanted_share() {
   Splitting<Ruin, decltype(make)> splitting(make, 3, 2000);
   const std::vector<double> levels = splitting.choose_levels(0.2);
   CHECK(levels.size() >= 5);
+  Splitting<Ruin, decltype(make)> stopped(make, 3, 2000);
+  CHECK(stopped.choose_levels(0.2, splitting.steps() / 2).empty());
+  CHECK(stopped.steps() < splitting.steps());
   for (std::size_t i = 1; i < levels.size(); ++i) CHECK(levels[i] > levels[i - 1]);
   const auto stages = splitting.replicate(0, levels);
   for (std::size_t i = 0; i < levels.size(); ++i) {
