@@ -243,9 +243,17 @@ def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: P
     refused(study_here(long, "--out", tmp_path / "d", *both), "one of them")
 
 
-def test_a_script_without_a_guard_is_refused_before_processes_import_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "before", ["", "log = __name__\n", "if __name__ == '__main__':\n    log = 1\n"]
+)
+def test_a_script_without_a_guard_is_refused_before_processes_import_it(
+    before: str, tmp_path: Path
+) -> None:
+    """Also one that has a guard, or the name, elsewhere."""
     script = tmp_path / "mine.py"
-    script.write_text("import palmbots as pb\npb.study('silent-map', 'out', local_cluster=1)\n")
+    script.write_text(
+        f"import palmbots as pb\n{before}pb.study('silent-map', 'out', local_cluster=1)\n"
+    )
     run = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
     assert run.returncode == 1
     assert run.stderr.count("Traceback") == 1

@@ -6,6 +6,7 @@ and results may arrive in any order: the store has a single writer, and the resu
 bits. Workers need the same version of the package, and no files.
 """
 
+import ast
 import contextlib
 import hashlib
 import logging
@@ -272,15 +273,32 @@ def _check_main_guard() -> None:
     """Refuse a script that each worker process would run from its beginning, this study included.
 
     Raises:
-        PalmbotsError: there is no guard in the script.
+        PalmbotsError: the script does not call the study below its guard.
     """
     name = getattr(sys.modules.get("__main__"), "__file__", None)
-    with contextlib.suppress(OSError):
-        if name is not None and b"__name__" not in Path(name).read_bytes():
-            raise PalmbotsError(
-                f"local_cluster: its processes import {Path(name).name} again; in that script, "
-                'call the study below the line: if __name__ == "__main__":'
-            )
+    try:
+        body = ast.parse(Path(name).read_bytes()).body if name is not None else []
+    except (OSError, SyntaxError, ValueError):  # a program without source
+        return
+    guards = [s for s in body if isinstance(s, ast.If) and "__name__" in ast.unparse(s.test)]
+    line = _line_of_script()
+    if body and not any(
+        line is None or guard.lineno <= line <= (guard.end_lineno or line) for guard in guards
+    ):
+        raise PalmbotsError(
+            f"local_cluster: its processes import {Path(str(name)).name} again; in that script, "
+            'call the study below the line: if __name__ == "__main__":'
+        )
+
+
+def _line_of_script() -> int | None:
+    """The line of the script that is running; None: this thread did not begin there."""
+    frame, script = sys._getframe(), vars(sys.modules["__main__"])
+    while frame is not None:
+        if frame.f_code.co_name == "<module>" and frame.f_globals is script:
+            return frame.f_lineno
+        frame = frame.f_back
+    return None
 
 
 def _start_cluster(workers: int) -> Any:
