@@ -344,6 +344,22 @@ def test_a_late_order_is_void_once_the_station_says_so(delay_s: float, tmp_path:
     assert any("start has no effect within 5 s: a packet and its answer" in x for x in pair.lines)
 
 
+def test_no_order_acts_after_the_station_has_called_it_void(tmp_path: Path) -> None:
+    """Those that were lost at first arrive late: the last ones are sent early enough."""
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
+    pair.run(20)
+    pair.air.hold(0.8, "station")
+    pair.run(100)
+    pair.station.wish("arm")
+    links = (("station", "left"), ("station", "right"))
+    pair.air.cut(*links)
+    pair.run(415)
+    pair.air.cut()
+    pair.run(300)
+    assert pair.modes() == ("disarmed", "disarmed"), pair.lines
+    assert any("arm has no effect within 5 s" in line for line in pair.lines)
+
+
 def test_a_robot_says_nothing_before_its_state_is_stored(tmp_path: Path) -> None:
     """What a partner relies on after a boot is on the disk before the partner hears it."""
     pair = SimulatedPair(tmp_path, "resilient", Air(), UP)

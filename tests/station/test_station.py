@@ -14,10 +14,11 @@ from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.station.carry_script import carry_once
 from palmbots.station.correction_watch import CorrectionWatch
 from palmbots.station.fault_watch import FaultWatch
+from palmbots.station.robot_view import RobotView
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.station.station import PERIOD_S, OtherStation, Station
 from palmbots.station.station_epochs import StationEpochs
-from palmbots.wire import Endpoint, Hello, Operate, Packet, encode
+from palmbots.wire import Endpoint, Hello, Operate, Packet, Status, encode
 
 CARRYING = ("carrying", "holding")
 STEP = round(PERIOD_S / 0.01)
@@ -103,6 +104,34 @@ def test_the_script_starts_only_once(tmp_path: Path) -> None:
     assert sum("script: start" in line for line in pair.lines) == 1, pair.lines
 
 
+def test_the_script_stops_at_once_where_a_start_is_void(tmp_path: Path) -> None:
+    """The robots heard it, and do not hear each other."""
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
+    script = carry_once(pair.station, 600)
+    while pair.modes() != ("armed", "armed"):
+        assert next(script) is None
+        pair.run(STEP)
+    pair.air.cut(("left", "right"), ("right", "left"))
+    began_s, done = pair.now_s(), None
+    while done is None:
+        pair.run(STEP)
+        done = next(script)
+    assert done is False
+    assert any("left: ready" in line for line in pair.lines)
+    assert pair.now_s() - began_s < 3
+
+
+def test_a_station_that_is_started_again_starts_robots_that_are_armed(tmp_path: Path) -> None:
+    """They were armed for another carry than the one that was under way."""
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
+    pair.wish("arm", "armed")
+    pair.station.keep_carrying(True)
+    pair.station.close()
+    pair.restart_station()
+    assert pair.station.was_carrying
+    assert pair.carry()
+
+
 def test_a_robot_that_two_programs_claim_to_be_is_not_armed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -114,6 +143,11 @@ def test_a_robot_that_two_programs_claim_to_be_is_not_armed(
         assert pair.modes() == ("disarmed", "disarmed")
         assert pair.station._due("right") == Hello()
     pair.wish("arm", "armed")
+    with monkeypatch.context() as patch:
+        patch.setattr(pair.station, "claimed_twice", lambda: ("left",))
+        pair.station.wish("start")
+        pair.run(100)
+        assert pair.modes() == ("armed", "armed")
 
 
 def test_the_epoch_before_a_boot_of_this_station_is_no_other_station() -> None:
@@ -397,6 +431,39 @@ def test_a_carry_that_does_not_move_on_is_named(left: Any, right: Any, hangs: bo
     if right == "done":
         line += "; left waits for right, which is done: stop the carry"
     assert watch.step(modes, 5.1) == ([line] if hangs else [])
+    assert watch.step(modes, 15.0) == []  # not again so soon
+    assert watch.step(modes, 15.2) == ([line] if hangs else [])
+
+
+@pytest.mark.parametrize(("jump_s", "way"), [(-3600.0, "back by 3600"), (90.0, "forward by 90")])
+def test_a_clock_that_was_set_is_named_once(jump_s: float, way: str) -> None:
+    wall = [1000.0]
+    watch = FaultWatch(PERIOD_S, PacketStatistics("station"), 0.0, lambda: wall[0])
+    wall[0] += 0.9  # as a time service does
+    assert watch.step({}, 1.0) == []
+    wall[0] = 1000.0 + jump_s
+    line = f"station: the clock of this computer was set {way} s; nothing here depends on it"
+    assert watch.step({}, 2.0) == [line]
+    assert watch.step({}, 3.0) == []
+
+
+def test_numbers_of_a_robot_are_kept_until_it_boots() -> None:
+    """At rest it reports no progress any more; after a boot nothing is known."""
+    view = RobotView(PacketStatistics("station").ends["left"])
+
+    def take(epoch: int, mode: Any, item: Any, value: int) -> None:
+        status = Status(mode=mode, item=item, value=value)
+        view.take(Packet("left", "station", 1, epoch, 1, body=status), status, 0.0)
+
+    take(1, "carrying", "battery", 7400)
+    take(1, "carrying", "progress", 0x8000)
+    take(1, "done", "progress", 0)
+    assert view.progress == pytest.approx(0.5, abs=1e-4)
+    assert view.battery_v == 7.4
+    take(1, "disarmed", "progress", 0)
+    assert view.progress == 0
+    take(2, "disarmed", "overruns", 0)
+    assert view.battery_v is None and view.progress is None
 
 
 def test_corrections_get_labels_in_the_order_of_their_start() -> None:

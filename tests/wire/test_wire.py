@@ -5,6 +5,7 @@ import random
 import re
 from collections import Counter
 from dataclasses import replace
+from itertools import product
 from types import SimpleNamespace
 from typing import Any, get_args
 
@@ -57,6 +58,19 @@ def test_golden_packets() -> None:
         assert one.kind == content[2]
         assert wire.encode(one, KEY) == data
         assert wire.decode(data, KEY, PAIR, one.receiver) == wire.Decoded("accepted", one)
+
+
+def test_no_end_sends_what_it_may_not_say() -> None:
+    """The oracle has a packet of every kind from every sender to every receiver that is allowed."""
+    said = {kind: content for *_, kind, content in oracle.contents()}
+    allowed = {content[:3] for content in oracle.contents()}
+    for sender, receiver, kind in product(get_args(wire.Role), get_args(wire.Role), said):
+        end = wire.Endpoint(KEY, PAIR, sender, 1)
+        if (sender, receiver, kind) in allowed:
+            end.send(receiver, body(kind, said[kind]))
+            continue
+        with pytest.raises(pb.PalmbotsError, match=r"; allowed: "):
+            end.send(receiver, body(kind, said[kind]))
 
 
 def test_golden_packets_have_every_value_of_every_field() -> None:
