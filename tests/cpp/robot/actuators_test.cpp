@@ -188,6 +188,34 @@ void test_a_robot_that_stands() {
   }
 }
 
+// Brakes hold only wheels that have come to rest. Backward, what is left of the noise turns round.
+void test_brakes_and_the_sense_of_travel() {
+  Spec spec;
+  for (auto& robot : spec.robots) {
+    robot.noise = 0.04;
+    robot.standing_noise = 0.02;
+    robot.bias = 0.02;
+  }
+  const palmbots::PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(0),
+                                                   PalmAngle<double>::at(0)};
+  Robots<double> robots = robots_of<double>(spec, 3);
+  robots.travel_sense = -1;
+  robots.brakes = {1.0, 1.0};
+  robots.wheels[right].speed = 3.5 * robots.wheels[right].gain;
+  robots.goal_speed = {0.0, 0.0};
+  for (int k = 0; k < 6; ++k) {
+    const auto done = actuate(robots, palms, {0.3, 0.3});
+    const double noise = robots.wheels[right].noise;
+    const double rolls = robots.wheels[right].speed;
+    CHECK((rolls > 0) == (k < 3));
+    const double wanted = rolls > 0 ? -(rolls + 0.02 + noise) : -0.5 * noise;
+    CHECK(std::abs(robots.speeds[right] - wanted) < 1e-15);
+    CHECK(std::abs(robots.speeds[left] + 0.5 * robots.wheels[left].noise) < 1e-15);
+    const double mean = (robots.speeds[left] + robots.speeds[right]) / 2;
+    CHECK(std::abs(done.travel - mean * robots.period) < 1e-15);
+  }
+}
+
 // Without a lag the acceleration of each period counts as it is.
 void test_push_without_lag() {
   Robots<double> robots = standing<double>(0.01, 0.0);
@@ -240,6 +268,7 @@ int main() {
   test_push_of_a_steady_acceleration<float>();
   test_push_without_lag();
   test_a_robot_that_stands();
+  test_brakes_and_the_sense_of_travel();
   test_push_of_noise();
   test_acceleration_and_speed_limit<double>();
   test_acceleration_and_speed_limit<float>();

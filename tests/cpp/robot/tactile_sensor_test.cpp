@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "palmbots/base/philox.hpp"
@@ -71,6 +72,48 @@ void test_overlaps() {
   CHECK(sensor<Real>({}).sign(Real(1)) == Sign::zero);
 }
 
+// A stretch holds p and ends where the sign changes, at edges, beside them and far away.
+template <class Real>
+void test_stretches() {
+  const auto with_gap = sensor<Real>({{Sign::negative, Real(-3), Real(-1)},
+                                      {Sign::zero, Real(-0.5), Real(0.5)},
+                                      {Sign::positive, Real(0.5), Real(3)}});
+  for (const auto& s : {usual<Real>(), with_gap}) {
+    for (const Real edge : {Real(-3), Real(-1), Real(-0.5), Real(-0.005), Real(0), Real(0.005),
+                            Real(0.5), Real(3), Real(9)}) {
+      for (const Real p : {edge, std::nextafter(edge, Real(9)), std::nextafter(edge, Real(-9))}) {
+        const auto found = s.stretch(p);
+        CHECK(found.from <= p && p < found.until);
+        CHECK(found.sign == s.sign(p));
+        if (found.until < inf<Real>) CHECK(s.sign(found.until) != found.sign);
+        if (found.from > -inf<Real>) {
+          CHECK(s.sign(found.from) == found.sign);
+          CHECK(s.sign(std::nextafter(found.from, -inf<Real>)) != found.sign);
+        }
+      }
+    }
+  }
+}
+
+// Only a reading that never decreases outward has steps.
+template <class Real>
+void test_steps() {
+  const auto steps = usual<Real>().steps();
+  CHECK(steps.has_value() && steps->not_negative == Real(-0.005));
+  CHECK(steps->positive == std::nextafter(Real(0.005), Real(1)));
+  const auto bare = sensor<Real>({}).steps();
+  CHECK(bare.has_value() && bare->not_negative == -inf<Real> && bare->positive == inf<Real>);
+  // Beyond its last switch this one reads 0 again.
+  CHECK(!sensor<Real>({{Sign::positive, Real(0), Real(3)}}).steps().has_value());
+}
+
+// At rate 0 no draw is false.
+void test_no_false_reading() {
+  for (const std::uint32_t chance : {0U, 1U, ~0U}) {
+    CHECK(usual<double>(0).sign(0.0, chance, 1) == Sign::zero);
+  }
+}
+
 // A false reading is one of the two other signs, each as often; as many as the rate says.
 void test_false_readings() {
   constexpr int n = 200000;
@@ -99,5 +142,10 @@ int main() {
   test_usual_layout<float>();
   test_overlaps<double>();
   test_overlaps<float>();
+  test_stretches<double>();
+  test_stretches<float>();
+  test_steps<double>();
+  test_steps<float>();
+  test_no_false_reading();
   test_false_readings();
 }
