@@ -86,9 +86,9 @@ PAGE_EXPORT(message_name) const char* message_name(std::uint32_t kind) {
   return name_of(static_cast<MessageKind>(kind % message_kinds));
 }
 
-// Wilson's 95 % interval of the rate of k events in n.
-PAGE_EXPORT(wilson) const double* page_wilson(double k, double n) {
-  const RateInterval ends = wilson(k, n);
+// The 95 % interval of the rate of k events in n.
+PAGE_EXPORT(rate_interval) const double* page_rate_interval(double k, double n) {
+  const RateInterval ends = rate_interval(k, n);
   answer = {ends.low, ends.high};
   return give(answer);
 }

@@ -39,7 +39,7 @@ self.onmessage = async (event: MessageEvent<Task>) => {
       const tally = core.addToTally(controller, task.seed + done, Math.min(CHUNK, task.carries - done));
       const report: Report = {
         task: task.number, controller: place, tally,
-        interval: core.wilson(tally.dropped, tally.carries),
+        interval: core.rateInterval(tally.dropped, tally.carries),
       };
       self.postMessage(report);
       await new Promise((resume) => setTimeout(resume)); // a newer task may be waiting

@@ -17,6 +17,14 @@ NB_MODULE(_core, m) {
       nanobind::arg("events"), nanobind::arg("n"), nanobind::arg("z") = palmbots::z95,
       "Wilson's score interval of the rate of `events` in `n`; NaN where `n` is 0.");
   m.def(
+      "rate_interval",
+      [](double events, double n) {
+        const auto [low, high] = palmbots::rate_interval(events, n);
+        return std::pair{low, high};
+      },
+      nanobind::arg("events"), nanobind::arg("n"),
+      "The 95 % interval of the rate of `events` in `n`; one-sided where none or all are events.");
+  m.def(
       "supports_x86_level",
       []([[maybe_unused]] int level) {
 #if defined(__x86_64__)

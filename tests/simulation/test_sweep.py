@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots._util.confidence_intervals import wilson
+from palmbots._util.confidence_intervals import rate_interval, wilson
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import run_seeds
 from palmbots.viz.sweep_figure import draw_sweep
@@ -184,6 +184,17 @@ def test_wilson_solves_the_score_equation(n: int) -> None:
                 assert distance == pytest.approx(spread, abs=1e-9)
     assert wilson(0, n)[0] == 0
     assert wilson(n, n)[1] == 1
+
+
+@pytest.mark.parametrize("n", [1, 12, 200])
+def test_the_interval_without_events_is_the_exact_one_sided_bound(n: int) -> None:
+    """At its end, none of n trials is an event with a probability of 5 %."""
+    low, high = rate_interval(0, n)
+    assert low == 0
+    assert (1 - high) ** n == pytest.approx(0.05)
+    assert rate_interval(n, n) == (1 - high, 1)
+    for events in range(1, n):
+        assert rate_interval(events, n) == wilson(events, n)
 
 
 def test_numpy_numbers_are_accepted() -> None:

@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from commands import runner
-from palmbots._util.confidence_intervals import wilson
+from palmbots._util.confidence_intervals import rate_interval
 from palmbots.control.interface import MOVES, PALMS
 from site_pages import Open, command_of, hash_of, run_json
 
@@ -34,7 +34,7 @@ WATCH_COUNTS = """() => {
 
 
 def interval_words(dropped: int, carries: int) -> str:
-    ends = wilson(dropped, carries)
+    ends = rate_interval(dropped, carries)
     return " to ".join(f"{1000 * end:.{1 if end < 0.01 else 0}f}" for end in ends) + " of 1000"
 
 
@@ -67,6 +67,17 @@ def test_compare_counts_what_the_command_counts(
     shown = page.locator("#counts tbody tr").nth(0)
     expect(shown).to_contain_text(interval_words(drops[0], 1000))
     expect(shown).to_contain_text(f"{1000 * rows[0]['rms_m']:.1f} mm")
+
+
+def test_no_drop_has_the_one_sided_bound_of_the_command(
+    open_page: Open, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """0 of 1000: at most 3.0 of 1000, as `palmbots compare` prints (< 0.30 %)."""
+    page = open_page(hash_of("compare", {"t": 1, "v.a": "distributed"}, task__distance_m=0.1))
+    assert counted(page)[0] == 0
+    expect(page.locator("#counts tbody tr").nth(0)).to_contain_text("0.0 to 3.0 of 1000")
+    row = run_json(runner(capsys), command_of(page))["rows"][0]
+    assert row["drop_rate_interval"][1] == pytest.approx(1 - 0.05**0.001)
 
 
 def test_compare_runs_rows_of_ones_own(

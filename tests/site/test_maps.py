@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Page
 
 import palmbots as pb
-from palmbots._util.confidence_intervals import wilson
+from palmbots._util.confidence_intervals import rate_interval
 from palmbots.mechanics.contact_modes import contact_modes_batch
 from palmbots.scene.scene import load_scene
 from palmbots.stability.problem import stability_problem
@@ -68,7 +68,7 @@ def test_maps_equal_those_of_the_package(open_page: Open) -> None:
     np.testing.assert_allclose(seen[:, 1], clearance.ravel(), rtol=1e-9)
     for k, n in ((0, 50), (3, 50), (50, 50), (17, 1000)):
         np.testing.assert_allclose(
-            exports(page, f"m => m.wilson({k}, {n})"), wilson(k, n), rtol=1e-12
+            exports(page, f"m => m.rate_interval({k}, {n})"), rate_interval(k, n), rtol=1e-12
         )
 
 

@@ -11,7 +11,7 @@ interface Exports {
   input(): number;
   length(): number;
   message_name(kind: number): number;
-  wilson(k: number, n: number): number;
+  rate_interval(k: number, n: number): number;
   text(): number;
   set_scene(bytes: number): void;
   problem(): number;
@@ -331,8 +331,9 @@ export class Core {
     };
   }
 
-  wilson(events: number, n: number): [number, number] {
-    const ends = this.take(this.wasm.wilson(events, n));
+  // The 95 % interval of a rate.
+  rateInterval(events: number, n: number): [number, number] {
+    const ends = this.take(this.wasm.rate_interval(events, n));
     return [ends[0]!, ends[1]!];
   }
 

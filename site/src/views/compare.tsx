@@ -236,7 +236,7 @@ export function CompareView() {
           <table id="counts">
             <thead>
               <tr>
-                <th>controller</th><th>dropped</th><th>rate</th><th>95 % interval (Wilson)</th>
+                <th>controller</th><th>dropped</th><th>rate</th><th>95 % interval</th>
                 <th>stalled</th><th>contact rms</th><th>messages/m</th>
               </tr>
             </thead>

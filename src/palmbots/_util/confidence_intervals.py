@@ -44,13 +44,9 @@ def wilson(events: int, n: int, z: float = Z95) -> tuple[float, float]:
 def rate_interval(events: int, n: int) -> tuple[float, float]:
     """The 95 % interval of a rate as people read it.
 
-    Wilson's, but where none or all of `n` are events it is the exact one-sided bound: with a rate
-    above 1 − 0.05^(1/n), none of n would be an event in fewer than 5 % of all trials.
+    Wilson's, but where none or all of `n` are events it is the exact one-sided bound.
     """
-    bound = 1 - 0.05 ** (1 / n)
-    if events == 0:
-        return 0.0, bound
-    return (1 - bound, 1.0) if events == n else wilson(events, n)
+    return _core.rate_interval(float(events), float(n))
 
 
 def clopper_pearson(events: int, n: int) -> tuple[float, float]:
