@@ -6,6 +6,7 @@
 Names, symbols and meanings come from the package's own tables, so the page cannot contradict it.
 """
 
+import inspect
 import json
 import math
 import re
@@ -29,6 +30,7 @@ from palmbots.scene.object_library import object_names
 from palmbots.scene.scene import load_scene
 from palmbots.scene.scene_schema import scene_schema
 from palmbots.simulation.carry_lines import REASONS
+from palmbots.simulation.single import carry
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
 from palmbots.stability.scene_limits import FAILING, SOMEWHERE
@@ -214,6 +216,7 @@ def tables() -> dict[str, Any]:
     return {
         "version": __version__,
         "controllers": controllers(),
+        "defaultController": inspect.signature(carry).parameters["controller"].default,
         "refusals": list(REFUSALS.values()),
         "palms": list(PALMS),
         "drives": list(MOVES),

@@ -29,7 +29,7 @@ export const TABLE_1_ROWS: PolicyRow[] = SIGN_PAIRS.map((pair) => {
 export const core = signal<Core | null>(null);
 export const view = signal<ViewName>("carry");
 export const base = signal("paper");
-export const controller = signal("distributed");
+export const controller = signal(tables.defaultController);
 export const seed = signal(0);
 export const overrides = signal<Overrides>({});
 export const forks = signal<Fork[]>([]);
@@ -203,7 +203,7 @@ function policyOf(text: string): PolicyRow[] | null {
 export function address(changes: { view?: ViewName; time?: boolean } = {}): string {
   const query = new URLSearchParams();
   if (base.value !== "paper") query.set("scene", base.value);
-  if (controller.value !== "distributed") query.set("controller", controller.value);
+  if (controller.value !== tables.defaultController) query.set("controller", controller.value);
   if (seed.value !== 0) query.set("seed", String(seed.value));
   for (const [key, value] of Object.entries(overrides.value)) {
     query.append("set", `${key}=${JSON.stringify(value)}`);
@@ -245,7 +245,7 @@ export function readAddress(hash: string): number | null {
       ? query.get("scene")!
       : "paper";
     const asked = query.get("controller");
-    controller.value = asked && known.includes(asked) ? asked : "distributed";
+    controller.value = asked && known.includes(asked) ? asked : tables.defaultController;
     seed.value = whole(query.get("seed"));
     overrides.value = found;
     forks.value = query

@@ -36,6 +36,7 @@ export interface Shape {
 interface Tables {
   version: string;
   controllers: ControllerInfo[];
+  defaultController: string;
   refusals: string[]; // of a scene by a controller: too short beacons, lease too short, too long, none possible
   palms: string[];
   drives: string[];

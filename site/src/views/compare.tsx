@@ -13,12 +13,12 @@ import {
   OWN_ROWS, SIGN_PAIRS, TABLE_1_ROWS, address, base, controllerNumber, core, extra, overrides, player, policy,
   problem, refusalOf, scene, seed, setExtra,
 } from "../shared/state";
-import { controllerInfo } from "../shared/tables";
+import { controllerInfo, tables } from "../shared/tables";
 import { startWorker } from "../start_worker";
 import type { Report, Task } from "../worker";
 
 const CARRIES = 1000;
-const USUAL = ["centralized", "distributed"] as const;
+const USUAL = ["centralized", tables.defaultController] as const;
 
 const names = computed(() => [extra("a", USUAL[0]), extra("b", USUAL[1])] as [string, string]);
 

@@ -102,7 +102,7 @@ export function ResetButton() {
       id="reset"
       onClick={() => {
         base.value = "paper";
-        controller.value = "distributed";
+        controller.value = tables.defaultController;
         seed.value = 0;
         overrides.value = {};
         forks.value = [];

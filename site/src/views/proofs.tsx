@@ -51,7 +51,7 @@ const carry = computed<{ run: Recorded; of: Scene; times: number[] } | null>(() 
   if (!machine || !item?.scene) return null;
   const of = sceneOf("paper", overridesOf(machine, item.scene));
   machine.setScene(of);
-  const run = machine.run(controllerNumber("distributed"), 0);
+  const run = machine.run(controllerNumber(item.controller), 0);
   return { run, of, times: stepTimes(item, run) };
 });
 const carryTime = computed(() => {
@@ -233,7 +233,7 @@ function Player(props: { item: Counterexample; place: number }) {
 function openInCarry(item: Counterexample): void {
   base.value = "paper";
   overrides.value = overridesOf(core.peek()!, item.scene!);
-  controller.value = "distributed";
+  controller.value = item.controller;
   seed.value = 0;
   forks.value = [];
   go(address({ view: "carry", time: false }));
@@ -304,7 +304,7 @@ export function ProofsView() {
           </div>
           {carried && (
             <div>
-              <Stage run={carried.run} of={carried.of} name="distributed" id="proof-carry" low time={carryTime}
+              <Stage run={carried.run} of={carried.of} name={item.controller} id="proof-carry" low time={carryTime}
                 label="side view of a carry with the same failure" />
               <p class="note">
                 The same failure occurs in a carry with friction and geometry, shown at{" "}

@@ -16,7 +16,7 @@ import {
 } from "../shared/state";
 import { decision } from "../shared/mode_words";
 import { get } from "../shared/scene_values";
-import { controllerInfo } from "../shared/tables";
+import { controllerInfo, tables } from "../shared/tables";
 import { reducedMotion } from "../shared/theme";
 
 const storyNumber = () => Math.min(STORIES.length, Math.max(1, Math.floor(extraNumber("story", 1))));
@@ -41,7 +41,7 @@ function begin(story: number, number: number): void {
     setExtra("part", String(number), "1");
     for (const name of ["answer", "seen", "m"]) setExtra(name, "", "");
     base.value = part.scene ?? "paper";
-    controller.value = part.controller ?? "distributed";
+    controller.value = part.controller ?? tables.defaultController;
     seed.value = part.seed ?? 0;
     overrides.value = part.set ?? {};
     forks.value = [];
@@ -61,7 +61,7 @@ function run(): void {
 function isOfPart(part: Part): boolean {
   return (
     base.value === (part.scene ?? "paper") &&
-    controller.value === (part.controller ?? "distributed") &&
+    controller.value === (part.controller ?? tables.defaultController) &&
     JSON.stringify(overrides.value) === JSON.stringify(part.set ?? {})
   );
 }
