@@ -18,7 +18,7 @@ export interface TimeAxis {
   width: number;
 }
 
-export function timeX(axis: TimeAxis, time: number): number {
+function timeX(axis: TimeAxis, time: number): number {
   const inner = axis.width - LEFT_MARGIN - RIGHT_MARGIN;
   return LEFT_MARGIN + ((time - axis.from) / (axis.to - axis.from)) * inner;
 }
@@ -28,7 +28,7 @@ export function timeAt(axis: TimeAxis, x: number): number {
   return axis.from + ((x - LEFT_MARGIN) / inner) * (axis.to - axis.from);
 }
 
-export function niceStep(span: number, most: number): number {
+function niceStep(span: number, most: number): number {
   const raw = span / most;
   const power = 10 ** Math.floor(Math.log10(raw));
   return power * ([1, 2, 5, 10].find((k) => k * power >= raw) ?? 10);
@@ -46,7 +46,7 @@ function halo(c: CanvasRenderingContext2D, p: Palette, words: string, x: number,
 }
 
 // Draws inside the plot only: the axis may show a part of the carry.
-export function clipped(surface: Surface, draw: () => void): void {
+function clipped(surface: Surface, draw: () => void): void {
   const c = surface.context;
   c.save();
   c.beginPath();
@@ -56,7 +56,7 @@ export function clipped(surface: Surface, draw: () => void): void {
   c.restore();
 }
 
-export function drawTimeTicks(surface: Surface, p: Palette, axis: TimeAxis, labels: boolean): void {
+function drawTimeTicks(surface: Surface, p: Palette, axis: TimeAxis, labels: boolean): void {
   const c = surface.context;
   const step = niceStep(axis.to - axis.from, Math.max(3, surface.width / 110));
   const base = labels ? surface.height - 18 : surface.height;
@@ -99,7 +99,7 @@ function curve(
 
 const DASHES = [[], [6, 3]];
 
-export interface Band {
+interface Band {
   from: number;
   to: number;
 }
@@ -252,7 +252,7 @@ function wordsY(message: Message, lanes: Lanes): number {
   return lanes.robots[message.sender]! + (message.sender === 0 ? 21 : -19);
 }
 
-export interface MessageLabel {
+interface MessageLabel {
   index: number;
   name: string;
   x: number;

@@ -20,7 +20,7 @@ export interface RobotStep {
 }
 
 // What happens between two steps: a message has a sender, anything else at most a robot.
-export interface ProofEvent {
+interface ProofEvent {
   text: string;
   sender?: 0 | 1;
   name?: string;

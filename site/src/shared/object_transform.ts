@@ -6,7 +6,7 @@ import type { Scene } from "./tables";
 
 export type Xy = [number, number];
 
-export interface ObjectTransform {
+interface ObjectTransform {
   toWorld: (point: Xy) => Xy;
   toScene: (point: Xy) => Xy;
 }

@@ -19,7 +19,7 @@ export interface Flight {
   lost: boolean;
 }
 
-export interface SidePicture {
+interface SidePicture {
   places: Float64Array;
   motion?: [number, number]; // of the contacts: up 1, sticks 0, down −1
   tags?: [string, string]; // on the robots' bodies

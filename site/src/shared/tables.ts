@@ -5,7 +5,7 @@ import data from "../generated/tables.json";
 export type Json = string | number | boolean | Json[] | { [key: string]: Json };
 export type Scene = { [section: string]: Json };
 
-export interface ControllerInfo {
+interface ControllerInfo {
   name: string;
   description: string;
   team: string;
@@ -68,10 +68,6 @@ export function filledIn(text: string, values: Record<string, string>): string {
 
 export const SIDES = ["left", "right"] as const;
 export const SENDERS = [...SIDES, "station"] as const;
-export type Side = 0 | 1;
-
-// Colours that readers with any colour vision can tell apart (Okabe and Ito); those of viz/style.py.
-export const HUE = ["#0072B2", "#D55E00"] as const;
 
 export function controllerInfo(name: string): ControllerInfo | undefined {
   return tables.controllers.find((c) => c.name === name);

@@ -47,7 +47,7 @@ const low = matchMedia("(min-width: 70rem) and (max-height: 46rem)");
 export const isLow = signal(low.matches);
 low.addEventListener("change", () => (isLow.value = low.matches));
 
-export type Theme = "dark" | "light";
+type Theme = "dark" | "light";
 
 export function systemTheme(): Theme {
   return dark.matches ? "dark" : "light";

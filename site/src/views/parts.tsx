@@ -46,7 +46,7 @@ export function ControllerChoice(props: {
 }
 
 // The name of the object that is carried, or "" for one of a file.
-export function objectName(): string {
+function objectName(): string {
   const named = overrides.value.object;
   if (typeof named === "string") return named;
   if ("object.vertices_m" in overrides.value) return "";

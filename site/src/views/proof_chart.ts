@@ -16,13 +16,13 @@ export const PROOF_CHART_HEIGHT = TOP + 2 * LANE + GAP + 20;
 const MINUS = "−";
 export const cellText = (cell: number) => (cell > 0 ? `+${cell}` : String(cell).replace("-", MINUS));
 
-export interface Columns {
+interface Columns {
   width: number; // of a column
   first: number; // x of the first one, which may lie outside
 }
 
 // The columns, moved so that the present step can be seen.
-export function columnsOf(width: number, count: number, place: number): Columns {
+function columnsOf(width: number, count: number, place: number): Columns {
   const room = width - LEFT - 6;
   const column = Math.min(90, Math.max(LEAST_COLUMN, room / count));
   const hidden = Math.max(0, column * count - room);

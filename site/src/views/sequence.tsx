@@ -40,7 +40,7 @@ function axis(run: Recorded, width: number): TimeAxis {
   return { from, to: from + span, width };
 }
 
-export function faultOf(message: Message): { [key: string]: Json } | undefined {
+function faultOf(message: Message): { [key: string]: Json } | undefined {
   return faultScript().find(isFaultOf(message));
 }
 
@@ -60,7 +60,7 @@ function isFaultOf(message: Message): (fault: { [key: string]: Json }) => boolea
   return (fault) => ["sender", "receiver", "message"].every((key) => fault[key] === name[key]);
 }
 
-export function setFault(message: Message, effect: "lost" | "delayed" | "duplicated" | null): void {
+function setFault(message: Message, effect: "lost" | "delayed" | "duplicated" | null): void {
   const isOwn = isFaultOf(message);
   const rest = faultScript().filter((f) => !isOwn(f));
   setKey("radio.script", rest.length > 0 ? rest : undefined);

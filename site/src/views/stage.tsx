@@ -12,7 +12,7 @@ import { append, core, extraFlag, player, scene } from "../shared/state";
 import { isLow, palette } from "../shared/theme";
 import { tables, type Scene } from "../shared/tables";
 
-export const PUSH_S = 0.3; // how long a push lasts
+const PUSH_S = 0.3; // how long a push lasts
 
 interface Drag {
   what: "object" | 0 | 1;
@@ -54,7 +54,7 @@ export function offAt(of: Scene, time: number): [boolean, boolean] {
   return [off("left"), off("right")];
 }
 
-export function stageHeight(width: number): number {
+function stageHeight(width: number): number {
   return Math.round(Math.min(isLow.value ? 218 : 400, Math.max(200, width * 0.42)));
 }
 
