@@ -16,6 +16,7 @@ from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import SIDES
+from palmbots._util.arguments import LONGEST_VALUE
 from palmbots._util.atomic_files import write_whole
 from palmbots._version import __version__
 from palmbots.control.interface import MOVES, PALMS, SIGN_WORDS
@@ -25,10 +26,12 @@ from palmbots.derivation.global_policy import table_1
 from palmbots.mechanics.contact_mode_words import MOTION_MEANINGS, SENTENCES
 from palmbots.mechanics.contact_modes import CONTACT_MODES
 from palmbots.scene import robot_dimensions
+from palmbots.scene.fields import KINDS, PROBLEMS
 from palmbots.scene.key_reference import built_in_meanings, scene_keys
 from palmbots.scene.object_library import object_names
+from palmbots.scene.overrides import SUPERSEDES
 from palmbots.scene.scene import load_scene
-from palmbots.scene.scene_schema import scene_schema
+from palmbots.scene.scene_schema import worded_schema
 from palmbots.simulation.carry_lines import REASONS
 from palmbots.simulation.single import carry
 from palmbots.stability.angle_grid import QUANTITIES
@@ -44,7 +47,7 @@ from model_check import Run, claims_of, runs  # noqa: E402
 # Of a node of a JSON Schema, what limits a value itself.
 _KEPT = (
     "type", "enum", "required", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum",
-    "minItems", "maxItems",
+    "minItems", "maxItems", "allowed",
 )  # fmt: skip
 _FORMULA = re.compile(r"^/\* (.*) \*/\nltl (\w+) ", re.MULTILINE)
 _STEP = re.compile(r"^\s*(\d+)\s{2}left\s+(.*?)\s{2,}right\s+(.*?)\s*$")
@@ -83,7 +86,7 @@ def shape(node: dict[str, Any], tables: dict[str, Any]) -> dict[str, Any]:
 
 def scene_rules() -> dict[str, Any]:
     """What a scene may hold: the shape of every table."""
-    schema = scene_schema()
+    schema = worded_schema()
     return shape(schema, schema["$defs"])
 
 
@@ -239,6 +242,10 @@ def tables() -> dict[str, Any]:
             if not k.name.startswith("mujoco.")
         ],
         "rules": scene_rules(),
+        "supersedes": SUPERSEDES,
+        "kinds": KINDS,
+        "problems": PROBLEMS,
+        "longestValue": LONGEST_VALUE,
         "outcomes": list(_core.carry_outcomes),
         "dropReasons": [["none", ""], *([name, REASONS[name]] for name in _core.drop_reasons[1:])],
         "modes": ["-".join(mode) for mode in CONTACT_MODES],

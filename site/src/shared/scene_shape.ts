@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the values of a scene have the right type and size: the shape of every table, from the
-// fields that check a scene in the package.
-import { type Json, type Shape, tables } from "./tables";
+// Whether the values of a scene have the right type and size. Limits and words are those of the fields
+// that check a scene in the package (src/palmbots/scene/fields.py).
+import type { TomlDate } from "smol-toml";
+import { type Json, type Shape, filledIn, tables } from "./tables";
 import { tomlValue } from "./toml";
 
-const LONGEST_VALUE = 80;
-
 // A value as a message shows it.
-export function show(value: unknown): string {
+function show(value: unknown): string {
   if (value === null || value === undefined) return "null";
-  const text = (value instanceof Date ? value.toISOString() : tomlValue(value as Json)).replaceAll("\n", " ");
-  return text.length > LONGEST_VALUE ? `${text.slice(0, LONGEST_VALUE - 1)}…` : text;
+  const written = value instanceof Date
+    ? value.toISOString().replace(".000", "").replace("Z", "+00:00")
+    : tomlValue(value as Json);
+  const text = written.replaceAll("\n", " ");
+  const most = tables.longestValue;
+  return text.length > most ? `${text.slice(0, most - 1)}…` : text;
 }
 
 // Refuses a scene with one line: where, what, and what is allowed.
@@ -20,67 +23,33 @@ export function refuse(key: string, value: unknown, problem: string, allowed: st
 
 function kindOf(value: unknown): string {
   if (value === null || value === undefined) return "empty";
-  if (Array.isArray(value)) return "a list";
-  if (value instanceof Date) return "a date";
-  const words: Record<string, string> = {
-    boolean: "a boolean", string: "a string", bigint: "a whole number", number: "a number",
+  if (Array.isArray(value)) return "list";
+  if (value instanceof Date) return (value as TomlDate).isTime?.() ? "time" : "date";
+  const names: Record<string, string> = {
+    boolean: "boolean", string: "string", bigint: "whole", number: "number",
   };
-  return words[typeof value] ?? "a table";
+  return names[typeof value] ?? "table";
 }
 
-const isTable = (value: unknown) => kindOf(value) === "a table";
-
-function unitOf(key: string): string {
-  const common = key.replace(/^(palm|robot|radio)\.(left|right|station)\./, "$1.");
-  const unit = tables.keys.find((k) => k.name === common)?.unit;
-  return unit && unit !== "–" ? ` in ${unit}` : "";
-}
-
-function limitsOf(shape: Shape): string {
-  const { minimum, maximum, exclusiveMinimum, exclusiveMaximum } = shape;
-  if (minimum !== undefined && maximum !== undefined) return `from ${minimum} to ${maximum}`;
-  const words = [
-    exclusiveMinimum !== undefined && `more than ${exclusiveMinimum}`,
-    minimum !== undefined && `at least ${minimum}`,
-    maximum !== undefined && `at most ${maximum}`,
-    exclusiveMaximum !== undefined && `less than ${exclusiveMaximum}`,
-  ];
-  return words.filter(Boolean).join(" and ");
-}
-
-function allowed(key: string, shape: Shape): string {
-  if (shape.enum) return shape.enum.map((word) => `'${word}'`).join(", ").replace(/, ([^,]*)$/, " or $1");
-  switch (shape.type) {
-    case "object": return `a table with the keys ${Object.keys(shape.properties!).join(", ")}`;
-    case "array": {
-      const [least, most] = [shape.minItems ?? 0, shape.maxItems];
-      if (shape.prefixItems) return `a list of ${most} numbers`;
-      return `a list of ${least > 0 ? `${least} to ${most}` : `at most ${most}`} items`;
-    }
-    case "boolean": return "true or false";
-    case "integer": return `a whole number, ${limitsOf(shape)}`;
-    case "number": return `a number${unitOf(key)}, ${limitsOf(shape)}`;
-    default: return "a string";
-  }
+function refuseKind(key: string, value: unknown, wanted: string, shape: Shape): never {
+  const { kinds, problems } = tables;
+  const words = { kind: kinds[kindOf(value)]!, wanted: kinds[wanted]! };
+  refuse(key, value, filledIn(problems.kind!, words), shape.allowed);
 }
 
 function checkNumber(key: string, given: unknown, shape: Shape, hasBigints: boolean): void {
+  const isNumber = typeof given === "number" || typeof given === "bigint";
   const isWhole = typeof given === "bigint" || (!hasBigints && Number.isInteger(given));
-  if (typeof given !== "number" && typeof given !== "bigint") {
-    const wanted = shape.type === "integer" ? "a whole number" : "a number";
-    refuse(key, given, `is ${kindOf(given)}, not ${wanted}`, allowed(key, shape));
-  }
+  const wanted = shape.type === "integer" ? "whole" : "number";
+  if (wanted === "whole" ? !isWhole : !isNumber) refuseKind(key, given, wanted, shape);
   const value = Number(given);
-  if (!Number.isFinite(value)) refuse(key, given, "is not finite", allowed(key, shape));
-  if (shape.type === "integer" && !isWhole) {
-    refuse(key, given, "is a number, not a whole number", allowed(key, shape));
-  }
+  if (!Number.isFinite(value)) refuse(key, given, tables.problems.infinite!, shape.allowed);
   const { minimum, maximum, exclusiveMinimum, exclusiveMaximum } = shape;
   if (value < (minimum ?? value) || value <= (exclusiveMinimum ?? -Infinity)) {
-    refuse(key, given, "is too small", allowed(key, shape));
+    refuse(key, given, tables.problems.small!, shape.allowed);
   }
   if (value > (maximum ?? value) || value >= (exclusiveMaximum ?? Infinity)) {
-    refuse(key, given, "is too large", allowed(key, shape));
+    refuse(key, given, tables.problems.large!, shape.allowed);
   }
 }
 
@@ -89,13 +58,14 @@ function checkTable(key: string, value: object, shape: Shape, hasBigints: boolea
   for (const [name, entry] of Object.entries(value)) {
     const inner = key ? `${key}.${name}` : name;
     if (!Object.hasOwn(properties, name)) {
-      refuse(inner, entry, "is the value of an unknown key", Object.keys(properties).join(", "));
+      refuse(inner, entry, tables.problems.key!, Object.keys(properties).join(", "));
     }
     checkShape(inner, entry, properties[name]!, hasBigints);
   }
   for (const name of shape.required ?? []) {
     if (!Object.hasOwn(value, name)) {
-      throw new Error(`${key}.${name}: is missing; required there: ${shape.required!.join(", ")}`);
+      const missing = filledIn(tables.problems.missing!, { keys: shape.required!.join(", ") });
+      throw new Error(`${key}.${name}: ${missing}`);
     }
   }
 }
@@ -108,16 +78,15 @@ export function checkShape(
   if (shape.many && Array.isArray(value)) return checkShape(key, value, shape.many, hasBigints);
   switch (shape.type) {
     case "object":
-      if (!isTable(value)) refuse(key, value, "is not a table", allowed(key, shape));
+      if (kindOf(value) !== "table") refuse(key, value, tables.problems.table!, shape.allowed);
       return checkTable(key, value as object, shape, hasBigints);
     case "array": {
-      if (!Array.isArray(value)) {
-        refuse(key, value, `is ${kindOf(value)}, not a list`, allowed(key, shape));
-      }
+      if (!Array.isArray(value)) refuseKind(key, value, "list", shape);
       const items = value as unknown[];
-      if (items.length < (shape.minItems ?? 0) || items.length > (shape.maxItems ?? Infinity)) {
-        const plural = items.length === 1 ? "" : "s";
-        refuse(key, value, `has ${items.length} item${plural}`, allowed(key, shape));
+      const count = items.length;
+      if (count < (shape.minItems ?? 0) || count > (shape.maxItems ?? Infinity)) {
+        const words = tables.problems[count === 1 ? "item" : "items"]!;
+        refuse(key, value, filledIn(words, { count: String(count) }), shape.allowed);
       }
       items.forEach((item, k) => {
         checkShape(`${key}[${k}]`, item, (shape.prefixItems?.[k] ?? shape.items)!, hasBigints);
@@ -125,16 +94,11 @@ export function checkShape(
       return;
     }
     case "boolean":
-      if (typeof value !== "boolean") {
-        refuse(key, value, `is ${kindOf(value)}, not a boolean`, allowed(key, shape));
-      }
+      if (typeof value !== "boolean") refuseKind(key, value, "boolean", shape);
       return;
     case "string":
-      if (typeof value !== "string") {
-        refuse(key, value, `is ${kindOf(value)}, not a string`, allowed(key, shape));
-      }
-      if (shape.enum && !shape.enum.includes(value as string)) {
-        refuse(key, value, "is not known", allowed(key, shape));
+      if (shape.enum ? !shape.enum.includes(value as string) : typeof value !== "string") {
+        refuse(key, value, tables.problems[shape.enum ? "unknown" : "string"]!, shape.allowed);
       }
       return;
     default:

@@ -16,8 +16,9 @@ interface ControllerInfo {
   colour: string;
 }
 
-// The types and limits of a value of a scene, as in JSON Schema.
+// The types and limits of a value of a scene, as in JSON Schema, and in words.
 export interface Shape {
+  allowed: string;
   type: "object" | "array" | "string" | "boolean" | "number" | "integer";
   enum?: string[];
   minimum?: number;
@@ -45,6 +46,11 @@ interface Tables {
   objects: { name: string; meaning: string; object: Json }[];
   keys: { name: string; unit: string; meaning: string }[];
   rules: Shape; // what a scene may hold
+  // By table: an override of a key (KEY=VALUE: to this value) makes other keys obsolete.
+  supersedes: Record<string, Record<string, string[]>>;
+  kinds: Record<string, string>; // of values, in words
+  problems: Record<string, string>; // of values, with names in braces for what is filled in
+  longestValue: number; // characters of a value that a message quotes
   outcomes: string[];
   dropReasons: [string, string][];
   modes: string[];

@@ -12,7 +12,8 @@ from typing import Any
 from palmbots._util.toml_writer import toml_value
 from palmbots.errors import PalmbotsError, one_line
 
-_LONGEST_VALUE = 60
+LONGEST_VALUE = 60
+"""Characters of a value that a message quotes."""
 
 
 def show(value: object) -> str:
@@ -24,7 +25,7 @@ def show(value: object) -> str:
     except (Exception, SystemExit):  # a repr() may do anything; int's refuses very long numbers
         text = f"<{type(value).__name__}>"
     text = one_line(text)
-    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
+    return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 1] + "…"
 
 
 def shown(value: object) -> str:

@@ -16,6 +16,7 @@ from pydantic_core import ErrorDetails
 
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError, UnknownSceneKey
+from palmbots.scene.fields import KINDS, PROBLEMS
 
 _MOST_LISTED = 12  # keys, where the one that was probably meant is named
 
@@ -35,7 +36,7 @@ def validation_error(called: str, error: ValidationError, model: type[BaseModel]
     where, key = first["loc"], _spelt(first["loc"])
     suggestion, known = _known_keys(where, model)
     hint = f"did you mean {suggestion}? " if suggestion else ""
-    line = f"{key}: {show(first['input'])} is the value of an unknown key; {hint}{known}".rstrip()
+    line = f"{key}: {show(first['input'])} {PROBLEMS['key']}; {hint}{known}".rstrip()
     return UnknownSceneKey(prefix + line, key, suggestion)
 
 
@@ -49,16 +50,21 @@ def _message(fault: ErrorDetails, model: type[BaseModel]) -> str:
     if kind == "missing":
         table = _model_at(where[:-1], model)
         needed = [n for n, f in table.model_fields.items() if f.is_required()] if table else []
-        return f"{key}: is missing; required there: {', '.join(needed)}"
+        return f"{key}: {PROBLEMS['missing'].format(keys=', '.join(needed))}"
     if kind == "literal_error":
-        return f"{key}: {show(given)} is not known; allowed: {context['expected']}"
+        return f"{key}: {show(given)} {PROBLEMS['unknown']}; allowed: {context['expected']}"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         table = _model_at(where, model)
-        legal = f" with the keys {', '.join(table.model_fields)}" if table else ""
-        return f"{key}: {show(given)} is not a table; allowed: a table{legal}"
+        legal = table_in_words(table) if table else KINDS["table"]
+        return f"{key}: {show(given)} {PROBLEMS['table']}; allowed: {legal}"
     if kind in ("string_type", "string_unicode"):
-        return f"{key}: {show(given)} is not a string; allowed: a string"
+        return f"{key}: {show(given)} {PROBLEMS['string']}; allowed: {KINDS['string']}"
     return f"{key}: {show(given)} is wrong: {fault['msg']}"
+
+
+def table_in_words(model: type[BaseModel]) -> str:
+    """What a table may hold."""
+    return f"{KINDS['table']} with the keys {', '.join(model.model_fields)}"
 
 
 def dotted_keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:

@@ -19,6 +19,34 @@ from pydantic_core import PydanticCustomError
 
 from palmbots._util.arguments import show
 
+KINDS = {
+    "boolean": "a boolean",
+    "string": "a string",
+    "whole": "a whole number",
+    "number": "a number",
+    "list": "a list",
+    "table": "a table",
+    "empty": "empty",
+    "date": "a date",
+    "time": "a time",
+}
+"""The kinds of a value, in the terms of TOML."""
+
+PROBLEMS = {
+    "kind": "is {kind}, not {wanted}",
+    "infinite": "is not finite",
+    "small": "is too small",
+    "large": "is too large",
+    "unknown": "is not known",
+    "string": "is not a string",
+    "table": "is not a table",
+    "key": "is the value of an unknown key",
+    "item": "has 1 item",
+    "items": "has {count} items",
+    "missing": "is missing; required there: {keys}",
+}
+"""What may be wrong with a value by itself. The page says it in the same words."""
+
 
 def field_error(value: object, problem: str, allowed: str, key: str = "") -> PydanticCustomError:
     """The error that a validator raises: "`key`: `value` `problem`; allowed: `allowed`".
@@ -64,13 +92,13 @@ class Range:
     def __call__(self, value: object) -> float:
         """The value as a float, if it is a number within the limits."""
         if isinstance(value, bool) or not isinstance(value, numbers.Real):
-            raise field_error(value, f"is {_kind(value)}, not a number", self.allowed)
+            raise _wrong_kind(value, "number", self.allowed)
         try:
             number = float(value)
         except OverflowError:
             number = math.inf
         if not math.isfinite(number):
-            raise field_error(value, "is not finite", self.allowed)
+            raise field_error(value, PROBLEMS["infinite"], self.allowed)
         low = (self.above is not None and number <= self.above) or (
             self.least is not None and number < self.least
         )
@@ -78,7 +106,7 @@ class Range:
             self.most is not None and number > self.most
         )
         if low or high:
-            raise field_error(value, "is too small" if low else "is too large", self.allowed)
+            raise field_error(value, PROBLEMS["small" if low else "large"], self.allowed)
         return number + 0.0  # −0.0 becomes 0.0: it would show in the bits of a mirrored scene
 
 
@@ -100,11 +128,11 @@ class whole:
         """The value as an int, if it is a whole number within the limits."""
         allowed = self.allowed
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-            raise field_error(value, f"is {_kind(value)}, not a whole number", allowed)
+            raise _wrong_kind(value, "whole", allowed)
         number = int(value)
         low = number < self.least
         if low or (self.most is not None and number > self.most):
-            raise field_error(value, "is too small" if low else "is too large", allowed)
+            raise field_error(value, PROBLEMS["small" if low else "large"], allowed)
         return number
 
 
@@ -123,33 +151,39 @@ class OneOf:
     def __call__(self, value: object) -> str:
         """The value, if it is one of the names."""
         if not isinstance(value, str) or value not in self.names:
-            raise field_error(value, "is not known", self.allowed)
+            raise field_error(value, PROBLEMS["unknown"], self.allowed)
         return value
+
+
+SWITCH = "true or false"
 
 
 def is_switch(value: object) -> bool:
     """The value, if it is true or false."""
     if not isinstance(value, bool):
-        raise field_error(value, f"is {_kind(value)}, not a boolean", "true or false")
+        raise _wrong_kind(value, "boolean", SWITCH)
     return value
 
 
-def _kind(value: object) -> str:
-    """The kind of a value, in the terms of TOML."""
-    words: dict[type, str] = {
-        bool: "a boolean",
-        str: "a string",
-        int: "a whole number",
-        float: "a number",
-        list: "a list",
-        tuple: "a list",
-        dict: "a table",
+def _wrong_kind(value: object, wanted: str, allowed: str) -> PydanticCustomError:
+    """The error about a value of another kind than `wanted`."""
+    kinds: dict[type, str] = {
+        bool: "boolean",
+        str: "string",
+        int: "whole",
+        float: "number",
+        list: "list",
+        tuple: "list",
+        dict: "table",
         type(None): "empty",
-        date: "a date",
-        datetime: "a date",
-        time: "a time",
+        date: "date",
+        datetime: "date",
+        time: "time",
     }
-    return words.get(type(value), f"of type {type(value).__name__}")
+    kind = kinds.get(type(value))
+    words = KINDS[kind] if kind else f"of type {type(value).__name__}"
+    problem = PROBLEMS["kind"].format(kind=words, wanted=KINDS[wanted])
+    return field_error(value, problem, allowed)
 
 
 @dataclass(frozen=True)
@@ -163,10 +197,11 @@ class from_list:
     def __call__(self, value: object) -> Any:
         """The value as a tuple, if it is a list with so many items."""
         if not isinstance(value, list | tuple):
-            raise field_error(value, f"is {_kind(value)}, not a list", self.allowed)
+            raise _wrong_kind(value, "list", self.allowed)
         count = len(value)
         if count < self.least or (self.most is not None and count > self.most):
-            raise field_error(value, f"has {count} item{'s' * (count != 1)}", self.allowed)
+            problem = PROBLEMS["item" if count == 1 else "items"].format(count=count)
+            raise field_error(value, problem, self.allowed)
         return tuple(value)
 
 

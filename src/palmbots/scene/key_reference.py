@@ -27,7 +27,7 @@ from palmbots._util.toml_writer import toml_value
 from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.scene.core_keys import Optionally
-from palmbots.scene.fields import is_switch
+from palmbots.scene.fields import SWITCH, is_switch
 from palmbots.scene.scene import Scene
 
 _LINE_WIDTH = 78
@@ -94,7 +94,7 @@ def _limits(annotations: Any) -> tuple[str, str]:
         if isinstance(annotation, BeforeValidator):
             check: Any = annotation.func
             check = check.check if isinstance(check, Optionally) else check
-            allowed = "true or false" if check is is_switch else getattr(check, "allowed", "")
+            allowed = SWITCH if check is is_switch else getattr(check, "allowed", "")
             return getattr(check, "unit", ""), allowed
         found = _limits(getattr(annotation, "__metadata__", ()))
         if found != ("", ""):

@@ -105,20 +105,21 @@ def merged(
     return result
 
 
-# An override of the first key (to this value) makes the other keys of its table obsolete in the
-# scene below it.
-_SUPERSEDES = {
+SUPERSEDES = {
     "object": {
         "vertices_m": ("box_m", "edge_radius_m", "contacts", "com_m", "mass_kg"),
         "box_m": ("vertices_m", "edge_radius_m", "contacts", "com_m", "mass_kg"),
     },
     "palm": {"friction": ("friction_angle_deg",), "friction_angle_deg": ("friction",)},
 }
-_SUPERSEDES["task.path"] = {
+"""An override of the first key (to this value) makes the other keys of its table obsolete in the
+scene below it. The page follows the same table."""
+
+SUPERSEDES["task.path"] = {
     "kind=straight": ("radius_m", "angle_deg", "turn", "transition_m", "lead_in_m", "waypoints_m",
                       "file"),
 }  # fmt: skip
-_SUPERSEDES |= {f"palm.{side}": _SUPERSEDES["palm"] for side in SIDES}
+SUPERSEDES |= {f"palm.{side}": SUPERSEDES["palm"] for side in SIDES}
 
 
 def without_superseded(
@@ -131,7 +132,7 @@ def without_superseded(
     """
     given = merged({}, overrides, called=called)
     obsolete: dict[str, Any] = {}
-    for table, rules in _SUPERSEDES.items():
+    for table, rules in SUPERSEDES.items():
         keys = _table_at(given, table)
         for rule, others in rules.items():
             key, _, value = rule.partition("=")

@@ -14,7 +14,8 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
 from palmbots.scene.core_keys import Optionally
-from palmbots.scene.fields import OneOf, Range, from_list, whole
+from palmbots.scene.error_messages import table_in_words
+from palmbots.scene.fields import KINDS, SWITCH, OneOf, Range, from_list, is_switch, whole
 from palmbots.scene.key_reference import field_meanings
 from palmbots.scene.object_library import by_name
 from palmbots.scene.scene import Scene
@@ -23,6 +24,11 @@ from palmbots.scene.scene import Scene
 def scene_schema() -> dict[str, Any]:
     """The schema of a scene file, and of the key ``scene`` of ``--json``; a new table each time."""
     return json.loads(_text())
+
+
+def worded_schema() -> dict[str, Any]:
+    """The same for the page: every node has the word ``allowed``, what messages say is allowed."""
+    return Scene.model_json_schema(schema_generator=_WordedSchema)
 
 
 @cache
@@ -62,6 +68,37 @@ class _SceneSchema(GenerateJsonSchema):
             if name in meanings:
                 key["description"] = meanings[name]
         return table
+
+
+class _WordedSchema(_SceneSchema):
+    """Adds what messages say is allowed."""
+
+    def function_before_schema(
+        self, schema: core_schema.BeforeValidatorFunctionSchema
+    ) -> JsonSchemaValue:
+        """The schema of a value that one of our validators checks."""
+        found = super().function_before_schema(schema)
+        check: Any = schema["function"]["function"]
+        check = check.check if isinstance(check, Optionally) else check
+        words = SWITCH if check is is_switch else getattr(check, "allowed", None)
+        if words is None:
+            return found
+        value = found["anyOf"][0] if "anyOf" in found else found  # beside null, or beside a list
+        value["allowed"] = words if value is found else value.get("allowed", words)
+        return found
+
+    def model_schema(self, schema: core_schema.ModelSchema) -> JsonSchemaValue:
+        """The schema of a table."""
+        return super().model_schema(schema) | {"allowed": table_in_words(schema["cls"])}
+
+    def literal_schema(self, schema: core_schema.LiteralSchema) -> JsonSchemaValue:
+        """The schema of one of some names."""
+        names = tuple(str(name) for name in schema["expected"])
+        return super().literal_schema(schema) | {"allowed": OneOf(names).allowed}
+
+    def str_schema(self, schema: core_schema.StringSchema) -> JsonSchemaValue:
+        """The schema of a text."""
+        return super().str_schema(schema) | {"allowed": KINDS["string"]}
 
 
 def _limits(check: Any) -> dict[str, Any]:
