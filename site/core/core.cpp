@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "page_scene.hpp"
 #include "palmbots/base/wilson.hpp"
+#include "palmbots/sim/problem_text.hpp"
 #include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/stability/tolerance.hpp"
 #include "recorded_carry.hpp"
@@ -103,25 +103,25 @@ PAGE_EXPORT(set_scene) void set_scene(std::uint32_t bytes) {
 }
 
 // What is wrong with the scene: key, problem and what is allowed, one below the other; empty if
-// nothing is. The answer holds the place of the key, how many numbers the texts refer to, these, and
-// the value to show.
+// nothing is. The answer holds the numbers of the value to show; none: it is that of the key.
 PAGE_EXPORT(problem) const char* problem() {
   answer.clear();
   answer_text.clear();
   if (!page_scene.problems.empty()) {
     const Problem& first = page_scene.problems.front();
-    for (const std::string_view text : {first.key, first.problem, first.allowed}) {
+    for (const std::string& text : {key_text(first), filled_in(first.problem, first.numbers),
+                                    filled_in(first.allowed, first.numbers)}) {
       answer_text.append(text).append("\n");
     }
-    answer = {double(first.place), double(first.numbers.count)};
-    for (const double number : first.numbers.all()) answer.push_back(number);
-    for (const double number : first.value.all()) answer.push_back(number);
+    const auto value = first.value.all();
+    answer.assign(value.begin(), value.end());
   }
   return answer_text.c_str();
 }
 PAGE_EXPORT(answered) const double* answered() { return give(answer); }
 
-// Of the scene's object: contacts and centre of mass [m], where they follow from the outline.
+// Of the scene's object: contacts, centre of mass [m], and the outline, from which they follow where
+// they are not given.
 PAGE_EXPORT(object) const double* object() {
   answer.assign(page_scene.object.begin(), page_scene.object.end());
   return give(answer);

@@ -37,6 +37,9 @@ PageScene read_scene(std::string_view lines, NumberStream in) {
   const SceneObject object = object_of(values);
   scene.object = {double(object.contacts[left]), double(object.contacts[right]), object.com.x,
                   object.com.y};
+  for (const Point& vertex : object.vertices) {
+    scene.object.insert(scene.object.end(), {vertex.x, vertex.y});
+  }
   if (scene.problems.empty()) scene.warnings = object_warnings(values);
   scene.timeout = time_limit_of(values);
   scene.spec.timeout_ticks =

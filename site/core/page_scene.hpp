@@ -2,7 +2,6 @@
 // A scene of the page: its values as given, what is wrong with them, and the Spec to carry.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -21,7 +20,7 @@ inline constexpr double most_ticks = 120000;
 struct PageScene {
   Problems problems;
   Spec spec;
-  std::array<double, 4> object{};     // contacts, and centre of mass [m]
+  std::vector<double> object;         // contacts, centre of mass and vertices [m]
   std::vector<std::string> warnings;  // about the object
   double timeout = 0;  // time limit of a carry [s], which may exceed what the page records
 
@@ -29,9 +28,9 @@ struct PageScene {
   bool is_too_long() const { return !(std::nearbyint(timeout / spec.period) <= most_ticks); }
 };
 
-// The values that site/src/shared/scene.ts writes: a line of text for each value and two numbers,
-// its place and the value. A line is the name of a key, with `=WORD` behind it if the value is a
-// word. A name that ends with # begins a list of so many records.
+// The values that site/src/shared/scene_values.ts writes: a line of text for each value and two
+// numbers, its place and the value. A line is the name of a key, with `=WORD` behind it if the value
+// is a word. A name that ends with # begins a list of so many records.
 PageScene read_scene(std::string_view lines, NumberStream in);
 
 }  // namespace palmbots::page

@@ -5,10 +5,10 @@
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "bindings.hpp"
+#include "palmbots/sim/problem_text.hpp"
 #include "palmbots/sim/scene_check.hpp"
 #include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/sim/spec_of_scene.hpp"
@@ -56,34 +56,6 @@ SceneValues values_of(const nb::dict& table) {
   return scene;
 }
 
-// A key as in a scene file: "palm.left.friction", "radio.outages[2].end_s".
-std::string key_text(const Problem& problem) {
-  const std::string name(problem.key);
-  if (const std::size_t bracket = name.find("[]"); bracket != name.npos) {
-    return name.substr(0, bracket + 1) + std::to_string(problem.place) + name.substr(bracket + 1);
-  }
-  if (problem.place == common) return name;
-  const std::size_t dot = name.find('.') + 1;
-  return name.substr(0, dot) + std::string(sender_choices.names[problem.place - 1]) + "." +
-         name.substr(dot);
-}
-
-// A text of a problem with its numbers.
-std::string filled_in(std::string_view text, const Numbers& numbers) {
-  std::string filled;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '{') {
-      filled += text[i];
-      continue;
-    }
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%g", numbers.values[std::size_t(text[i + 1] - '0')]);
-    filled += digits;
-    i += 2;
-  }
-  return filled;
-}
-
 nb::object value_of(const Key& key, double value) {
   if (!key.allows(value)) return nb::none();
   switch (key.kind) {
@@ -120,7 +92,7 @@ nb::dict row_of(const Key& key, const std::string& path, bool has_holders) {
 // The rows of the table.
 nb::list scene_keys() {
   nb::list rows;
-  for (const Section& section : sections) {
+  for (const Section& section : scene_sections) {
     const std::string table(section.name);
     if (section.holders != Holders::senders) {
       for (const Key& key : section.keys) {
@@ -163,7 +135,7 @@ void bind_scene(nb::module_& m) {
       "scene_lists",
       [] {
         nb::dict lists;
-        for (const Section& section : sections) {
+        for (const Section& section : scene_sections) {
           for (const RecordList& list : section.lists) {
             const std::string name = std::string(section.name) + "." + std::string(list.name);
             nb::list initial;
@@ -178,14 +150,19 @@ void bind_scene(nb::module_& m) {
       "complete_object",
       [](const nb::dict& table) {
         const SceneObject object = object_of(values_of(table));
+        nb::list vertices;
+        for (const Point& vertex : object.vertices) {
+          vertices.append(nb::make_tuple(vertex.x, vertex.y));
+        }
         nb::dict found;
+        found["vertices_m"] = vertices;
         found["contacts"] = nb::make_tuple(object.contacts[left], object.contacts[right]);
         found["com_m"] = nb::make_tuple(object.com.x, object.com.y);
         found["mass_kg"] = object.mass;
         return found;
       },
       nb::arg("scene"),
-      "The keys of the object that follow from its outline where they are not set.");
+      "The outline of the object, and the keys that follow from it where they are not set.");
   m.def(
       "check_scene",
       [](const nb::dict& table) {

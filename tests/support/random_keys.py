@@ -105,6 +105,9 @@ def agreeing_value(given: str, name: str, keys: Keys, draw: random.Random) -> An
 def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
     """Keys of a valid scene; each key that the core reads is in it with a probability `share`."""
     keys: Keys = {name: make(draw) for name, make in OUTLINE.items()}
+    if draw.random() < 0.25:
+        del keys["object.vertices_m"]
+        keys["object.box_m"] = [draw.uniform(0.27, 0.3), draw.uniform(0.15, 0.2)]
     keys["object.mass_kg"] = 0.5
     names = [n for n in ROWS if "[" not in n and n not in keys]
     lists = sorted({n.partition("[]")[0] for n in ROWS if "[]." in n})

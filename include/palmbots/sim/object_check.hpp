@@ -59,6 +59,11 @@ inline bool check_radii(const SceneValues& scene, const SceneObject& object, Pro
 
 // Reports the first fault of the object only: the others may follow from it.
 inline void check_object(const SceneValues& scene, Problems& problems) {
+  if (scene.has<"object.box_m[0]">() && scene.has_list<"object.vertices_m">()) {
+    report(problems, "object.box_m", common, "is given beside vertices_m", "one of the two", {},
+           {scene.of<"object.box_m[0]">(), scene.of<"object.box_m[1]">()});
+    return;
+  }
   const SceneObject object = object_of(scene);
   const std::size_t count = object.vertices.size();
   if (const auto bad = crossing_edges(object.vertices)) {

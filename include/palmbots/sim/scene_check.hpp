@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which relations between the keys of a scene do not hold. Each value alone is within the limits of
 // its key already.
-//
-// The texts contain {0}, {1} … in place of numbers, because a host formats numbers as its language
-// does.
 #pragma once
 
 #include <array>
@@ -207,6 +204,21 @@ inline void check_disturbances(const SceneValues& scene, Problems& problems) {
   }
 }
 
+// A ridge is an arc no steeper than half a circle.
+inline void check_ridges(const SceneValues& scene, Problems& problems) {
+  const auto& ridges = scene.list<"mujoco.ridges">();
+  constexpr std::size_t of_length = SceneValues::place_in_record<"mujoco.ridges", "length_m">;
+  for (std::size_t k = 0; k < ridges.size(); ++k) {
+    const double height = ridges[k][SceneValues::place_in_record<"mujoco.ridges", "height_m">];
+    const double given = ridges[k][of_length];
+    const double length = given == given ? given : ridge_keys[of_length].initial;
+    if (length >= 2 * height) continue;
+    report(problems, "mujoco.ridges[].length_m", k, "is less than twice height_m, which is {0}",
+           "a number in m, from {1} to {2} (a flat arc)",
+           {height, 2 * height, ridge_keys[of_length].most}, {length});
+  }
+}
+
 // Blames a time limit that is infinite or too long on one key: the first one whose default would
 // make it short enough.
 inline void check_time(const SceneValues& scene, Problems& problems) {
@@ -293,6 +305,7 @@ inline Problems check(const SceneValues& scene) {
   detail::check_zones(scene, problems);
   detail::check_radio(scene, problems);
   detail::check_disturbances(scene, problems);
+  detail::check_ridges(scene, problems);
   detail::check_time(scene, problems);
   detail::check_delays(scene, problems);
   detail::check_periods(scene, problems);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "palmbots/sim/object_frame.hpp"
 #include "palmbots/sim/scene_values.hpp"
@@ -28,13 +29,29 @@ inline double to_picometre(double value) { return std::nearbyint(value * 1e12) /
 
 }  // namespace detail
 
+// The outline that a scene gives: its vertices, or those of its box. A first vertex that is repeated
+// at the end is left out, because an outline closes itself.
+inline std::vector<Point> outline_of(const SceneValues& scene) {
+  if (scene.has<"object.box_m[0]">()) {
+    const double length = scene.of<"object.box_m[0]">();
+    const double height = scene.of<"object.box_m[1]">();
+    return {{0, 0}, {length, 0}, {length, height}, {0, height}};
+  }
+  std::vector<Point> points;
+  for (const auto& vertex : scene.list<"object.vertices_m">()) {
+    points.push_back({vertex[0], vertex[1]});
+  }
+  const bool is_closed = points.size() > 3 && points.front().x == points.back().x &&
+                         points.front().y == points.back().y;
+  if (is_closed) points.pop_back();
+  return points;
+}
+
 // The object of a scene. Contacts that are no vertices become others.
 inline SceneObject object_of(const SceneValues& scene) {
   constexpr double level = 1e-9;  // vertices at most this far above the lowest one are level [m]
   SceneObject object;
-  for (const auto& vertex : scene.list<"object.vertices_m">()) {
-    object.vertices.push_back({vertex[0], vertex[1]});
-  }
+  object.vertices = outline_of(scene);
   const std::size_t n = object.vertices.size();
   object.contacts = {static_cast<std::size_t>(scene.of<"object.contacts[0]">()) % n,
                      static_cast<std::size_t>(scene.of<"object.contacts[1]">()) % n};
@@ -48,7 +65,8 @@ inline SceneObject object_of(const SceneValues& scene) {
     if (k >= radii.size() && !is_one) continue;
     if (detail::turn_at(object.vertices, k).convex) object.radii[k] = radii[is_one ? 0 : k][0];
   }
-  if (!object.is_simple || !scene.has_list<"object.vertices_m">()) return object;
+  const bool is_own = scene.has_list<"object.vertices_m">() || scene.has<"object.box_m[0]">();
+  if (!object.is_simple || !is_own) return object;
   if (!scene.has<"object.contacts[0]">()) {
     const auto [l, r] = bottom_ends(object.vertices, level);
     object.contacts = {l, r};

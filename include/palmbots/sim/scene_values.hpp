@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "palmbots/sim/scene_sections.hpp"
 #include "palmbots/sim/spec.hpp"
 
 namespace palmbots {
@@ -31,7 +32,7 @@ constexpr bool is_path(std::string_view path, std::string_view section, std::str
 // The place of a key among those of all sections, or of a list, or no_key.
 constexpr std::size_t find_key(std::string_view path) {
   std::size_t before = 0;
-  for (const Section& section : sections) {
+  for (const Section& section : scene_sections) {
     for (const Key& key : section.keys) {
       if (is_path(path, section.name, key.name)) return before;
       ++before;
@@ -43,7 +44,7 @@ constexpr std::size_t find_key(std::string_view path) {
 // The key for all senders that a key of one sender overrides, in a section before.
 constexpr std::size_t common_key(const Section& section, const Key& key) {
   std::size_t before = 0;
-  for (const Section& other : sections) {
+  for (const Section& other : scene_sections) {
     for (const Key& one : other.keys) {
       if (other.name == section.name && one.name == key.name) return before;
       ++before;
@@ -54,7 +55,7 @@ constexpr std::size_t common_key(const Section& section, const Key& key) {
 
 constexpr std::size_t find_list(std::string_view path) {
   std::size_t before = 0;
-  for (const Section& section : sections) {
+  for (const Section& section : scene_sections) {
     for (const RecordList& list : section.lists) {
       if (is_path(path, section.name, list.name)) return before;
       ++before;
@@ -65,33 +66,33 @@ constexpr std::size_t find_list(std::string_view path) {
 
 inline constexpr std::size_t key_count = [] {
   std::size_t n = 0;
-  for (const Section& section : sections) n += section.keys.size();
+  for (const Section& section : scene_sections) n += section.keys.size();
   return n;
 }();
 inline constexpr std::size_t list_count = [] {
   std::size_t n = 0;
-  for (const Section& section : sections) n += section.lists.size();
+  for (const Section& section : scene_sections) n += section.lists.size();
   return n;
 }();
 
 constexpr const Key& key_at(std::size_t index) {
-  for (const Section& section : sections) {
+  for (const Section& section : scene_sections) {
     if (index < section.keys.size()) return section.keys[index];
     index -= section.keys.size();
   }
-  return sections[0].keys[0];
+  return scene_sections[0].keys[0];
 }
 constexpr const RecordList& list_at(std::size_t index) {
-  for (const Section& section : sections) {
+  for (const Section& section : scene_sections) {
     if (index < section.lists.size()) return section.lists[index];
     index -= section.lists.size();
   }
-  return sections[0].lists[0];
+  return scene_sections[0].lists[0];
 }
 
 // Whether tables of single robots or senders stand in a section.
 constexpr bool has_holders(std::string_view name) {
-  for (const Section& section : sections) {
+  for (const Section& section : scene_sections) {
     if (section.name == name && section.holders != Holders::one) return true;
   }
   return false;

@@ -2,7 +2,7 @@
 // The shipped core, compiled to WebAssembly (site/core/core.cpp).
 import address from "../generated/core.wasm?url";
 import { type Scene, filledIn, tables } from "./tables";
-import { builtInScene, entriesOf, get, keyAt, short } from "./scene_values";
+import { builtInScene, entriesOf, get, short } from "./scene_values";
 import { refuse } from "./scene_shape";
 
 interface Exports {
@@ -212,25 +212,21 @@ export class Core {
   // Refuses a scene whose keys disagree.
   check(scene: Scene): void {
     this.setScene(scene);
-    const [name, problem, allowed] = this.text(this.wasm.problem()).split("\n");
-    if (!name) return;
-    const [place, count, ...numbers] = this.take(this.wasm.answered()) as unknown as [
-      number, number, ...number[],
-    ];
-    const key = keyAt(name, place);
-    const values = Object.fromEntries(numbers.map((value, k) => [k, short(value)]));
-    const shown = numbers.slice(count);
-    refuse(
-      key, shown.length > 1 ? shown : (shown[0] ?? get(scene, key) ?? get(builtInScene("paper"), key)),
-      filledIn(problem!, values), filledIn(allowed!, values),
-    );
+    const [key, problem, allowed] = this.text(this.wasm.problem()).split("\n");
+    if (!key) return;
+    const value = Array.from(this.take(this.wasm.answered()));
+    const given = get(scene, key) ?? get(builtInScene("paper"), key);
+    refuse(key, value.length > 1 ? value : (value[0] ?? given), problem!, allowed!);
   }
 
-  // Contacts and centre of mass of the scene's object, where they follow from its outline.
-  object(scene: Scene): { contacts: [number, number]; com: [number, number] } {
+  // Outline of the scene's object; contacts and centre of mass, which follow from it if not given.
+  object(scene: Scene): { contacts: [number, number]; com: [number, number]; vertices: number[][] } {
     this.setScene(scene);
     const a = this.take(this.wasm.object());
-    return { contacts: [a[0]!, a[1]!], com: [a[2]!, a[3]!] };
+    return {
+      contacts: [a[0]!, a[1]!], com: [a[2]!, a[3]!],
+      vertices: pairs(a.subarray(4), 2, (vertex) => Array.from(vertex)),
+    };
   }
 
   setPolicy(rows: PolicyRow[]): void {

@@ -17,10 +17,18 @@ function set(scene: Scene, key: string, value: Json): void {
   at[parts.at(-1)!] = value;
 }
 
-// Of a friction coefficient and a friction angle, the one that an override sets replaces the other.
-const INSTEAD: Record<string, string> = {
-  friction: "friction_angle_deg", friction_angle_deg: "friction",
-};
+// Removes the keys that an override has made obsolete.
+function removeObsolete(scene: Scene, overrides: Overrides): void {
+  for (const [table, rules] of Object.entries(tables.supersedes)) {
+    for (const [rule, others] of Object.entries(rules)) {
+      const [key, value] = rule.split("=");
+      const given = overrides[`${table}.${key}`];
+      if (given === undefined || (value !== undefined && given !== value)) continue;
+      const keys = get(scene, table) as Scene;
+      for (const other of others) if (!(`${table}.${other}` in overrides)) delete keys[other];
+    }
+  }
+}
 
 // The scene of a built-in name with overrides on top. `object` may be the name of an object.
 export function sceneOf(name: string, overrides: Overrides): Scene {
@@ -28,11 +36,8 @@ export function sceneOf(name: string, overrides: Overrides): Scene {
   for (const [key, value] of Object.entries(overrides)) {
     const named = key === "object" && tables.objects.find((o) => o.name === value)?.object;
     set(scene, key, named ? structuredClone(named) : value);
-    const instead = key.startsWith("palm.") && INSTEAD[key.slice(key.lastIndexOf(".") + 1)];
-    if (!instead) continue;
-    const table = key.slice(0, key.lastIndexOf("."));
-    if (!(`${table}.${instead}` in overrides)) delete (get(scene, table) as Scene)[instead];
   }
+  removeObsolete(scene, overrides);
   return scene;
 }
 
@@ -66,20 +71,16 @@ function plain(value: unknown): Json {
   return Object.fromEntries(Object.entries(value).map(([key, entry]) => [key, plain(entry)]));
 }
 
-// A scene with the outline of its object.box_m, and without a first vertex repeated at the end: an
-// outline closes itself.
-function outlined(scene: Scene): Scene {
-  const { box_m: box, ...object } = (scene.object ?? {}) as Scene;
-  if (box !== undefined) {
-    if (object.vertices_m) refuse("object.box_m", box, "is given beside vertices_m", "one of the two");
-    const [length, height] = box as number[];
-    object.vertices_m = [[0, 0], [length, 0], [length, height], [0, height]];
-  }
-  const vertices = object.vertices_m as number[][] | undefined;
-  const isClosed = vertices && vertices.length > 3
-    && JSON.stringify(vertices[0]) === JSON.stringify(vertices.at(-1));
-  if (isClosed) object.vertices_m = vertices.slice(0, -1);
-  return scene.object ? { ...scene, object } : scene;
+// The scene with the outline, the contacts and the centre of mass of its object. The core finds them
+// where the scene leaves some of them out.
+export function withOutline(core: Core, scene: Scene): Scene {
+  const { box_m: box, ...given } = (scene.object ?? {}) as Scene;
+  const { vertices_m: vertices, contacts, com_m: com } = given;
+  if ((!box && !vertices) || (vertices && contacts && com)) return scene;
+  if (box && vertices) core.check(scene); // refuses it
+  const found = core.object(scene);
+  const object = { contacts: found.contacts, com_m: found.com, ...given, vertices_m: found.vertices };
+  return { ...scene, object };
 }
 
 // The overrides that turn the scene `paper` into the one of a scene file; `hasBigints`: its whole
@@ -94,22 +95,18 @@ export function overridesOf(
     refuse("object", named, "is no built-in object", `a table, or one of ${names}`);
   }
   checkShape("", known ? others : file, tables.rules, hasBigints);
-  const given = outlined(plain(known ? { ...others, object: known.object } : file) as Scene);
-  core.check(given);
+  const whole = plain(known ? { ...others, object: known.object } : file) as Scene;
+  core.check(whole);
   const found: Overrides = known ? { object: known.name } : {};
+  const given = withOutline(core, whole);
   if (known) delete given.object;
-  else if (get(given, "object.vertices_m")) {
-    const { contacts, com } = core.object(given);
-    given.object = { contacts, com_m: com, ...(given.object as Scene) };
-  }
   for (const [key, value] of leaves(given)) {
     if (JSON.stringify(get(PAPER, key)) !== JSON.stringify(value)) found[key] = value;
   }
   return found;
 }
 
-// Refuses what the page does not carry, a curved path and more time than it records, and a ridge that
-// the package refuses in the section of its other world.
+// Refuses what the page does not carry: a curved path and more time than it records.
 export function checkPage(scene: Scene, facts: SceneFacts): void {
   for (const [key, value] of Object.entries((get(scene, "task.path") ?? {}) as Scene)) {
     if (key === "kind" && value === "straight") continue;
@@ -118,14 +115,6 @@ export function checkPage(scene: Scene, facts: SceneFacts): void {
       "a straight path here, or palmbots carry scene.toml --world mujoco on your computer",
     );
   }
-  ((get(scene, "mujoco.ridges") ?? []) as Scene[]).forEach((ridge, k) => {
-    const [height, length] = [ridge.height_m as number, (ridge.length_m ?? 0.05) as number];
-    if (length >= 2 * height) return;
-    refuse(
-      `mujoco.ridges[${k}].length_m`, length, `is less than twice height_m, which is ${height}`,
-      `a number in m, from ${2 * height} to 10 (a flat arc)`,
-    );
-  });
   const most = facts.longestTimeout;
   if (most === 0) return;
   const onPage = `the page carries for at most ${short(most)} s`;

@@ -38,7 +38,7 @@ export function tiltOf(scene: Scene): number {
 }
 
 // The values of a scene for the core, by key: a line for each value, and two numbers, its place and
-// the value (site/core/page_scene.hpp reads them).
+// the value (site/core/page_scene.cpp reads them).
 export function entriesOf(scene: Scene): { lines: string[]; numbers: number[] } {
   const lines: string[] = [];
   const numbers: number[] = [];
@@ -67,10 +67,4 @@ export function entriesOf(scene: Scene): { lines: string[]; numbers: number[] } 
   };
   for (const [section, table] of Object.entries(scene)) walk(table, section, 0);
   return { lines, numbers };
-}
-
-// A key as in a scene file, from its name and its place in the core.
-export function keyAt(name: string, place: number): string {
-  if (name.includes("[]")) return name.replace("[]", `[${place}]`);
-  return place === 0 ? name : name.replace(".", `.${SENDERS[place - 1]}.`);
 }

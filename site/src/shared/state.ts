@@ -3,7 +3,7 @@
 // views add. Everything drawn is computed from it.
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Core, Fork, PolicyRow, Recorded } from "./core";
-import { checkPage, sceneOf } from "./scene";
+import { checkPage, sceneOf, withOutline } from "./scene";
 import { type Overrides, builtInScene, get, ofSide } from "./scene_values";
 import { checkShape } from "./scene_shape";
 import { type Json, SENDERS, SIDES, type Scene, tables } from "./tables";
@@ -43,10 +43,10 @@ const checked = computed(() => {
   const merged = sceneOf(base.value, overrides.value);
   try {
     checkShape("", merged);
+    return { scene: core.value ? withOutline(core.value, merged) : merged, problem: "" };
   } catch (error) {
     return { scene: builtInScene(base.value), problem: (error as Error).message };
   }
-  return { scene: merged, problem: "" };
 });
 export const scene = computed(() => checked.value.scene);
 

@@ -19,7 +19,8 @@ OUTSIDE_CORE = (
     "palm.width_m", "palm.lip_height_m",
     "palm.lip_clearance_m", "task.path", "mujoco",
 )  # fmt: skip
-"""Keys and tables of a scene that only Python reads: the MuJoCo world, and the curve of a path."""
+"""Keys and tables of a scene that only Python reads: the MuJoCo world without its ridges, and the
+curve of a path."""
 
 ROWS: dict[str, dict[str, Any]] = {row["name"]: row for row in _core.scene_keys()}
 """The rows of the core's table by name. ``[]`` in a name stands for the records of a list."""
@@ -61,16 +62,17 @@ def _field(check: Any, default: Any) -> Any:
     return field
 
 
-def key(name: str) -> Any:
+def key(name: str, *, has_default: bool = False) -> Any:
     """The field of a key: its default, and a validator with its limits.
 
-    A key of a record without default is required.
+    A key of a record has no default, so that it is required, unless `has_default` says otherwise.
     """
     row = ROWS[name]
     check, default = _check_of(row), row["default"]
     if default is None:
         return _field(Optionally(check), None)
-    return _field(check, PydanticUndefined if "[]" in name else default)
+    is_required = "[]" in name and not has_default
+    return _field(check, PydanticUndefined if is_required else default)
 
 
 def limits(name: str) -> BeforeValidator:

@@ -5,16 +5,16 @@ The paper states the size of its robots ("approximately the size of a 20 cm cube
 are assumed.
 """
 
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator
 
-from palmbots.scene.fields import Friction, Mass, Place, Range, Size, field_error, from_list
+from palmbots.scene.core_keys import key, records
+from palmbots.scene.fields import Friction, Mass, Range, Size
 from palmbots.scene.section import Section
 
 Force = Annotated[float, BeforeValidator(Range("N", least=0, most=1000))]
 Debounce = Annotated[float, BeforeValidator(Range("s", least=0, most=1))]
-Height = Annotated[float, BeforeValidator(Range("m", least=0.0001, most=0.05))]
 Torque = Annotated[float, BeforeValidator(Range("N m", least=0.001, most=1000))]
 Pull = Annotated[float, BeforeValidator(Range("N", least=0.01, most=10000))]
 Step = Annotated[float, BeforeValidator(Range("s", least=0.0001, most=0.005))]
@@ -29,28 +29,11 @@ PALM_TORQUE = 0.43
 class Ridge(Section):
     """A rounded ridge across the floor. All wheels cross it, one after the other."""
 
-    at_m: Place
+    at_m: float = key("mujoco.ridges[].at_m")
     """Distance from the midpoint of the pivots at the start, in the direction of travel."""
-    height_m: Height
-    length_m: Size = 0.05
+    height_m: float = key("mujoco.ridges[].height_m")
+    length_m: float = key("mujoco.ridges[].length_m", has_default=True)
     """Length along the direction of travel."""
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.length_m < 2 * self.height_m:
-            raise field_error(
-                self.length_m,
-                f"is less than twice height_m, which is {self.height_m:g}",
-                f"a number in m, from {2 * self.height_m:g} to 10 (a flat arc)",
-                "length_m",
-            )
-        return self
-
-
-Ridges = Annotated[
-    tuple[Ridge, ...],
-    BeforeValidator(from_list("a list of at most 32 tables {at_m, height_m, length_m}", 0, 32)),
-]
 
 
 class MujocoParameters(Section):
@@ -78,7 +61,7 @@ class MujocoParameters(Section):
     drive_force_n: Pull | None = None
     """MuJoCo world: largest force of both wheels of a robot together on the floor. Not set: as much
     as the floor's friction allows."""
-    ridges: Ridges = ()
+    ridges: tuple[Ridge, ...] = records("mujoco.ridges")
     """MuJoCo world: ridges across the floor, a list of tables {at_m, height_m, length_m}."""
     switch_force_n: Force = 0.1
     """MuJoCo world: smallest force that closes a switch of the tactile sensor."""

@@ -8,12 +8,11 @@ centre of mass and mass follow from it, never from the paper's box.
 import math
 from typing import Annotated, Any, cast
 
-from pydantic import AfterValidator, BeforeValidator, TypeAdapter, ValidationError, model_validator
+from pydantic import BeforeValidator, TypeAdapter, ValidationError, model_validator
 
 import palmbots._core as _core
 from palmbots.scene.core_keys import default_pair, default_points, key, limits, most_records
-from palmbots.scene.fields import OneOrList, Range, Size, field_error, from_list
-from palmbots.scene.object_frame import Point
+from palmbots.scene.fields import OneOrList, Range, field_error, from_list
 from palmbots.scene.section import Section
 
 _TWO_NUMBERS = BeforeValidator(from_list("[x, y], two numbers in m", 2, 2))
@@ -21,20 +20,14 @@ _MOST_VERTICES = most_records("object.vertices_m")
 Place = Annotated[float, limits("object.vertices_m[][0]")]
 Index = Annotated[int, limits("object.contacts[0]")]
 Coordinates = Annotated[tuple[Place, Place], _TWO_NUMBERS]
-
-
-def _opened(points: tuple[Point, ...]) -> tuple[Point, ...]:
-    """An outline without the first point repeated at its end: it closes itself."""
-    return points[:-1] if len(points) > 3 and points[0] == points[-1] else points
-
-
 Vertices = Annotated[
     tuple[Coordinates, ...],
     BeforeValidator(from_list(f"a list of 3 to {_MOST_VERTICES} points [x, y]", 3, _MOST_VERTICES)),
-    AfterValidator(_opened),
 ]
+Length = Annotated[float, limits("object.box_m[0]")]
+Height = Annotated[float, limits("object.box_m[1]")]
 Box = Annotated[
-    tuple[Size, Size], BeforeValidator(from_list("[length, height], two numbers in m", 2, 2))
+    tuple[Length, Height], BeforeValidator(from_list("[length, height], two numbers in m", 2, 2))
 ]
 Contacts = Annotated[
     tuple[Index, Index],
@@ -49,8 +42,10 @@ EdgeRadii = Annotated[
     BeforeValidator(OneOrList(cast(Range, _RADIUS.func), _RADII)),
 ]
 
-_VERTICES: TypeAdapter[tuple[Point, ...]] = TypeAdapter(Vertices)
-_BOX: TypeAdapter[tuple[float, float]] = TypeAdapter(Box)
+_OUTLINES: dict[str, TypeAdapter[Any]] = {
+    "vertices_m": TypeAdapter(Vertices),
+    "box_m": TypeAdapter(Box),
+}
 
 
 class Object(Section):
@@ -95,29 +90,20 @@ class Object(Section):
     @model_validator(mode="before")
     @classmethod
     def _fill(cls, data: Any) -> Any:
-        """Contacts, centre of mass and mass of an outline that is given without them."""
+        """The outline of a box; contacts, centre of mass and mass of an outline without them."""
         if not isinstance(data, dict):
             return data
-        if data.get("box_m") is not None:
-            if "vertices_m" in data:
-                raise field_error(
-                    data["box_m"], "is given beside vertices_m", "one of the two", "box_m"
-                )
-            try:
-                long, high = _BOX.validate_python(data["box_m"])
-            except ValidationError:
-                return data  # the field reports what is wrong with it
-            corners = [[0.0, 0.0], [long, 0.0], [long, high], [0.0, high]]
-            data = {k: v for k, v in data.items() if k != "box_m"} | {"vertices_m": corners}
-        if "vertices_m" not in data:
-            return data
+        given = [name for name in _OUTLINES if data.get(name) is not None]
         try:
-            vertices = _VERTICES.validate_python(data["vertices_m"])
+            outline = {name: _OUTLINES[name].validate_python(data[name]) for name in given}
         except ValidationError:
             return data  # the field reports what is wrong with it
-        given = {"object": {**data, "vertices_m": vertices}}
-        for blamed, value, problem, allowed in _core.check_scene(given):
+        if not outline:
+            return data
+        whole = {"object": data | outline}
+        for blamed, value, problem, allowed in _core.check_scene(whole):
             section, _, name = blamed.partition(".")
-            if section == "object" and name not in data:
+            if section == "object" and (name not in data or name == "box_m"):
                 raise field_error(value or None, problem, allowed, name)
-        return _core.complete_object(given) | data
+        others = {name: value for name, value in data.items() if name not in _OUTLINES}
+        return _core.complete_object(whole) | others

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// A problem of a scene in words: the same for the command line, Python and the page.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include "palmbots/sim/scene_key.hpp"
+#include "palmbots/sim/scene_problem.hpp"
+#include "palmbots/sim/scene_values.hpp"
+
+namespace palmbots {
+
+// A key as in a scene file: "palm.left.friction", "radio.outages[2].end_s".
+inline std::string key_text(const Problem& problem) {
+  const std::string name(problem.key);
+  if (const std::size_t bracket = name.find("[]"); bracket != name.npos) {
+    return name.substr(0, bracket + 1) + std::to_string(problem.place) + name.substr(bracket + 1);
+  }
+  if (problem.place == common) return name;
+  const std::size_t dot = name.find('.') + 1;
+  return name.substr(0, dot) + std::string(sender_choices.names[problem.place - 1]) + "." +
+         name.substr(dot);
+}
+
+// A text of a problem with its numbers in place of {0}, {1} …
+inline std::string filled_in(std::string_view text, const Numbers& numbers) {
+  std::string filled;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '{') {
+      filled += text[i];
+      continue;
+    }
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%g", numbers.values[std::size_t(text[i + 1] - '0')]);
+    filled += digits;
+    i += 2;
+  }
+  return filled;
+}
+
+}  // namespace palmbots
