@@ -9,7 +9,7 @@ export const JAMMED = -2;
 
 const TIE = 1e-9; // ends that are closer than this are the same one
 
-// How a contact of a mode moves, in the order of the core.
+// How a contact moves in a contact mode, in the order of the core.
 const MOTIONS = ["sticks", "up", "down"];
 
 function filled(name: string, values: Record<string, string> = {}): string {

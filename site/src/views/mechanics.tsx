@@ -27,7 +27,7 @@ const theta = computed<[number, number]>(() => [
   extraNumber("tl", usualTheta(0)), extraNumber("tr", usualTheta(1)),
 ]);
 const contact = computed<[number, number]>(() => [extraNumber("pl", -20), extraNumber("pr", 0)]);
-// The contacts under the pointer in a map of modes. The view shows their state until it leaves.
+// The contacts under the pointer in a map of contact modes. The view shows their state until it leaves.
 const hovered = signal<[number, number] | null>(null);
 const half = (side: 0 | 1) => ofSide(scene.value, "palm", SIDES[side], "length_m") / 2;
 
@@ -539,7 +539,7 @@ export function MechanicsView() {
             <h2>Every pair of contacts</h2>
             <p class="note">
               The maps show the contact mode at these palm angles for all positions of the contacts, as in
-              Figure 5 of the paper. Each mode occupies a band. The square contains the positions on the
+              Figure 5 of the paper. Each contact mode occupies a band. The square contains the positions on the
               palms. Hold the pointer over a map to see the state there. Drag the dot to move the contacts.
             </p>
             <div class="columns">
