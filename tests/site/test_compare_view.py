@@ -77,7 +77,7 @@ def test_no_drop_has_the_one_sided_bound_of_the_command(
     assert counted(page)[0] == 0
     expect(page.locator("#counts tbody tr").nth(0)).to_contain_text("0.0 to 3.0 of 1000")
     row = run_json(runner(capsys), command_of(page))["rows"][0]
-    assert row["drop_rate_interval"][1] == pytest.approx(1 - 0.05**0.001)
+    assert row["interval"][1] == pytest.approx(1 - 0.05**0.001)
 
 
 def test_compare_runs_rows_of_ones_own(

@@ -105,8 +105,8 @@ def test_a_box_in_an_address_is_carried(open_page: Open) -> None:
     page = open_page(hash_of("mechanics", {}, object__box_m=[0.3, 0.2]))
     expected = pb.carry(overrides={"object.box_m": [0.3, 0.2]}).trace_hash
     expect(page.locator("#hash")).to_have_text(expected)
-    page.locator("#handle-corner-3").focus()
-    page.keyboard.press("ArrowDown")
+    page.locator("#handle-com").focus()
+    page.keyboard.press("ArrowLeft")
     expect(page.locator("#hash")).not_to_have_text(expected)
 
 
