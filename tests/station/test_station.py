@@ -112,13 +112,14 @@ def test_the_script_stops_at_once_where_a_start_is_void(tmp_path: Path) -> None:
         assert next(script) is None
         pair.run(STEP)
     pair.air.cut(("left", "right"), ("right", "left"))
-    began_s, done = pair.now_s(), None
-    while done is None:
+    done = None
+    for _ in range(round(3.0 / PERIOD_S)):
         pair.run(STEP)
         done = next(script)
+        if done is not None:
+            break
     assert done is False
     assert any("left: ready" in line for line in pair.lines)
-    assert pair.now_s() - began_s < 3
 
 
 def test_a_station_that_is_started_again_starts_robots_that_are_armed(tmp_path: Path) -> None:
