@@ -348,12 +348,12 @@ def test_no_order_acts_after_the_station_has_called_it_void(tmp_path: Path) -> N
     """Those that were lost at first arrive late: the last ones are sent early enough."""
     pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.station_lost": "carry-on"})
     pair.run(20)
-    pair.air.hold(0.8, "station")
+    pair.air.hold(0.4, "station")
     pair.run(100)
     pair.station.wish("arm")
     links = (("station", "left"), ("station", "right"))
     pair.air.cut(*links)
-    pair.run(415)
+    pair.run(430)
     pair.air.cut()
     pair.run(300)
     assert pair.modes() == ("disarmed", "disarmed"), pair.lines
