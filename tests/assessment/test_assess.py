@@ -305,7 +305,7 @@ def test_named_commands_vary_what_has_an_effect() -> None:
     counts = (count_outcomes(scene, "shared-sign", seeds=20),)
     answers = [
         on_controllers(counts, "SCENE", scene), on_radio([], counts, "SCENE", scene),
-        on_change(None, "SCENE", scene), on_angles(None, "SCENE", scene),
+        on_change(None, "SCENE", scene), on_angles(None, True, "SCENE", scene),
     ]  # fmt: skip
     for answer in answers:
         words = shlex.split(answer.command)

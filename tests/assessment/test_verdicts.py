@@ -12,7 +12,7 @@ import pytest
 import palmbots as pb
 from palmbots._util.confidence_intervals import rate_text
 from palmbots.assessment.angles import AngleTrial
-from palmbots.assessment.assess import QUESTIONS, Answers, Assessment
+from palmbots.assessment.assess import QUESTIONS, Answers, Assessment, _near
 from palmbots.assessment.changes import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial
 from palmbots.assessment.load import LoadTrial
@@ -70,20 +70,37 @@ def test_best_controller() -> None:
     assert best_of([counts("none", 1000)]) is best_of([]) is None
 
 
-MECHANICS = [
-    ({}, "yes", ["tightest margin: a contact leaves", "not: so the robots have to correct"]),
-    ({"robot.noise_m_s": 0.02}, "yes", ["tightest margin", "so the robots have to correct it"]),
-    ({"task.inertia": True, "robot.acceleration_m_s2": 0.8}, "partly",
-     ["robot.acceleration_m_s2", "; tightest margin"]),
-    ({"object.mass_kg": 3}, "yes", ["not: kg"]),
-    ({"object.com_m": [0.05, 0.04]}, "no", ["palm shallow, "]),
+NEAR = "shared-sign keeps the contacts within 10.0 mm of the pivots"
+FAST = {"task.inertia": True, "robot.acceleration_m_s2": 0.8}
+LOW, TALL = {"object.box_m": [0.2, 0.1]}, {"object.box_m": [0.12, 0.4]}
+ASIDE = {"object.com_m": [0.05, 0.04]}
+MECHANICS: list[tuple[dict[str, Any], OutcomeCounts | None, str, list[str]]] = [
+    ({}, GOOD, "yes", ["tightest margin: a contact leaves", "not: so the robots have to correct"]),
+    ({"robot.noise_m_s": 0.02}, GOOD, "yes", ["tightest margin", "the robots have to correct it"]),
+    ({"object.mass_kg": 3}, GOOD, "yes", ["not: kg"]),
+    # what fails only where no contact gets
+    (FAST, GOOD, "likely", [f"{NEAR}, and there all", "farther out: robot.acceleration_m_s2 is"]),
+    (LOW, GOOD, "likely", [NEAR, "farther out: a palm touches the object already, by 0.57°"]),
+    (TALL, GOOD, "likely", [NEAR, "farther out: with the left palm shallow, on closing"]),
+    (FAST, None, "partly", ["robot.acceleration_m_s2 is 0.8", "not: keeps"]),
+    (LOW, None, "partly", ["a palm touches the object already"]),
+    (TALL, None, "no", ["with the left palm shallow, on closing"]),
+    # what fails there, too
+    (FAST | {"robot.acceleration_m_s2": 2.0}, GOOD, "partly", [f"{NEAR}; there, robot.accel"]),
+    (ASIDE, GOOD, "no", [f"{NEAR}; there, with the left palm shallow, "]),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("keys", "verdict", "words"), MECHANICS)
-def test_mechanics(keys: dict[str, Any], verdict: str, words: list[str]) -> None:
-    keys = {"task.inertia": False} | keys
-    check(on_mechanics(pb.analyze("paper", overrides=keys), "SCENE"), verdict, words)
+@pytest.mark.parametrize(("keys", "best", "verdict", "words"), MECHANICS)
+def test_mechanics(
+    keys: dict[str, Any], best: OutcomeCounts | None, verdict: str, words: list[str]
+) -> None:
+    scene = pb.load_scene("paper", {"task.inertia": False} | keys)
+    near = _near(scene, best)
+    answer = on_mechanics(pb.analyze(scene), near, best, "SCENE")
+    check(answer, verdict, words)
+    region = " --region -0.01,0.01" if any("; there, " in word for word in words) else ""
+    assert answer.command == f"palmbots analyze SCENE{region}"
 
 
 def load(
@@ -194,7 +211,7 @@ def angle_trial(own: int, best: int, least: float = 0.0, most: float = 0.5) -> A
 
 OWN, BEST = "silent fails in", "at 4° and 12°"
 ANGLES: list[tuple[AngleTrial | None, str, list[str]]] = [
-    (None, "open", ["no other pair of angles could be tried"]),
+    (None, "open", ["at no other pair of angles that was tried do all properties hold"]),
     (angle_trial(0, 0, most=0.0), "yes", [OWN, "no failures at any of the 9 pairs", "not: to 0 %"]),
     (angle_trial(2, 1), "yes", ["0.2 % (0.1–0.7) at the scene's angles; 0 to 50 % at the 9 pairs"]),
     (angle_trial(2, 1, 0.01, 0.02), "yes", ["1 to 2 % at the 9 pairs tried, with 1,000 carries"]),
@@ -207,9 +224,10 @@ ANGLES: list[tuple[AngleTrial | None, str, list[str]]] = [
 
 @pytest.mark.parametrize(("trial", "verdict", "words"), ANGLES)
 def test_angles(trial: AngleTrial | None, verdict: str, words: list[str]) -> None:
-    answer = on_angles(trial, "SCENE", PAPER)
+    answer = on_angles(trial, True, "SCENE", PAPER)
     check(answer, verdict, words)
     assert answer.command == f"palmbots design SCENE{'' if trial is None else ' -c silent'}"
+    assert "no carry arrives" in on_angles(None, False, "SCENE", PAPER).text
 
 
 def friction(alike: Any, unlike: Any, *failed: int) -> FrictionTrial:
@@ -343,7 +361,8 @@ def curve(failed: int | None, mean: float = 0.01, *, lips: bool = False, **more:
 
 CURVES: list[tuple[CurveTrial | None, str, list[str]]] = [
     (None, "open", ["no turn was asked for"]),
-    (curve(0), "likely", ["90° with radius 0.6 m: silent fails in < 26 %", "not: off-palm"]),
+    (curve(0), "likely", ["90° with radius 0.6 m: none of 10 carries with silent fails"]),
+    (curve(0), "likely", ["not: off-palm"]),
     (curve(0), "likely", ["forecast drift 10.0 mm of the 35.0 mm permitted", "not: level"]),
     (curve(1), "partly", ["10.0 %", "; off-palm: a contact left", "not: something else"]),
     (curve(5), "partly", ["50.0 %"]),
@@ -354,7 +373,7 @@ CURVES: list[tuple[CurveTrial | None, str, list[str]]] = [
     (curve(None, forecast=None, refusal="too tight"), "open", ["0.6 m: too tight"]),
     (curve(None, refusal="no MuJoCo"), "open", ["0.6 m: no MuJoCo"]),
     (curve(0, changes=TURN | {"task.slope_deg": 0.0}), "likely", ["0.6 m, on a level floor: "]),
-    (curve(0, changes={}), "likely", ["on its path (straight): silent"]),
+    (curve(0, changes={}), "likely", ["on its path (straight): none of"]),
 ]
 
 

@@ -42,7 +42,7 @@ from palmbots.assessment.verdicts import (
 )
 from palmbots.control.registry import describe, shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED
-from palmbots.errors import SceneError
+from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mechanics.load_limits import load_limits
 from palmbots.mujoco.curve_trial import CurveTrial, Keys, try_curve, turn_keys
 from palmbots.scene.path_section import Path
@@ -261,11 +261,11 @@ def assess(
         )  # fmt: skip
     report(1.0)
     answers = Answers(
-        carried=on_mechanics(analysis, planar),
+        carried=on_mechanics(analysis, _near(straight, best), best, planar),
         load=on_load(load_limits(loaded), best, load, name, rough),
         drops=on_drops(counts, load, planar),
         controllers=on_controllers(counts, planar, straight),
-        angles=on_angles(angles, planar, straight),
+        angles=on_angles(angles, best is not None, planar, straight),
         friction=on_friction(rough, analysis, planar),
         radio=on_radio(radio, counts, planar, straight),
         curve=on_curve(curve, best, chosen),
@@ -279,6 +279,18 @@ def assess(
         )
     trial = change if isinstance(change, ChangeTrial) else None
     return Assessment(answers, counts, angles, load, rough, radio, curve, trial, chosen, analysis)
+
+
+def _near(scene: Scene, best: OutcomeCounts | None) -> Analysis | None:
+    """The analysis for contacts no farther out than in carries with the best controller; None:
+    none is delivered, or it does not apply."""
+    if best is None or best.farthest_m is None:
+        return None
+    reach = min(best.farthest_m, *(scene.palm_of(side).reach_m for side in SIDES))
+    try:
+        return analyze(scene, region_m=(-reach, reach))
+    except PalmbotsError:
+        return None
 
 
 def _refused(scene: Scene) -> dict[str, str]:

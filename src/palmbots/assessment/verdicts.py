@@ -10,7 +10,7 @@ from typing import Literal
 
 from palmbots._util.confidence_intervals import rate_interval, rate_text
 from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, quiet, warn_word
-from palmbots._util.text import format_number, millimetres
+from palmbots._util.text import format_number, millimetres, plural
 from palmbots.assessment.angles import AngleTrial
 from palmbots.assessment.changes import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial, friction_keys
@@ -26,6 +26,7 @@ from palmbots.simulation.carry_lines import usual_reason
 from palmbots.simulation.noise_limit import MOST_M_S, NOISE_KEY
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.stability.analysis import Analysis
+from palmbots.stability.tightest_margins import RankedMargin
 
 _SAME = 0.05  # of a time or a number of messages: a difference that is not worth a word
 Verdict = Literal["yes", "likely", "partly", "no", "open"]
@@ -89,21 +90,48 @@ def best_of(counts: Sequence[OutcomeCounts]) -> OutcomeCounts | None:
     return (named or sorted(usable, key=lambda one: one.failure_rate) or [None])[0]
 
 
-def on_mechanics(analysis: Analysis, name: str) -> Answer:
-    """Whether the object can be carried at all, and what is tightest."""
+def on_mechanics(
+    analysis: Analysis, near: Analysis | None, best: OutcomeCounts | None, name: str
+) -> Answer:
+    """Whether the palms hold the object, and what is tightest.
+
+    `near` is the analysis for contacts no farther out than in the carries with the best controller;
+    None: no carry delivers. What fails farther out is no reason against the scene.
+    """
     question, command = "Can palms hold it?", f"palmbots analyze {name}"
-    if analysis.holds:
-        # The next question is about the weight.
-        doubts = [one for one in analysis.warnings if one != analysis.load.warning()]
-        tightest = next(one for one in analysis.ranking if one.quantity != "mass")
-        text = "; ".join([*doubts[:1], f"tightest margin: {tightest.sentence()}"])
+    doubt = _doubt(analysis)
+    if doubt is None:
+        tightest = _tightest(analysis)
+        text = f"tightest margin: {tightest.sentence()}"
         if tightest.quantity == "contact" and (tightest.times or 1.0) < 1.0:
             text += "; so the robots have to correct it"
-        return Answer(question, "partly" if doubts else "yes", text, command)
-    failing = next(one for one in analysis.properties.values() if not one.holds)
-    return Answer(
-        question, "no", f"with the {failing.shallow} palm shallow, {failing.binding}", command
-    )
+        return Answer(question, "yes", text, command)
+    if near is None or best is None or best.farthest_m is None:
+        return Answer(question, "partly" if analysis.holds else "no", doubt, command)
+    reach = best.farthest_m
+    where = f"{best.controller} keeps the contacts within {millimetres(reach)} of the pivots"
+    if (nearer := _doubt(near)) is None:
+        text = f"{where}, and there all properties hold; farther out: {doubt}"
+        return Answer(question, "likely", text, command)
+    command += f" --region {-reach:.3g},{reach:.3g}"
+    return Answer(question, "partly" if near.holds else "no", f"{where}; there, {nearer}", command)
+
+
+def _doubt(analysis: Analysis) -> str | None:
+    """What may go wrong with contacts in the region of an analysis; None: nothing. The weight is
+    the next question."""
+    failing = [one for one in analysis.properties.values() if not one.holds]
+    if failing:
+        return f"with the {failing[0].shallow} palm shallow, {failing[0].binding}"
+    warnings = [one for one in analysis.warnings if one != analysis.load.warning()]
+    tightest = _tightest(analysis)
+    if not warnings and tightest.allowed <= 0:
+        return tightest.sentence()
+    return warnings[0] if warnings else None
+
+
+def _tightest(analysis: Analysis) -> RankedMargin:
+    return next(one for one in analysis.ranking if one.quantity != "mass")
 
 
 def on_load(
@@ -225,14 +253,17 @@ def _widths(scene: Scene, controller: str) -> str:
     return f"here: {millimetres(zone)}, overrun {millimetres(overrun)}"
 
 
-def on_angles(trial: AngleTrial | None, name: str, scene: Scene) -> Answer:
+def on_angles(trial: AngleTrial | None, is_delivered: bool, name: str, scene: Scene) -> Answer:
     """Which palm angles, and whether they matter. They are not right where the scene fails, but no
     others are better then."""
     question, command = "Are the palm angles right?", f"palmbots design {name}"
     if _swept(scene, NOISE_KEY) != NOISE_KEY:  # there is no one noise to be tolerated
         command += " --maximize angle"
     if trial is None:
-        return Answer(question, "open", "no other pair of angles could be tried", command)
+        text = "no carry arrives with which pairs of angles could be compared"
+        if is_delivered:
+            text = "at no other pair of angles that was tried do all properties hold"
+        return Answer(question, "open", text, command)
     command += f" -c {trial.controller}"
     least, most = 100 * trial.least_failure_rate, 100 * trial.most_failure_rate
     tried = f"{trial.tried} pairs tried, with {trial.carries:,} carries each"
@@ -411,6 +442,9 @@ def on_curve(trial: CurveTrial | None, best: OutcomeCounts | None, scene: Scene)
     if counts.failure_rate > 0.5:
         verdict = "no"
     fails = f"{counts.controller} fails in {failures(counts)} of carries in MuJoCo"
+    if counts.failure_rate == 0:
+        carries = plural(counts.carries, "carry")
+        fails = f"none of {carries} with {counts.controller} fails in MuJoCo"
     doubt = ""
     if verdict == "no" and not forecast.lips and forecast.mean_m < forecast.budget_m:
         doubt = ", so something else makes it fall"
