@@ -104,22 +104,19 @@ def test_the_script_starts_only_once(tmp_path: Path) -> None:
     assert sum("script: start" in line for line in pair.lines) == 1, pair.lines
 
 
-def test_the_script_stops_at_once_where_a_start_is_void(tmp_path: Path) -> None:
-    """The robots heard it, and do not hear each other."""
+@pytest.mark.parametrize("deaf", ["none", "right"])
+def test_the_script_stops_at_once_where_a_start_is_void(deaf: Any, tmp_path: Path) -> None:
+    """The robots, or one of them, heard it, and do not hear each other."""
     pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
     script = carry_once(pair.station, 600)
     while pair.modes() != ("armed", "armed"):
         assert next(script) is None
         pair.run(STEP)
-    pair.air.cut(("left", "right"), ("right", "left"))
-    done = None
-    for _ in range(round(3.0 / PERIOD_S)):
+    pair.air.cut(("left", "right"), ("right", "left"), ("station", deaf))
+    while next(script) is None and pair.now_s() < 3:
         pair.run(STEP)
-        done = next(script)
-        if done is not None:
-            break
-    assert done is False
     assert any("left: ready" in line for line in pair.lines)
+    assert any("script" in line and line.endswith(": stop") for line in pair.lines), pair.lines
 
 
 def test_a_station_that_is_started_again_starts_robots_that_are_armed(tmp_path: Path) -> None:
