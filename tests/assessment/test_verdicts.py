@@ -33,7 +33,7 @@ from palmbots.assessment.verdicts import (
     on_radio,
     radio_table,
 )
-from palmbots.mujoco.curve_trial import CurveTrial
+from palmbots.mujoco.curve_trial import CurveTrial, respelled
 from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.simulation.outcome_counts import OutcomeCounts
 
@@ -455,3 +455,17 @@ def test_verdict_and_first_line(
     }  # fmt: skip
     found = Assessment(answers, **usual | trials)
     assert (found.verdict, found.conclusion) == (verdict, conclusion)
+
+
+def test_commands_give_each_key_once() -> None:
+    """A key that is given twice is refused."""
+    name = (
+        "crate.toml --set robot.noise_m_s=0.1 --set task.path.kind=arc --set task.path.radius_m=1"
+    )
+    assert respelled(name, {"robot.noise_m_s": 0.2}) == (
+        "crate.toml --set task.path.kind=arc --set task.path.radius_m=1 --set robot.noise_m_s=0.2"
+    )
+    assert respelled(name, {"task.path.kind": "straight"}) == (
+        "crate.toml --set robot.noise_m_s=0.1 --set task.path.kind=straight"
+    )
+    assert respelled(name, {}) == name

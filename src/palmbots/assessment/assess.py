@@ -44,7 +44,7 @@ from palmbots.control.registry import describe, shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mechanics.load_limits import load_limits
-from palmbots.mujoco.curve_trial import CurveTrial, Keys, try_curve, turn_keys
+from palmbots.mujoco.curve_trial import CurveTrial, Keys, respelled, try_curve, turn_keys
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.sides import on_every_side, value_of
@@ -223,7 +223,7 @@ def assess(
     """
     chosen = load_scene(scene, overrides)
     name = chosen.spelled
-    planar = f"{name} --set task.path.kind=straight" if chosen.task.path.is_curved else name
+    planar = respelled(name, {"task.path.kind": "straight"} if chosen.task.path.is_curved else {})
     report = on_progress or (lambda fraction: None)
     straight = _straightened(chosen)
     analysis = analyze(straight)

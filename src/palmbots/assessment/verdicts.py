@@ -19,7 +19,7 @@ from palmbots.control.dead_band import overrun_m, zero_zone_m
 from palmbots.control.registry import WIDE_ZONE, describe
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits, mass_text
-from palmbots.mujoco.curve_trial import CurveTrial, settings_of
+from palmbots.mujoco.curve_trial import CurveTrial, respelled
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import on_every_side, value_of
 from palmbots.simulation.carry_lines import usual_reason
@@ -146,7 +146,7 @@ def on_load(
     question, command = "Can these robots hold it?", f"palmbots load {name}"
     friction = limits.scene.palm_of("left").friction
     if rough is not None:
-        command += settings_of(friction_keys(limits.scene, friction))
+        command = f"palmbots load {respelled(name, friction_keys(limits.scene, friction))}"
     if refusal := limits.refusal():
         return Answer(question, "no", refusal, command)
     verdict: Verdict = "yes"
@@ -336,7 +336,7 @@ def on_change(trial: ChangeTrial | NoChange | None, name: str, scene: Scene) -> 
     controller, own = trial.controller, "refused"
     if trial.own_failures is not None:
         own = rate_text(trial.own_failures, trial.carries)
-    setting = f"palmbots assess {name}{trial.settings}"
+    setting = f"palmbots assess {respelled(name, trial.changes)}"
     noise = f"at {trial.noise_factor:g} times the noise, "
     if trial.noise_factor == 1:
         noise = ""

@@ -53,6 +53,20 @@ def settings_of(changes: Mapping[str, Any]) -> str:
     )
 
 
+def respelled(name: str, changes: Mapping[str, Any]) -> str:
+    """A scene as a command line names it, with changed keys: each key is given once, and a straight
+    path takes the place of all that is given of a path."""
+    is_straight = changes.get("task.path.kind") == "straight"
+    words, kept = shlex.split(name), []
+    while words:
+        count = 2 if words[0] == "--set" else 1
+        option, words = words[:count], words[count:]
+        key = option[-1].partition("=")[0].strip() if count == 2 else ""
+        if key not in changes and not (is_straight and key.startswith("task.path.")):
+            kept += option
+    return shlex.join(kept) + settings_of(changes)
+
+
 def turn_keys(scene: Scene, radius_m: float, angle_deg: float = 90.0) -> Keys:
     """The keys with which a scene drives a turn of this radius to its end. The floor is level,
     because the MuJoCo world has no curves on slopes."""
