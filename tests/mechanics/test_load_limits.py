@@ -14,7 +14,7 @@ from palmbots.scene.chassis import axle_out, chassis, wheel_kg
 from palmbots.scene.placement import floor_level
 from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import contact_radii, to_spec
 
 G = 9.80665
 CRATE = {
@@ -30,6 +30,7 @@ SCENES = [
     {"task.slope_deg": 3.0, "palm.left.steep_deg": 20.0, "start.right_m": 0.03},
     {"mujoco.body_kg": 8.0, "mujoco.axle_m": 0.25, "palm.pivot_offset_m": 0.01},
     {"mujoco.axle_m": 0.05, "task.inertia": False, "palm.right.friction": 0.5},
+    {"object.edge_radius_m": [0.02, 0.01, 0, 0], "palm.left.steep_deg": 20.0},
 ]
 
 
@@ -41,18 +42,21 @@ def unit_forces(
     from scipy.optimize import linprog
 
     spec = to_spec(scene)
-    lines, places = [], []
+    radii = contact_radii(spec)
+    lines, places, centres = [], [], []
     for i, sense in ((0, -1.0), (1, 1.0)):
         p, o, t = spec.start[i], spec.palms[i].offset, angles[i]
         out = np.array([sense * math.cos(t), math.sin(t)])
         normal = np.array([-sense * math.sin(t), math.cos(t)])
         places.append(p * out + o * normal)
+        centres.append(places[-1] + radii[i] * normal)
         lines += [normal + s * spec.palms[i].friction * out for s in (-1.0, 1.0)]
-    rise = places[1][1] - places[0][1]
-    left = np.zeros(2)
-    right = np.array([math.sqrt(spec.width**2 - rise**2), rise])
-    along = right / spec.width
+    # From the centre of the left arc; the radius of a sharp vertex is 0.
+    rise = centres[1][1] - centres[0][1]
+    apart = np.array([math.sqrt(spec.width**2 - rise**2), rise])
+    along = apart / spec.width
     com = spec.com_left * along + spec.com_height * np.array([-along[1], along[0]])
+    left, right = places[0] - centres[0], apart + places[1] - centres[1]
     at = [left, left, right, right]
     balance = np.array([
         [f[0] for f in lines],
@@ -153,8 +157,10 @@ def test_heavy_objects_are_refused_in_both_worlds_before_anything_moves() -> Non
     assert limit is not None
     for world in ("quasistatic", "mujoco"):
         for mass in (1.01 * limit, 50, 500):
-            with pytest.raises(SceneError, match=r"object\.mass_kg: .*tips over.*allowed: at most"):
-                pb.carry(world=world, overrides={"object.mass_kg": mass})
+            for radius in (0.0, 0.01):
+                keys = {"object.mass_kg": mass, "object.edge_radius_m": radius}
+                with pytest.raises(SceneError, match=r"object\.mass_kg: .*tips over.*allowed: at"):
+                    pb.carry(world=world, overrides=keys)
     assert "object.mass_kg is 5" in pb.stability.self_check(overrides={"object.mass_kg": 5})[-1]
     assert not pb.stability.self_check()
 

@@ -33,7 +33,7 @@ from palmbots.scene.chassis import axle_out, chassis, wheel_kg
 from palmbots.scene.placement import floor_level
 from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.scene.spec import contact_radii, refuse_rounded_contacts, to_spec
+from palmbots.scene.spec import contact_radii, to_spec
 
 Array = NDArray[np.float64]
 _Force: TypeAlias = tuple[Array, Array]  # of the object on a palm: down, outward
@@ -210,7 +210,6 @@ def load_limits(scene: SceneLike = "paper", *, overrides: Overrides = None) -> L
         SceneError: the scene cannot be read or is not valid.
     """
     chosen = load_scene(scene, overrides)
-    refuse_rounded_contacts(chosen)
     everywhere = _everywhere(chosen)
     start = _start(chosen, to_spec(chosen, unrolled=True))
     found: list[LoadLimit] = []
@@ -228,12 +227,7 @@ def load_limits(scene: SceneLike = "paper", *, overrides: Overrides = None) -> L
 
 
 def check_load(scene: Scene, spec: _core.Spec) -> None:
-    """Raise `SceneError` for an object that is too heavy for the robots to start with.
-
-    An object with rounded contact vertices passes: its forces are not known here.
-    """
-    if any(contact_radii(spec)):
-        return
+    """Raise `SceneError` for an object that is too heavy for the robots to start with."""
     start = _start(scene, spec)
     refusal = _refusal(scene.object.mass_kg, {k: start.heaviest(k)[0] for k in DECISIVE})
     if refusal is not None:
@@ -292,11 +286,21 @@ class _States:
         # From the pivot, outward and up.
         self._arm_x = self._p * np.cos(self._theta) - offset * np.sin(self._theta)
         self._arm_z = self._p * np.sin(self._theta) + offset * np.cos(self._theta)
-        dy = self._arm_z[1] - self._arm_z[0]
-        reaches = np.abs(dy) < spec.width
-        dx = np.sqrt(np.where(reaches, spec.width**2 - dy**2, 1.0))
+        # A rounded vertex touches with another point of its arc in each state. There it is like a
+        # sharp vertex at that point.
+        radius = np.array(contact_radii(spec))[:, np.newaxis]
+        down_x, down_z = radius * np.sin(self._theta), radius * np.cos(self._theta)
+        rise = np.diff(self._arm_z + down_z, axis=0)[0]  # between the centres of the arcs
+        reaches = np.abs(rise) < spec.width
+        run = np.sqrt(np.where(reaches, spec.width**2 - rise**2, 1.0))
+        dx, dy = run + down_x.sum(axis=0), self._arm_z[1] - self._arm_z[0]
+        x = (spec.com_left * run - spec.com_height * rise) / spec.width + down_x[0]
+        z = (spec.com_left * rise + spec.com_height * run) / spec.width + down_z[0]
+        width = np.hypot(dx, dy)
+        com_left, com_height = (x * dx + z * dy) / width, (z * dx - x * dy) / width
+        com_right = width - com_left
         squeeze = contact_modes_batch(
-            width=spec.width, com_x=spec.com_left, com_y=spec.com_height,
+            width=width, com_x=com_left, com_y=com_height,
             theta_left=t_l, theta_right=t_r, p_left=p_l, p_right=p_r,
             friction_left=palms[0].friction, friction_right=palms[1].friction,
             offset_left=palms[0].offset, offset_right=palms[1].offset, slope=s,
@@ -310,11 +314,11 @@ class _States:
         calm = np.broadcast_to(np.clip(0.0, *ends), ends.shape)
         self._slope = s
         # Vertical forces on the palms: the balance of moments about the other contact.
-        tilt = spec.com_height + s * 0.5 * (spec.com_left - spec.com_right)
-        level = (spec.com_right + s * spec.com_height, spec.com_left - s * spec.com_height)
+        tilt = com_height + s * 0.5 * (com_left - com_right)
+        level = (com_right + s * com_height, com_left - s * com_height)
         self._forces: list[tuple[_Force, _Force]] = []
         for side, sense in ((0, 1.0), (1, -1.0)):
-            arm = (level[side] * dx + sense * tilt * dy) / spec.width
+            arm = (level[side] * dx + sense * tilt * dy) / width
             worst, least = (
                 ((arm + sense * h * dy) / dx, h + sense * 0.5 * s) for h in (ends, calm)
             )
