@@ -180,7 +180,7 @@ class HalfSpaces {
     return nothing_left(value, sizes, total);
   }
 
-  std::array<Side, max_supports> sides_{};
+  std::array<Side, max_supports> sides_;  // up to `count_`
   std::size_t count_ = 0;
 };
 
@@ -207,12 +207,36 @@ class Twists {
   // True if some twist moves the first `count` contacts in this way.
   bool exist(const Motions& motions, std::size_t count) const {
     TwistSpace<Real> space{};
-    for (std::size_t i = 0; i < count; ++i) {
-      if (motions[i] == Motion::leave) continue;
-      if (!space.restrict(normal_[i])) return false;
-      if (motions[i] == Motion::stick && !space.restrict(tangent_[i])) return false;
-    }
-    HalfSpaces<Real> open{};
+    for (std::size_t i = 0; i < count; ++i)
+      if (!restrict(space, motions, i)) return false;
+    return is_open(space, motions, count);
+  }
+
+  // Calls found(motions) for every combination of contact motions that is kinematically possible.
+  template <class Found>
+  void each(Found&& found) const {
+    Motions motions{};
+    descend(motions, 0, {}, found);
+  }
+
+ private:
+  static Condition<Real> condition(const Support<Real>& s, Real dx, Real dy, Real reach,
+                                   Velocity<Real> palm, Real pace) {
+    const Triple<Real> row{dx, dy, (s.x * dy - s.y * dx) / reach};
+    const Real scale = Real(1) / size(row);
+    return {row * scale, (dx * palm.x + dy * palm.y) * pace * scale};
+  }
+
+  // Adds the equations of a contact. False if they contradict the earlier ones.
+  bool restrict(TwistSpace<Real>& space, const Motions& motions, std::size_t i) const {
+    if (motions[i] == Motion::leave) return true;
+    if (!space.restrict(normal_[i])) return false;
+    return motions[i] != Motion::stick || space.restrict(tangent_[i]);
+  }
+
+  // True if the inequalities of the first `count` contacts leave something of a space.
+  bool is_open(const TwistSpace<Real>& space, const Motions& motions, std::size_t count) const {
+    HalfSpaces<Real> open;
     for (std::size_t i = 0; i < count; ++i) {
       const Condition<Real>& along = tangent_[i];
       if (motions[i] == Motion::leave && !open.add(space, normal_[i])) return false;
@@ -224,30 +248,18 @@ class Twists {
     return open.meet();
   }
 
-  // Calls found(motions) for every combination of contact motions that is kinematically possible.
   template <class Found>
-  void each(Found&& found) const {
-    Motions motions{};
-    descend(motions, 0, found);
-  }
-
- private:
-  static Condition<Real> condition(const Support<Real>& s, Real dx, Real dy, Real reach,
-                                   Velocity<Real> palm, Real pace) {
-    const Triple<Real> row{dx, dy, (s.x * dy - s.y * dx) / reach};
-    const Real scale = Real(1) / size(row);
-    return {row * scale, (dx * palm.x + dy * palm.y) * pace * scale};
-  }
-
-  template <class Found>
-  void descend(Motions& motions, std::size_t i, Found& found) const {
+  void descend(Motions& motions, std::size_t i, const TwistSpace<Real>& before,
+               Found& found) const {
     if (i == count_) {
       found(static_cast<const Motions&>(motions));
       return;
     }
     for (const Motion motion : {Motion::stick, Motion::up, Motion::down, Motion::leave}) {
       motions[i] = motion;
-      if (exist(motions, i + 1)) descend(motions, i + 1, found);
+      TwistSpace<Real> space = before;
+      if (restrict(space, motions, i) && is_open(space, motions, i + 1))
+        descend(motions, i + 1, space, found);
     }
   }
 

@@ -101,7 +101,7 @@ inline constexpr Real wrench_tolerance = sizeof(Real) == 8 ? Real(1e-9) : Real(1
 // The extreme rays of a wrench cone, with unit size.
 template <class Real>
 struct Rays {
-  std::array<Triple<Real>, 2 * max_supports> ray{};
+  std::array<Triple<Real>, 2 * max_supports> ray;  // up to `count`
   std::size_t count = 0;
 };
 

@@ -24,7 +24,7 @@ struct ActivePair {
 };
 
 struct Regime {
-  std::array<ActivePair, max_supports> active{};
+  std::array<ActivePair, max_supports> active;  // up to `count`
   std::size_t count = 0;
   double alike = 0.0;  // difference of the runs of both sides, where nothing else decides [m]
   bool pushed = true;  // whether forces balance with the push, or only without it
@@ -113,7 +113,7 @@ using ActiveContacts = std::array<FeatureContact, max_supports>;
 
 inline ActiveContacts contacts_of(const ContactProblem& problem, const Regime& regime,
                                   const Frames& frames, const Pose& pose) {
-  ActiveContacts found{};
+  ActiveContacts found;
   for (std::size_t i = 0; i < regime.count; ++i) {
     found[i] = problem.contact(frames, pose, regime.active[i].pair, regime.active[i].reference);
   }
@@ -228,8 +228,6 @@ inline bool holds(const ContactProblem& problem, const Regime& regime,
 // Moves the pose to where the regime holds the object. False if that is not near.
 inline bool settle(const ContactProblem& problem, const Regime& regime, const Frames& frames,
                    Pose& pose, ActiveContacts& contacts) {
-  constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  double last = problem.shapes.size;
   for (int i = 0; i < 40; ++i) {
     contacts = contacts_of(problem, regime, frames, pose);
     const auto made = detail::equations(problem, regime, frames, pose, contacts, false);
@@ -238,13 +236,11 @@ inline bool settle(const ContactProblem& problem, const Regime& regime, const Fr
     const double most = EchelonForm<double, 3>::largest(step);
     if (!(most < problem.shapes.size)) return false;
     pose = Pose::of(pose.at - Vec{step[0], step[1]}, pose.angle - step[2] / problem.shapes.size);
-    // The last steps are rounding and do not become smaller.
-    if (most <= 8.0 * epsilon * problem.shapes.size ||
-        (most < 1e-9 * problem.shapes.size && most >= 0.5 * last)) {
+    // Convergence is quadratic: what such a step leaves is far below rounding.
+    if (most < 1e-10 * problem.shapes.size) {
       contacts = contacts_of(problem, regime, frames, pose);
       return holds(problem, regime, contacts);
     }
-    last = most;
   }
   return false;
 }

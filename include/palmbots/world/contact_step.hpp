@@ -31,8 +31,13 @@ class ContactStep {
   static constexpr int most_events = 200;
 
   ContactStep(const ContactProblem& problem, const Travel& travel, Pose& pose, Regime& regime,
-              double rounding, Noted noted)
-      : problem_(problem), travel_(travel), pose_(pose), regime_(regime), noted_(noted) {
+              Neighbourhood& around, double rounding, Noted noted)
+      : problem_(problem),
+        travel_(travel),
+        pose_(pose),
+        regime_(regime),
+        around_(around),
+        noted_(noted) {
     double most = 0.0;
     for (const PalmTravel& palm : travel.palms) {
       const double moved = length(palm.by);
@@ -51,7 +56,7 @@ class ContactStep {
     ContactStepResult result{};
     if (travel_.none()) return result;
     look_around(done);
-    if (regime_.count == 0 || !(here(done).least() >= 0.0) || !lasts(done, regime_)) {
+    if (regime_.count == 0 || !goes_along(done)) {
       if (!choose(done, result)) return result;
     }
     double ahead = look_;
@@ -92,16 +97,16 @@ class ContactStep {
 
   void look_around(double done) {
     const Frames frames = travel_.frames(done);
-    near_ = near_pairs(problem_, leading_side(frames), frames, pose_, near_move() + look_ * pace_,
-                       closed_);
+    near_ = around_.near(problem_, leading_side(frames), frames, pose_, near_move() + look_ * pace_,
+                         closed_);
   }
 
   // Settles at an instant; the conditions there.
   Conditions reach(double t, Pose& pose, const Regime& regime) const {
     const Frames frames = travel_.frames(t);
-    ActiveContacts contacts{};
+    ActiveContacts contacts;
     if (!settle(problem_, regime, frames, pose, contacts)) {
-      Conditions none{};
+      Conditions none;
       none.settled = false;
       return none;
     }
@@ -201,7 +206,7 @@ class ContactStep {
     const DropReason why = reason_of(problem_, closed);
     if (why != DropReason::none) return why;
     // What has run off its feature holds the object no more.
-    ClosedPairs rest{};
+    ClosedPairs rest;
     for (std::size_t i = 0; i < closed.count; ++i) {
       const ClosedPair& c = closed.at[i];
       if (!regime_.has(c.pair) || c.contact.inside > Tolerance::blank) rest.at[rest.count++] = c;
@@ -280,20 +285,33 @@ class ContactStep {
     return true;
   }
 
-  // Whether more contacts stick than there are unknowns, for longer than an instant.
+  // Whether the regime of the last step holds in the motion of this one, too: the pose is the same.
+  bool goes_along(double done) const {
+    const Frames frames = travel_.frames(done);
+    const ActiveContacts contacts = contacts_of(problem_, regime_, frames, pose_);
+    const auto twist = detail::equations(problem_, regime_, frames, pose_, contacts, true);
+    const Conditions all =
+        conditions_of_motion(problem_, regime_, frames, pose_, contacts, twist, pace_);
+    return all.least() >= 0.0 && lasts(done, regime_, twist);
+  }
+
   bool lasts(double from, const Regime& regime) const {
     const Frames now = travel_.frames(from);
     const ActiveContacts contacts = contacts_of(problem_, regime, now, pose_);
-    if (!detail::equations(problem_, regime, now, pose_, contacts, true).spare) return true;
+    return lasts(from, regime, detail::equations(problem_, regime, now, pose_, contacts, true));
+  }
+  // Whether more contacts stick than there are unknowns, for longer than an instant.
+  bool lasts(double from, const Regime& regime, const detail::RegimeEquations& twist) const {
+    if (!twist.spare) return true;
     const double later = from + 0.01 * look_ < 1.0 ? from + 0.01 * look_ : 1.0;
     Pose there = pose_;
-    ActiveContacts then{};
+    ActiveContacts then;
     return settle(problem_, regime, travel_.frames(later), there, then);
   }
 
   // The pairs that touch, those of the palm that leads first.
   ClosedPairs closed_pairs(const Frames& frames) const {
-    ClosedPairs closed{};
+    ClosedPairs closed;
     const std::size_t first = leading_side(frames);
     for (const std::size_t carrier : {first, other(first), std::size_t(Carrier::ground)}) {
       for (std::size_t i = 0; i < regime_.count; ++i) {
@@ -344,11 +362,12 @@ class ContactStep {
   const Travel& travel_;
   Pose& pose_;
   Regime& regime_;
+  Neighbourhood& around_;
   Noted noted_;
   double look_ = 1.0;
   double pace_ = 0.0;    // how far a point of a surface moves in the step, at most [m]
   double closed_ = 0.0;  // a gap that counts as closed at an event [m]
-  NearPairs near_{};
+  NearPairs near_;
 };
 
 }  // namespace palmbots

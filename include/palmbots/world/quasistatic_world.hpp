@@ -53,6 +53,7 @@ class World {
       const std::size_t side = problem().carrier(pair);
       if (known[side]) continue;
       known[side] = true;
+      if (pair == shapes().own[side]) continue;
       const Surface& surface = problem().surface(pair);
       places[side] =
           Real(surface.tip ? surface.at.x : problem().contact(frames, pose_, pair).place);
@@ -150,7 +151,7 @@ class World {
         return DropReason::flush;
     }
     const NearPairs near =
-        near_pairs(problem(), left, frames, pose, double(closed), double(closed));
+        Neighbourhood{}.near(problem(), left, frames, pose, double(closed), double(closed));
     ClosedPairs touching{};
     for (std::size_t k = 0; k < near.count && touching.count < ClosedPairs::most; ++k) {
       const FeatureContact c = problem().contact(frames, pose, near.at[k].pair);
@@ -220,7 +221,7 @@ class World {
     }
     const ContactProblem problem = this->problem();
     const double rounding = double(Real(64) * std::numeric_limits<Real>::epsilon()) * shapes().size;
-    ContactStep contact_step(problem, step, pose_, regime_, rounding, [&](double t) {
+    ContactStep contact_step(problem, step, pose_, regime_, around_, rounding, [&](double t) {
       const bool before = on_vertices;
       on_vertices = rests_on_vertices();
       if (before && !on_vertices) begin_contact_event(step.frames(t), Real(t));
@@ -289,8 +290,9 @@ class World {
 
   Model<Real> model_{};
   mutable ContactShapes shapes_{};
-  Regime regime_{};        // none: the object rests on its two contact vertices
-  Pose pose_{};            // with a regime
+  Regime regime_{};  // none: the object rests on its two contact vertices
+  Pose pose_{};      // with a regime
+  Neighbourhood around_{};
   double separation_ = 0;  // with a regime: without the rounding of Real
   WorldState<Real> state_{};
   Advance<Real> last_{};

@@ -28,7 +28,7 @@ struct RegimeCandidate {
 
 struct RegimeCandidates {
   static constexpr std::size_t most = 64;
-  std::array<RegimeCandidate, most> at{};
+  std::array<RegimeCandidate, most> at;  // up to `count`
   std::size_t count = 0;
 };
 
@@ -40,7 +40,7 @@ struct ClosedPair {
 
 struct ClosedPairs {
   static constexpr std::size_t most = 2 * max_supports;
-  std::array<ClosedPair, most> at{};
+  std::array<ClosedPair, most> at;  // up to `count`
   std::size_t count = 0;
 };
 
@@ -77,7 +77,7 @@ inline void add_candidates(const ContactProblem& problem, const Frames& frames, 
   }
   each_outcome(supports, velocities, problem.weight(pushed).x, [&](const Motions& motions) {
     if (found.count == RegimeCandidates::most) return;
-    RegimeCandidate made{};
+    RegimeCandidate made;
     made.regime.pushed = pushed;
     PerSide<bool> touched{};
     std::size_t slide = 0;
@@ -163,7 +163,7 @@ inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frame
       ways *= doubled[count++].ways;
     }
   }
-  RegimeCandidates found{};
+  RegimeCandidates found;
   for (const bool pushed : {true, false}) {
     for (std::size_t way = 0; way < ways; ++way) {
       std::array<bool, ClosedPairs::most> left_out{};

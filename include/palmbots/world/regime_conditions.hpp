@@ -38,7 +38,7 @@ struct NearPair {
 };
 
 struct NearPairs {
-  std::array<NearPair, most_near> at{};
+  std::array<NearPair, most_near> at;  // up to `count`
   std::size_t count = 0;
 };
 
@@ -69,23 +69,76 @@ void each_pair(const ContactProblem& problem, std::size_t first, Visit visit) {
   }
 }
 
-// The pairs whose gap is at most `reach` [m]; one that overlaps by more than `closed` is behind.
-inline NearPairs near_pairs(const ContactProblem& problem, std::size_t first, const Frames& frames,
-                            const Pose& pose, double reach, double closed) {
-  NearPairs found{};
-  each_pair(problem, first, [&](FeaturePair pair) {
-    const FeatureContact c = problem.contact(frames, pose, pair);
-    if (!(magnitude(c.gap) <= reach)) return;
-    const bool behind = c.gap < -closed;
-    if (behind && c.inside > ContactTolerance::blank) return;
-    if (found.count < most_near) found.at[found.count++] = {pair, behind};
-  });
-  return found;
+// Adds a pair whose gap is at most `reach` [m]; one that overlaps by more than `closed` is behind.
+inline void add_near(NearPairs& found, FeaturePair pair, const FeatureContact& c, double reach,
+                     double closed) {
+  if (!(magnitude(c.gap) <= reach)) return;
+  const bool behind = c.gap < -closed;
+  if (behind && c.inside > ContactTolerance::blank) return;
+  if (found.count < most_near) found.at[found.count++] = {pair, behind};
 }
+
+// Finds the near pairs again and again while object and surfaces move: most of the times, only few
+// of all pairs need to be looked at.
+class Neighbourhood {
+ public:
+  NearPairs near(const ContactProblem& problem, std::size_t first, const Frames& frames,
+                 const Pose& pose, double reach, double closed) {
+    if (first != first_ || !(reach + moved(frames, pose) <= reach_))
+      collect(problem, first, frames, pose, reach);
+    NearPairs found;
+    for (std::size_t k = 0; k < count_; ++k)
+      add_near(found, pairs_[k], problem.contact(frames, pose, pairs_[k]), reach, closed);
+    return found;
+  }
+
+ private:
+  void collect(const ContactProblem& problem, std::size_t first, const Frames& frames,
+               const Pose& pose, double reach) {
+    constexpr double ahead = 3.0;  // more pairs each time, but rarely collected
+    reach_ = ahead * reach;
+    first_ = first;
+    frames_ = frames;
+    pose_ = pose;
+    count_ = 0;
+    extent_ = reach;
+    for (std::size_t i = 0; i < problem.shapes.body.count; ++i)
+      extent_ = larger(extent_, length(problem.shapes.body.corners[i].centre));
+    double palm = 0.0;
+    for (std::size_t s = 0; s < problem.shapes.surfaces.count; ++s) {
+      const Surface& surface = problem.shapes.surfaces.at[s];
+      const double end = larger(magnitude(surface.low), magnitude(surface.high));
+      if (surface.carrier != Carrier::ground) palm = larger(palm, length(surface.at) + end);
+    }
+    extent_ += palm;
+    each_pair(problem, first, [&](FeaturePair pair) {
+      if (magnitude(problem.contact(frames, pose, pair).gap) <= reach_ && count_ < pairs_.size())
+        pairs_[count_++] = pair;
+    });
+  }
+
+  // At most how far two points that touch now have approached since the pairs were collected.
+  double moved(const Frames& frames, const Pose& pose) const {
+    double most = 0.0;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      most = larger(most, length(frames[i].origin - frames_[i].origin) +
+                              magnitude(frames[i].angle - frames_[i].angle) * extent_);
+    }
+    return most + length(pose.at - pose_.at) + magnitude(pose.angle - pose_.angle) * extent_;
+  }
+
+  std::array<FeaturePair, 4 * most_near> pairs_;
+  std::size_t count_ = 0;
+  std::size_t first_ = 2;  // of none yet
+  double reach_ = -1.0;
+  double extent_ = 0.0;  // of object and palms from COM and pivot
+  Frames frames_{};
+  Pose pose_{};
+};
 
 struct Conditions {
   static constexpr std::size_t most = 2 * max_supports + most_near + 3;
-  std::array<double, most> value{};
+  std::array<double, most> value;  // up to `count`
   std::size_t count = 0;
   bool settled = true;
 
@@ -141,31 +194,37 @@ inline bool is_clear(const ContactProblem& problem, const Frames& frames, const 
   return false;
 }
 
-// The conditions of a regime in a pose. `pace` is the fastest motion of a surface.
+// The conditions that depend on how the surfaces move: forces and slides. `twist` is the regime's
+// equations of rates, `pace` the fastest motion of a surface.
+inline Conditions conditions_of_motion(const ContactProblem& problem, const Regime& regime,
+                                       const Frames& frames, const Pose& pose,
+                                       const ActiveContacts& contacts,
+                                       const detail::RegimeEquations& twist, double pace) {
+  using Tolerance = ContactTolerance;
+  Conditions all;
+  all.add(balance(rays_of(problem, regime, contacts), problem.weight(regime.pushed)) +
+          Tolerance::force);
+  const auto moves = twist.system.solution();
+  const double least = twist.balance ? Tolerance::balanced_rate : Tolerance::rate;
+  for (std::size_t i = 0; i < regime.count; ++i) {
+    const ActivePair& a = regime.active[i];
+    if (a.motion == Motion::stick) continue;
+    const FeatureContact& c = contacts[i];
+    const double speed = dot(problem.row(c, c.tangent), {moves[0], moves[1], moves[2]}) -
+                         problem.given(frames, pose, a.pair, c, c.tangent);
+    all.add(double(static_cast<int>(a.motion)) * speed / pace + least);
+  }
+  return all;
+}
+
+// All conditions of a regime in a pose.
 inline Conditions conditions_of(const ContactProblem& problem, const Regime& regime,
                                 const Frames& frames, const Pose& pose,
                                 const ActiveContacts& contacts, const NearPairs& near,
                                 double pace) {
   using Tolerance = ContactTolerance;
-  Conditions all{};
-  all.add(balance(rays_of(problem, regime, contacts), problem.weight(regime.pushed)) +
-          Tolerance::force);
-  bool slides = false;
-  for (std::size_t i = 0; i < regime.count; ++i)
-    slides = slides || regime.active[i].motion != Motion::stick;
-  if (slides) {
-    const auto twist = detail::equations(problem, regime, frames, pose, contacts, true);
-    const auto moves = twist.system.solution();
-    const double least = twist.balance ? Tolerance::balanced_rate : Tolerance::rate;
-    for (std::size_t i = 0; i < regime.count; ++i) {
-      const ActivePair& a = regime.active[i];
-      if (a.motion == Motion::stick) continue;
-      const FeatureContact& c = contacts[i];
-      const double speed = dot(problem.row(c, c.tangent), {moves[0], moves[1], moves[2]}) -
-                           problem.given(frames, pose, a.pair, c, c.tangent);
-      all.add(double(static_cast<int>(a.motion)) * speed / pace + least);
-    }
-  }
+  const auto twist = detail::equations(problem, regime, frames, pose, contacts, true);
+  Conditions all = conditions_of_motion(problem, regime, frames, pose, contacts, twist, pace);
   for (std::size_t i = 0; i < regime.count; ++i) {
     all.add(contacts[i].inside + Tolerance::inside);
   }
