@@ -2,11 +2,15 @@
 // The quasistatic world, step by step.
 #include "palmbots/world/quasistatic_world.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
 
 #include "bindings.hpp"
 
@@ -14,7 +18,17 @@ namespace palmbots::bindings {
 
 namespace {
 
-std::pair<double, double> pair_of(const PerSide<double>& p) { return {p[left], p[right]}; }
+using Numbers2 = std::pair<double, double>;
+
+Numbers2 pair_of(const PerSide<double>& p) { return {p[left], p[right]}; }
+PerSide<Vec> vectors_of(const std::pair<Numbers2, Numbers2>& given) {
+  return {Vec{given.first.first, given.first.second}, {given.second.first, given.second.second}};
+}
+
+std::tuple<std::string, double, int, int, int> told(const Advance<double>& a) {
+  return {name_of(a.reason), a.fraction, static_cast<int>(a.motion[left]),
+          static_cast<int>(a.motion[right]), a.segments};
+}
 
 }  // namespace
 
@@ -32,12 +46,19 @@ void bind_world(nb::module_& m) {
   nb::class_<W>(m, "World", "Two palms and an object: exact motion under given robot motions.")
       .def(
           "__init__",
-          [](W* self, const Spec& spec) {
+          [](W* self, const Spec& spec, std::optional<double> floor, Numbers2 noses,
+             Numbers2 heels) {
             Model<double> model = model_of<double>(spec);
             model.safe_reach = -1;  // the palms may be turned to any angles
+            model.profile = {PalmProfile{noses.first, heels.first}, {noses.second, heels.second}};
+            if (floor) model.surroundings = {true, *floor};
             new (self) W(model, configuration_of(spec, model));
           },
-          nb::arg("spec"))
+          nb::arg("spec"), nb::arg("floor") = nb::none(), nb::arg("noses") = Numbers2{0.0, 0.0},
+          nb::arg("heels") = Numbers2{0.0, 0.0},
+          "floor: its friction; it is at height 0. noses, heels: thickness of the palms at the "
+          "inner "
+          "end, and height of the outer end over the top face [m].")
       .def_prop_ro("contacts", [](const W& w) { return pair_of(w.configuration().contacts); })
       .def_prop_ro("separation", [](const W& w) { return w.configuration().separation; })
       .def_prop_ro("palms",
@@ -80,13 +101,51 @@ void bind_world(nb::module_& m) {
       .def(
           "advance",
           [](W& w, double change, std::pair<double, double> palms, double push) {
-            const Advance<double> a = w.advance(change, {palms.first, palms.second}, push);
-            return std::tuple(name_of(a.reason), a.fraction, static_cast<int>(a.motion[left]),
-                              static_cast<int>(a.motion[right]), a.segments);
+            return told(w.advance(change, {palms.first, palms.second}, push));
           },
           nb::arg("change"), nb::arg("palms"), nb::arg("push") = 0.0,
           "Changes the separation [m] and turns the palms to the given angles [rad], both at "
-          "constant rates. Returns (reason, fraction done, motion left, motion right, segments).");
+          "constant rates. Returns (reason, fraction done, motion left, motion right, segments).")
+      .def(
+          "move",
+          [](W& w, std::pair<Numbers2, Numbers2> by, Numbers2 palms) {
+            return told(w.advance(vectors_of(by), {palms.first, palms.second}));
+          },
+          nb::arg("by"), nb::arg("palms"), "The same, with the way (x, y) of each pivot [m].")
+      .def(
+          "put",
+          [](W& w, std::pair<Numbers2, Numbers2> pivots, Numbers2 palms, Numbers2 at,
+             double angle) {
+            w.put(vectors_of(pivots), {palms.first, palms.second},
+                  Pose::of({at.first, at.second}, angle));
+          },
+          nb::arg("pivots"), nb::arg("palms"), nb::arg("at"), nb::arg("angle"),
+          "Puts pivots and the object's COM at these places (x, y) [m].")
+      .def("set_on_both", &W::set_on_both, nb::arg("on_both"),
+           "Whether a step ends when the object leaves one palm.")
+      .def_prop_ro(
+          "pose",
+          [](const W& w) {
+            const Pose pose = w.pose();
+            return std::tuple(pose.at.x, pose.at.y, pose.angle);
+          },
+          "Position of the COM [m], and angle.")
+      .def_prop_ro("pivots",
+                   [](const W& w) {
+                     const Vec l = w.pivot(left);
+                     const Vec r = w.pivot(right);
+                     return std::pair(Numbers2{l.x, l.y}, Numbers2{r.x, r.y});
+                   })
+      .def_prop_ro(
+          "touched",
+          [](const W& w) {
+            const auto place = [&](std::size_t side) -> std::optional<double> {
+              if (!w.is_touched(side)) return std::nullopt;
+              return w.touched()[side];
+            };
+            return std::pair(place(left), place(right));
+          },
+          "Where each palm is touched [m]; None: nowhere.");
 }
 
 }  // namespace palmbots::bindings

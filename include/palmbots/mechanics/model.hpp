@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The model: everything that stays constant during a carry, that is object, palms and friction.
+// The model: everything that stays constant during a carry, that is object, palms, friction and what
+// stands around them.
 #pragma once
 
 #include "palmbots/mechanics/clearance.hpp"
@@ -23,10 +24,26 @@ struct ModelParams {
   Real safe_reach;
 };
 
+// The plate of a palm beyond its top face [m].
+struct PalmProfile {
+  double nose = 0.0;  // thickness at the inner end; 0: infinitely thin
+  double heel = 0.0;  // height of the raised outer end over the top face; 0: none
+};
+
+// What stands still around the robots.
+struct Surroundings {
+  bool floor = false;  // at height 0
+  double friction = 0.0;
+
+  constexpr bool none() const { return !floor; }
+};
+
 // The constants of a carry, with the object's outline.
 template <class Real>
 struct Model : ModelParams<Real> {
   Outline<Real> outline;
+  PerSide<PalmProfile> profile{};
+  Surroundings surroundings{};
 };
 
 }  // namespace palmbots

@@ -13,9 +13,13 @@ namespace detail {
 template <class Real>
 int lopsided(const Model<Real>& model) {
   const auto palm = [&](std::size_t side) {
-    return std::array<Real, 5>{model.friction[side], model.offset[side], model.half_length[side],
+    return std::array<Real, 7>{model.friction[side],
+                               model.offset[side],
+                               model.half_length[side],
                                model.reach[side],
-                               side == left ? model.object.com_left : model.object.com_right};
+                               side == left ? model.object.com_left : model.object.com_right,
+                               Real(model.profile[side].nose),
+                               Real(model.profile[side].heel)};
   };
   const auto of_left = palm(left);
   const auto of_right = palm(right);
@@ -33,7 +37,33 @@ int lopsided(const Model<Real>& model) {
 
 }  // namespace detail
 
-// Each palm is one face, thin and open at its ends.
+// Adds a palm: its top face at this distance from the pivot, its nose and its heel.
+inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double half, double friction,
+                     const PalmProfile& profile) {
+  constexpr Vec up{0.0, 1.0};
+  constexpr Vec inward{-1.0, 0.0};
+  const auto face = [&](Vec at, Vec normal, double low, double high) {
+    surfaces.add({palm, false, at, normal, {}, low, high, friction});
+  };
+  const auto tip = [&](Vec at, Vec from, Vec to) {
+    surfaces.add({palm, true, at, from, to, 0.0, 0.0, friction});
+  };
+  face({0.0, offset}, up, -half, half);
+  if (profile.nose > 0.0) {
+    tip({-half, offset}, up, inward);
+    face({-half, offset}, inward, -profile.nose, 0.0);
+    tip({-half, offset - profile.nose}, inward, -up);
+  } else {
+    tip({-half, offset}, up, -up);
+  }
+  if (profile.heel > 0.0) {
+    face({half, offset}, inward, 0.0, profile.heel);
+    tip({half, offset + profile.heel}, -inward, inward);
+  } else {
+    tip({half, offset}, -up, up);
+  }
+}
+
 template <class Real>
 ContactShapes shapes_of(const Model<Real>& model) {
   ContactShapes shapes{};
@@ -41,19 +71,25 @@ ContactShapes shapes_of(const Model<Real>& model) {
   shapes.lopsided = detail::lopsided(model);
   shapes.body = body_of(model.outline,
                         {{model.object.com_left, model.object.com_right}, model.object.com_height});
-  constexpr Vec up{0.0, 1.0};
   for (const std::size_t side : {left, right}) {
-    const Carrier palm = side == left ? Carrier::left_palm : Carrier::right_palm;
-    const double half = double(model.half_length[side]);
     const std::size_t own = model.outline.contact[side];
-    const double offset = double(model.offset[side]) - double(model.outline.vertices[own].radius);
-    const double friction = double(model.friction[side]);
     shapes.reach[side] = double(model.reach[side]);
     shapes.own[side] = {PairKind::corner_on_face, static_cast<std::uint8_t>(shapes.surfaces.count),
                         static_cast<std::uint8_t>(own)};
-    shapes.surfaces.add({palm, false, {0.0, offset}, up, {}, -half, half, friction});
-    shapes.surfaces.add({palm, true, {-half, offset}, up, -up, 0.0, 0.0, friction});
-    shapes.surfaces.add({palm, true, {half, offset}, -up, up, 0.0, 0.0, friction});
+    add_palm(shapes.surfaces, side == left ? Carrier::left_palm : Carrier::right_palm,
+             double(model.offset[side]) - double(model.outline.vertices[own].radius),
+             double(model.half_length[side]), double(model.friction[side]), model.profile[side]);
+  }
+  if (model.surroundings.floor) {
+    constexpr double endless = 1e6;  // [m]
+    shapes.surfaces.add({Carrier::ground,
+                         false,
+                         {0.0, 0.0},
+                         {0.0, 1.0},
+                         {},
+                         -endless,
+                         endless,
+                         model.surroundings.friction});
   }
   return shapes;
 }

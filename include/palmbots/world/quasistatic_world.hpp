@@ -41,17 +41,47 @@ class World {
   const Configuration<Real>& configuration() const { return state_.configuration; }
   const Model<Real>& model() const { return model_; }
   ContactVector<Real> contact_vector() const { return state_.contact_vector; }
+  // Puts palms and object elsewhere, for example the object on the floor. The pivots are at given
+  // positions. Nothing may overlap.
+  void put(const PerSide<Vec>& pivots, const PerSide<Real>& angles, const Pose& pose) {
+    separation_ = pivots[right].x - pivots[left].x;
+    middle_ = 0.5 * (pivots[left].x + pivots[right].x);
+    for (const std::size_t side : {left, right}) {
+      height_[side] = pivots[side].y;
+      state_.configuration.palms[side] = PalmAngle<Real>::at(angles[side]);
+    }
+    posed_ = true;
+    pose_ = pose;
+    regime_ = {};
+    state_.multi_contact = Real(1);
+    place_vertices(travel({}, angles), 0.0);
+  }
+  // Whether a step ends when the object leaves one palm, or touches none.
+  void set_on_both(bool on_both) { on_both_ = on_both; }
+
+  Pose pose() const { return posed_ ? pose_ : pose_on_vertices(); }
+  // The position of a pivot.
+  Vec pivot(std::size_t side) const {
+    return {middle_ + 0.5 * outward<double>(side) * separation(), height_[side]};
+  }
+  // Whether the object touches a palm.
+  bool is_touched(std::size_t side) const {
+    if (!posed_) return true;
+    for (std::size_t i = 0; i < regime_.count; ++i)
+      if (problem().carrier(regime_.active[i].pair) == side) return true;
+    return false;
+  }
   // The coordinates at which the palms are touched: p of the contact vertex as long as that is on
   // the palm [m].
   PerSide<Real> touched() const {
     PerSide<Real> places = state_.configuration.contacts;
-    if (regime_.none()) return places;
+    if (!posed_) return places;
     const Frames frames = here();
     PerSide<bool> known{};
     for (std::size_t i = 0; i < regime_.count; ++i) {
       const FeaturePair pair = regime_.active[i].pair;
       const std::size_t side = problem().carrier(pair);
-      if (known[side]) continue;
+      if (side > right || known[side]) continue;
       known[side] = true;
       if (pair == shapes().own[side]) continue;
       const Surface& surface = problem().surface(pair);
@@ -67,7 +97,8 @@ class World {
   const WorldState<Real>& state() const { return state_; }
   void set_state(const WorldState<Real>& state) { state_ = state; }
 
-  // The contacts on which the object rests; `none()` if these are its two contact vertices.
+  // The contacts on which the object rests; `none()` if these are its two contact vertices (or not
+  // known before the first step after `put`).
   const Regime& regime() const { return regime_; }
   // Made when first needed: most carries never need them.
   const ContactShapes& shapes() const {
@@ -75,11 +106,13 @@ class World {
     return shapes_;
   }
   const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
+  // Whether the object rests on anything but its two contact vertices.
+  bool rests_elsewhere() const { return !rests_on_vertices(); }
 
   // Why the object is not held in its present position, or `none`.
   DropReason check() const {
     const Configuration<Real>& here = state_.configuration;
-    if (!regime_.none() || rolls()) return check_all();
+    if (posed_ || rolls()) return check_all();
     const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
     const DropReason reason =
         drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
@@ -98,6 +131,7 @@ class World {
     state_.contact_vector = palmbots::contact_vector(now, model_.offset);
     state_.tied = Real(0);
     regime_ = {};
+    posed_ = false;
     state_.multi_contact = Real(rolls() ? 1 : 0);
     return check();
   }
@@ -120,15 +154,32 @@ class World {
     return last_;
   }
 
+  // Moves each pivot by `by` [m].
+  const Advance<Real>& advance(const PerSide<Vec>& by, const PerSide<Real>& angles,
+                               Real push = Real(0)) {
+    const bool level = height_[left] == height_[right] && by[left].y == by[right].y;
+    if (model_.surroundings.none() && level && !posed_) {
+      height_ = {height_[left] + by[left].y, height_[right] + by[right].y};
+      middle_ += 0.5 * (by[left].x + by[right].x);
+      return advance(Real(by[right].x - by[left].x), angles, push);
+    }
+    state_.push = push;
+    return take_apart(by, angles);
+  }
+
   // The same, for a step that the fast step (world/fast_step.hpp) has tried and left
-  // undone.
+  // undone. Both robots travel alike.
   const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
-    last_ = go(change, angles);
-    state_.multi_contact = Real(regime_.none() && !rolls() ? 0 : 1);
-    return last_;
+    return take_apart({Vec{-0.5 * double(change), 0.0}, Vec{0.5 * double(change), 0.0}}, angles);
   }
 
  private:
+  const Advance<Real>& take_apart(const PerSide<Vec>& by, const PerSide<Real>& angles) {
+    last_ = go(by, angles);
+    state_.multi_contact = Real(posed_ || rolls() ? 1 : 0);
+    return last_;
+  }
+
   // Whether a contact vertex is rounded: it rolls, which the steps for two vertices do not know.
   bool rolls() const {
     for (const std::size_t own : model_.outline.contact)
@@ -143,7 +194,7 @@ class World {
     // Smaller than the gap of a closed contact: a corner penetrates a palm deeper than the palm
     // penetrates the corner.
     const Real deep = closed / Real(64);
-    const Pose pose = regime_.none() ? pose_on_vertices() : pose_;
+    const Pose pose = this->pose();
     const Frames frames = here();
     for (const FeaturePair own : shapes().own) {
       const ContactProblem all = problem();
@@ -162,7 +213,7 @@ class World {
   }
 
   ContactProblem problem() const {
-    return {shapes(), double(model_.object.slope), double(state_.push)};
+    return {shapes(), double(model_.object.slope), double(state_.push), on_both_};
   }
 
   PerSide<Real> angles() const {
@@ -170,22 +221,19 @@ class World {
     return {palms[left].angle, palms[right].angle};
   }
 
-  // The palms from here on, while the separation changes by `change` and the palms turn to angles.
-  // Both robots travel alike.
-  Travel travel(double change, const PerSide<Real>& goals) const {
+  // The palms from here on, while the pivots move and the palms turn to goals.
+  Travel travel(const PerSide<Vec>& by, const PerSide<Real>& goals) const {
     Travel travel{};
     for (const std::size_t side : {left, right}) {
-      const double half = 0.5 * outward<double>(side);
       const double angle = double(angles()[side]);
       const double goal = double(goals[side]);
-      travel.palms[side] = {
-          {half * separation(), 0.0}, {half * change, 0.0}, angle, goal - angle, goal};
+      travel.palms[side] = {pivot(side), by[side], angle, goal - angle, goal};
     }
     return travel;
   }
-  Frames here() const { return travel(0.0, angles()).frames(0.0); }
+  Frames here() const { return travel({}, angles()).frames(0.0); }
   double separation() const {
-    return regime_.none() ? double(state_.configuration.separation) : separation_;
+    return posed_ ? separation_ : double(state_.configuration.separation);
   }
 
   // A contact vertex of the object, from its COM.
@@ -210,14 +258,21 @@ class World {
   }
 
   // A whole step: on the two vertices alone and, from a further contact on, on any contacts.
-  [[gnu::noinline]] Advance<Real> go(Real change, const PerSide<Real>& goals) {
-    const Travel step = travel(double(change), goals);
+  [[gnu::noinline]] Advance<Real> go(const PerSide<Vec>& by, const PerSide<Real>& goals) {
+    const Travel step = travel(by, goals);
+    const double widens = by[right].x - by[left].x;
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
-    bool on_vertices = regime_.none();
-    if (on_vertices) {
-      if (!rolls()) total = GeneralStep<Real>{model_, state_, change, goals}.run();
-      if (!rolls() && !adds_contact(total.reason)) return total;
+    bool on_vertices = rests_on_vertices();
+    if (!posed_) {
+      const bool alone = model_.surroundings.none() && by[left].y == by[right].y && !rolls();
+      if (alone) total = GeneralStep<Real>{model_, state_, Real(widens), goals}.run();
+      if (alone && !adds_contact(total.reason)) {
+        carry_on(by, double(total.fraction));
+        return total;
+      }
       pose_ = pose_on_vertices();
+      separation_ = separation();
+      posed_ = true;
     }
     const ContactProblem problem = this->problem();
     const double rounding = double(Real(64) * std::numeric_limits<Real>::epsilon()) * shapes().size;
@@ -229,9 +284,19 @@ class World {
     });
     const ContactStepResult done = contact_step.run(double(total.fraction));
     total = {done.reason, Real(done.fraction), motion_of_palms(), total.segments + done.pieces};
+    carry_on(by, done.fraction);
     place_vertices(step, done.fraction);
-    if (on_vertices && !rolls()) regime_ = {};
+    if (on_vertices && !rolls() && model_.surroundings.none() && height_[left] == height_[right]) {
+      regime_ = {};
+      posed_ = false;
+    }
     return total;
+  }
+
+  // The pivots after a part of a step, but for their separation.
+  void carry_on(const PerSide<Vec>& by, double done) {
+    middle_ += 0.5 * done * (by[left].x + by[right].x);
+    for (const std::size_t side : {left, right}) height_[side] += done * by[side].y;
   }
 
   // A palm's tip at which an edge lies along the palm is an end of a flush contact.
@@ -272,6 +337,7 @@ class World {
   }
 
   bool rests_on_vertices() const {
+    if (!posed_) return true;
     return regime_.count == 2 && regime_.has(shapes().own[left]) &&
            regime_.has(shapes().own[right]);
   }
@@ -290,10 +356,14 @@ class World {
 
   Model<Real> model_{};
   mutable ContactShapes shapes_{};
-  Regime regime_{};  // none: the object rests on its two contact vertices
-  Pose pose_{};      // with a regime
+  bool on_both_ = true;
+  double middle_ = 0.0;       // of the pivots, along the floor [m]
+  PerSide<double> height_{};  // of the pivots [m]
+  bool posed_ = false;        // whether the object may rest on more than its two contact vertices
+  Regime regime_{};           // if so
+  Pose pose_{};               // if so
   Neighbourhood around_{};
-  double separation_ = 0;  // with a regime: without the rounding of Real
+  double separation_ = 0;  // if so: without the rounding of Real
   WorldState<Real> state_{};
   Advance<Real> last_{};
   ContactEventCounter<Real> contact_events_{};

@@ -2,7 +2,8 @@
 """One carry, many carries, a sweep, rare events; the worlds and the results.
 
 `palmbots` exports the functions that run carries; this room exports the types of their results,
-batches of carries, whether a drop could have been prevented, and what registers a world.
+batches of carries, whether a drop could have been prevented, palms that are moved by hand
+(`FloorWorld`), and what registers a world.
 """
 
 from typing import TYPE_CHECKING
@@ -12,6 +13,8 @@ from palmbots._util.lazy_names import lazy_names
 if TYPE_CHECKING:
     from palmbots.simulation.batch import run_batch as run_batch
     from palmbots.simulation.batch import run_seeds as run_seeds
+    from palmbots.simulation.floor_world import FloorState as FloorState
+    from palmbots.simulation.floor_world import FloorWorld as FloorWorld
     from palmbots.simulation.noise_limit import NoiseLimit as NoiseLimit
     from palmbots.simulation.noise_limit import NoisePoint as NoisePoint
     from palmbots.simulation.outcome_counts import OutcomeCounts as OutcomeCounts

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "palmbots/world/contact_shapes.hpp"
 #include "palmbots/world/contact_step.hpp"
 #include "support/random_outline.hpp"
 
@@ -96,30 +97,6 @@ inline Point on_palm(const PalmPose& palm, std::size_t side, double along, doubl
   return {palm.pivot.x + out * (along * c - across * s), palm.pivot.y + along * s + across * c};
 }
 
-inline void add_palm(Surfaces& surfaces, Carrier carrier, const Scene& scene, double friction) {
-  constexpr double h = half_palm;
-  const auto face = [&](Vec at, Vec normal, double low, double high) {
-    surfaces.add({carrier, false, at, normal, {}, low, high, friction});
-  };
-  const auto tip = [&](Vec at, Vec from, Vec to) {
-    surfaces.add({carrier, true, at, from, to, 0.0, 0.0, friction});
-  };
-  face({0, 0}, {0, 1}, -h, h);
-  if (scene.thickness == 0) {
-    tip({-h, 0}, {0, 1}, {0, -1});
-  } else {
-    tip({-h, 0}, {0, 1}, {-1, 0});
-    face({-h, 0}, {-1, 0}, -scene.thickness, 0);
-    tip({-h, -scene.thickness}, {-1, 0}, {0, -1});
-  }
-  if (scene.heel > 0) {
-    face({h, 0}, {-1, 0}, 0, scene.heel);
-    tip({h, scene.heel}, {1, 0}, {-1, 0});
-  } else {
-    tip({h, 0}, {0, -1}, {0, 1});
-  }
-}
-
 // An object on two palms, or on the floor between them. It may overlap them.
 inline Scene random_scene(std::mt19937& chance, bool on_floor) {
   Scene s{};
@@ -158,9 +135,10 @@ inline Scene random_scene(std::mt19937& chance, bool on_floor) {
   s.wall = on_floor && chance_of(chance, 0.3);
   s.wall_x = 1.2 * w;
   Surfaces& surfaces = s.shapes.surfaces;
-  add_palm(surfaces, Carrier::left_palm, s, s.friction[left]);
+  const PalmProfile profile{s.thickness, s.heel};
+  add_palm(surfaces, Carrier::left_palm, 0, half_palm, s.friction[left], profile);
   const auto right_face = static_cast<std::uint8_t>(surfaces.count);
-  add_palm(surfaces, Carrier::right_palm, s, s.friction[right]);
+  add_palm(surfaces, Carrier::right_palm, 0, half_palm, s.friction[right], profile);
   if (s.floor)
     surfaces.add({Carrier::ground, false, {0, 0}, {0, 1}, {}, -100, 100, s.ground_friction});
   if (s.wall)

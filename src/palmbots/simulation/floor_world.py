@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An object that stands on the floor, and two palms that are moved by hand: driven under it, raised,
+lowered and turned.
+
+The world is the exact quasistatic one with the floor as a further surface
+(`world/quasistatic_world.hpp`). There are no robots in it: no noise, no sensors, and no limit to the
+force with which the palms are driven. Source: docs/theory/contacts.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import palmbots._core as _core
+from palmbots._types import BySide, Overrides
+from palmbots._util.arguments import show
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import SceneLike, load_scene
+from palmbots.scene.spec import contact_radii, to_spec
+
+Point = tuple[float, float]
+
+_MOST_DEG = 80.0
+_LONGEST_TURN = math.radians(1.0)  # of a palm that follows the floor, in one piece
+
+
+@dataclass(frozen=True)
+class FloorState:
+    """Where palms and object are. Positions are (along the floor, above it) in metres."""
+
+    end: str
+    """Why the object is not held where the last motion ended; empty if it is."""
+    touched_m: BySide[float | None]
+    """Contact coordinate on each palm, outward from the foot of the pivot; None: no contact."""
+    on_floor: bool
+    """Whether the object touches the floor."""
+    com_m: Point
+    """The centre of mass."""
+    tilt_deg: float
+    """The angle of the object, anticlockwise."""
+    pivots_m: BySide[Point]
+    palms_deg: BySide[float]
+
+
+class FloorWorld:
+    """Two palms and an object that stands on the floor between them.
+
+    The object begins on its two contact vertices, with its COM above the origin. The inner end of
+    each palm begins on the floor beside it.
+
+    Args:
+        scene: the object, the palms (length, friction, offset of the pivots) and the slope of the
+            floor; the task and the robots of the scene do not matter.
+        palms_deg: angles of the left and the right palm.
+        gaps_m: horizontal distances of the palms from the object.
+        nose_m: thickness of the palms at their inner ends; 0: infinitely thin.
+        heel_m: height of a raised outer end of the palms; 0: none.
+        floor_friction: friction coefficient between object and floor.
+        overrides: scene keys to set.
+
+    Raises:
+        SceneError: the scene cannot be read or is not valid.
+        PalmbotsError: an argument is out of range, or the object does not stand on its two contact
+            vertices.
+    """
+
+    def __init__(
+        self,
+        scene: SceneLike = "paper",
+        *,
+        palms_deg: tuple[float, float] = (15.0, 15.0),
+        gaps_m: tuple[float, float] = (0.01, 0.01),
+        nose_m: float = 0.0,
+        heel_m: float = 0.0,
+        floor_friction: float = 0.3,
+        overrides: Overrides = None,
+    ) -> None:
+        chosen = load_scene(scene, overrides)
+        self._spec = spec = to_spec(chosen, unrolled=True)
+        for name, value in (
+            *(("gaps_m", gap) for gap in gaps_m),
+            ("nose_m", nose_m),
+            ("heel_m", heel_m),
+            ("floor_friction", floor_friction),
+        ):
+            if not 0 <= value < math.inf:
+                raise PalmbotsError(f"{name}: value is {show(value)}; allowed: at least 0")
+        angles = _angles(palms_deg)
+        self._nose_m = nose_m
+        self._end = ""
+        self._world = _core.World(spec, floor_friction, (nose_m, nose_m), (heel_m, heel_m))
+        self._world.set_on_both(False)
+        height = spec.com_height + max(contact_radii(spec))
+        self._check_stands(height)
+        across = [x - spec.com_left for x, _ in spec.silhouette]
+        sides = (min(across) - gaps_m[0], max(across) + gaps_m[1])
+        pivots = [
+            (x + sense * self._arm(side, angle), self._pivot_height(side, angle))
+            for side, (x, sense, angle) in enumerate(zip(sides, (-1, 1), angles, strict=True))
+        ]
+        self._world.put((pivots[0], pivots[1]), angles, (0.0, height), 0.0)
+
+    def _check_stands(self, com_height: float) -> None:
+        spec = self._spec
+        lowest = min(y for _, y in spec.silhouette) + com_height - spec.com_height
+        radii = contact_radii(spec)
+        slope = spec.slope * com_height
+        inside = -spec.com_left < slope < spec.com_right
+        if lowest < -1e-9 or radii[0] != radii[1] or not inside:
+            raise PalmbotsError(
+                f"object.vertices_m: the outline does not stand on its contact vertices "
+                f"{show(spec.outline[0][0])} and {show(spec.outline[spec.contact_right][0])}; "
+                "allowed: an object whose two contact vertices are its lowest, with equal radii "
+                "and the COM above the floor between them"
+            )
+
+    def _half(self, side: int) -> float:
+        return 0.5 * self._spec.palms[side].length
+
+    def _arm(self, side: int, angle: float) -> float:
+        """From the inner end of a palm to its pivot, along the floor."""
+        offset = self._spec.palms[side].offset
+        return self._half(side) * math.cos(angle) + offset * math.sin(angle)
+
+    def _pivot_height(self, side: int, angle: float) -> float:
+        """Of a pivot whose palm has its inner end on the floor."""
+        below = self._spec.palms[side].offset - self._nose_m
+        return self._half(side) * math.sin(angle) - below * math.cos(angle)
+
+    def move(
+        self,
+        left_m: float = 0.0,
+        right_m: float = 0.0,
+        *,
+        up_m: tuple[float, float] = (0.0, 0.0),
+        palms_deg: tuple[float, float] | None = None,
+        follow_floor: bool = False,
+    ) -> FloorState:
+        """Move the palms, all at constant rates, until the motion is done or the object is no longer
+        held.
+
+        Args:
+            left_m: the way of the left palm along the floor, in the direction of travel: towards
+                the right palm if positive.
+            right_m: the same of the right palm: away from the left palm if positive.
+            up_m: how far the pivots of the left and the right palm rise.
+            palms_deg: the angles to which the palms turn; None: they keep theirs.
+            follow_floor: keep the inner ends of the palms at their heights while the palms turn.
+                `up_m` is then the rise of the inner ends.
+
+        Raises:
+            PalmbotsError: an argument is out of range.
+        """
+        for name, value in (("left_m", left_m), ("right_m", right_m), ("up_m", sum(up_m))):
+            if not math.isfinite(value):
+                raise PalmbotsError(f"{name}: value is {show(value)}; allowed: finite numbers")
+        start = self._world.palms
+        goal = start if palms_deg is None else _angles(palms_deg)
+        turn = max(abs(b - a) for a, b in zip(start, goal, strict=True))
+        pieces = max(1, math.ceil(turn / _LONGEST_TURN)) if follow_floor else 1
+        for k in range(pieces):
+            before, after = (
+                [a + (b - a) * (n / pieces) for a, b in zip(start, goal, strict=True)]
+                for n in (k, k + 1)
+            )
+            rises = [up / pieces for up in up_m]
+            if follow_floor:
+                for side in (0, 1):
+                    heights = (self._pivot_height(side, a[side]) for a in (before, after))
+                    rises[side] -= next(heights) - next(heights)
+            ways = ((left_m / pieces, rises[0]), (right_m / pieces, rises[1]))
+            self._end = self._world.move(ways, (after[0], after[1]))[0]
+            if self._end:
+                break
+        return self.state
+
+    @property
+    def state(self) -> FloorState:
+        """Where palms and object are."""
+        world = self._world
+        x, y, angle = world.pose
+        return FloorState(
+            end=self._end,
+            touched_m=BySide.of(world.touched),
+            on_floor=any(carrier == 2 for carrier, *_ in world.constraints),
+            com_m=(x, y),
+            tilt_deg=math.degrees(angle),
+            pivots_m=BySide.of(world.pivots),
+            palms_deg=BySide.of(map(math.degrees, world.palms)),
+        )
+
+
+def _angles(palms_deg: tuple[float, float]) -> tuple[float, float]:
+    for value in palms_deg:
+        if not 0 <= value <= _MOST_DEG:
+            raise PalmbotsError(
+                f"palms_deg: value is {show(value)}; allowed: from 0 to {_MOST_DEG:g}, because the "
+                "inner end of a palm is its lowest point"
+            )
+    return math.radians(palms_deg[0]), math.radians(palms_deg[1])

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Objects that are picked up from the floor and put down by hand, against closed forms."""
+
+import math
+
+import pytest
+
+import palmbots as pb
+import palmbots._core as _core
+from palmbots._types import Side
+from palmbots.scene.spec import to_spec
+from palmbots.simulation import FloorState, FloorWorld
+
+RADIUS_M = 0.003
+PLATE = {"nose_m": 0.0003, "heel_m": 0.012}
+ROUNDED = {"object.edge_radius_m": RADIUS_M}
+
+
+def picked_up(**given: object) -> FloorWorld:
+    """A rounded box between the middles of its palms, still low."""
+    world = FloorWorld(overrides=ROUNDED, **(PLATE | given))  # type: ignore[arg-type]
+    state = world.move(0.08, -0.08)
+    assert not state.end and not state.on_floor
+    return world
+
+
+def corner_height(state: FloorState, side: Side) -> float:
+    """Of the centre of the arc that rolls on a palm."""
+    p, theta = state.touched_m[side], math.radians(state.palms_deg[side])
+    assert p is not None
+    return state.pivots_m[side][1] + p * math.sin(theta) + RADIUS_M * math.cos(theta)
+
+
+@pytest.mark.parametrize("plate", [{}, PLATE])
+def test_closing_picks_the_object_up(plate: dict[str, float]) -> None:
+    world = FloorWorld(overrides=ROUNDED, **plate)  # type: ignore[arg-type]
+    assert world.state.touched_m.values() == (None, None) and not world.state.end
+    before = world.move(0.009, -0.009)
+    assert before.on_floor and before.com_m == pytest.approx((0, 0.04), abs=1e-12)
+    after = world.move(0.071, -0.071)
+    left, right = after.touched_m.values()
+    assert left is not None and left == right and not after.on_floor
+    box = 0.04 - RADIUS_M  # the COM over the centres of the arcs
+    assert after.com_m[1] == pytest.approx(corner_height(after, "left") + box, abs=1e-12)
+    assert after.tilt_deg == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("radius_m", "theta_deg", "friction"),
+    [(0.003, 15, 0.3), (0.003, 8, 0.5), (0.01, 15, 0.2), (0.02, 30, 0.3)],
+)
+def test_a_nose_gets_under_an_edge_if_it_is_thin_enough(
+    radius_m: float, theta_deg: float, friction: float
+) -> None:
+    # The force at the upper edge of the nose leans by ψ + φ from the vertical, where the arc has its
+    # centre in the direction ψ with cos ψ = 1 − t / r: it can lift if that is less than 90°.
+    height = radius_m * (1 - math.sin(math.atan(friction)))
+    for share, lifts in ((0.98, True), (1.02, False)):
+        world = FloorWorld(
+            palms_deg=(theta_deg, theta_deg),
+            nose_m=share * height / math.cos(math.radians(theta_deg)),
+            overrides={"object.edge_radius_m": radius_m, "palm.friction": friction},
+        )
+        end = world.move(0.05, -0.05).end
+        assert end == ("" if lifts else "jammed")
+
+
+def test_a_palm_pushes_the_object_until_the_other_one_holds_against_it() -> None:
+    state = FloorWorld(overrides=ROUNDED, gaps_m=(0.005, 0.05), **PLATE).move(0.02, -0.02)  # type: ignore[arg-type]
+    assert state.on_floor and state.touched_m.right is None
+    # The nose meets the arc where that is as high as the nose.
+    high = PLATE["nose_m"] * math.cos(math.radians(15))
+    inset = RADIUS_M - math.sqrt(RADIUS_M**2 - (RADIUS_M - high) ** 2)
+    assert state.com_m == pytest.approx((0.02 - 0.005 - inset, 0.04), abs=1e-12)
+
+
+def test_palms_at_different_angles_tilt_the_object() -> None:
+    world = picked_up()
+    state = world.move(palms_deg=(5, 15), follow_floor=True)
+    ends = {
+        side: state.pivots_m[side][1] - 0.075 * math.sin(theta) + 0.0003 * math.cos(theta)
+        for side, theta in zip(("left", "right"), map(math.radians, (5, 15)), strict=True)
+    }
+    # The lower corner of the nose stays on the floor.
+    thick = {"left": math.cos(math.radians(5)), "right": math.cos(math.radians(15))}
+    assert all(ends[s] == pytest.approx(0.0006 * thick[s], abs=1e-12) for s in ("left", "right"))
+    rise = corner_height(state, "right") - corner_height(state, "left")
+    assert math.sin(math.radians(state.tilt_deg)) == pytest.approx(rise / 0.244, abs=1e-12)
+    raised = world.move(0.05, 0.05, up_m=(0.1, 0.1))
+    assert raised.touched_m.values() == pytest.approx(state.touched_m.values(), abs=1e-12)
+    assert raised.com_m[1] - state.com_m[1] == pytest.approx(0.1, abs=1e-12)
+    assert raised.com_m[0] - state.com_m[0] == pytest.approx(0.05, abs=1e-12)
+
+
+@pytest.mark.parametrize(("floor", "is_dragged"), [(0.1, True), (0.35, False)])
+def test_the_corner_that_stands_stays_while_the_other_palm_leaves(
+    floor: float, is_dragged: bool
+) -> None:
+    # It stays if |tan(θ − φ)| V ≤ μ V' of the floor, with the loads V of the palm and V' of the floor:
+    # here both are near one half, and |tan(5° − 16.7°)| = 0.21.
+    world = picked_up(floor_friction=floor)
+    world.move(palms_deg=(5, 15), follow_floor=True)
+    states = [world.move(-0.01, 0.01)]
+    while not (states[-1].touched_m.right is None or states[-1].end):
+        states.append(world.move(-0.01, 0.01))
+    stands = states[-1]
+    assert stands.on_floor and stands.touched_m.left is not None
+
+    def foot(state: FloorState) -> float:
+        """Of the right corner, where its arc rolls on the floor."""
+        angle = math.radians(state.tilt_deg)
+        x, y = 0.125 - RADIUS_M, RADIUS_M - 0.04
+        return state.com_m[0] + x * math.cos(angle) - y * math.sin(angle) + RADIUS_M * angle
+
+    later = world.move(-0.02, 0.02)
+    assert not later.end and later.touched_m.left is not None
+    assert (abs(foot(later) - foot(stands)) > 1e-3) == is_dragged
+    assert is_dragged or abs(foot(later) - foot(stands)) < 1e-9
+
+
+def test_it_is_put_down_flat() -> None:
+    world = picked_up()
+    world.move(palms_deg=(5, 15), follow_floor=True)
+    for _ in range(20):
+        state = world.move(-0.01, 0.01)
+    assert not state.end and state.touched_m.values() == (None, None) and state.on_floor
+    assert state.com_m[1] == pytest.approx(0.04, abs=1e-12)
+    assert state.tilt_deg == pytest.approx(0, abs=1e-9)
+
+
+def test_mirrored_motions_give_the_mirrored_states_to_the_last_bit() -> None:
+    motions = [(0.03, -0.01), (0.06, -0.07), (-0.02, 0.01)]
+    ours = FloorWorld(palms_deg=(15, 8), gaps_m=(0.004, 0.02), overrides=ROUNDED, **PLATE)  # type: ignore[arg-type]
+    theirs = FloorWorld(palms_deg=(8, 15), gaps_m=(0.02, 0.004), overrides=ROUNDED, **PLATE)  # type: ignore[arg-type]
+    for left, right in motions:
+        one, two = ours.move(left, right), theirs.move(-right, -left)
+        assert (one.end, one.on_floor, one.tilt_deg) == (two.end, two.on_floor, -two.tilt_deg)
+        assert one.touched_m.values() == two.touched_m.values()[::-1]
+        assert one.com_m == (-two.com_m[0], two.com_m[1])
+
+
+def test_off_the_floor_it_is_the_world_of_a_carry() -> None:
+    world = picked_up()
+    world.move(palms_deg=(5, 15), follow_floor=True)
+    heights = [0.1 - height for _, height in world.state.pivots_m.values()]
+    level = world.move(up_m=(heights[0], heights[1]))
+    angles = math.radians(5), math.radians(15)
+    spec = to_spec(pb.load_scene("paper", ROUNDED))
+    palms = spec.palms
+    palms[0].steep = angles[0]
+    spec.palms, spec.start = palms, level.touched_m.values()
+    other = _core.World(spec)
+    for closing in (0.01, -0.03, 0.02):
+        assert not other.advance(-2 * closing, angles)[0]
+        state = world.move(closing, -closing)
+        assert state.touched_m.values() == pytest.approx(other.contacts, abs=1e-9)
+
+
+def test_two_heels_stop_the_palms() -> None:
+    assert picked_up().move(0.1, -0.1).end == "jammed"
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"palms_deg": (-5, 15)}, "palms_deg: value is -5; allowed: from 0 to 80"),
+        ({"nose_m": -0.001}, "nose_m: value is -0.001; allowed: at least 0"),
+        ({"gaps_m": (0.01, math.nan)}, "gaps_m: value is nan; allowed: at least 0"),
+        ({"floor_friction": math.inf}, "floor_friction: value is inf; allowed: at least 0"),
+        (
+            {"overrides": {"object.vertices_m": [[0, 0], [0.125, -0.01], [0.25, 0], [0.25, 0.1]], "object.contacts": [0, 2]}},
+            "does not stand on its contact vertices",
+        ),
+    ],
+)
+def test_bad_input_is_refused(given: dict[str, object], message: str) -> None:
+    with pytest.raises(pb.PalmbotsError, match=message):
+        FloorWorld(**given)  # type: ignore[arg-type]
+
+
+def test_bad_motions_are_refused() -> None:
+    world = FloorWorld()
+    with pytest.raises(pb.PalmbotsError, match="palms_deg: value is 90"):
+        world.move(palms_deg=(90, 5))
+    with pytest.raises(pb.PalmbotsError, match="left_m: value is nan"):
+        world.move(math.nan)
