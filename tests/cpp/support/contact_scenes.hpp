@@ -88,6 +88,7 @@ struct Scene {
   double wall_x;
   PalmPose palms[2];
   Pose pose;
+  Neighbourhood around;
 };
 
 inline Point on_palm(const PalmPose& palm, std::size_t side, double along, double across) {

@@ -168,7 +168,7 @@ ContactStepResult step(Scene& s, Regime& regime, double slope, const PalmPose (&
   const ContactProblem problem{s.shapes, slope, 0.0, false};
   const Travel travel = travel_of(s, by, share);
   const ContactStepResult done =
-      ContactStep(problem, travel, s.pose, regime, 1e-14 * s.shapes.size, [](double) {}).run();
+      ContactStep(problem, travel, s.pose, regime, s.around, 1e-14 * s.shapes.size, [](double) {}).run();
   for (const std::size_t side : {left, right}) {
     s.palms[side].pivot.x += done.fraction * travel.palms[side].by.x;
     s.palms[side].pivot.y += done.fraction * travel.palms[side].by.y;
@@ -280,8 +280,9 @@ void two_vertices(int scenes) {
       Pose pose = Pose::of({0, 0}, std::atan2(across.y, across.x));
       pose.at = vertex[left] - pose.to_world({-model.object.com_left, -model.object.com_height});
       Regime regime{};
+      Neighbourhood around;
       const ContactStepResult done =
-          ContactStep(problem, travel, pose, regime, 1e-13, [](double) {}).run();
+          ContactStep(problem, travel, pose, regime, around, 1e-13, [](double) {}).run();
       CHECK(done.reason == DropReason::none && regime.count == 2);
       for (const std::size_t side : {left, right}) {
         const double place = problem.contact(travel.frames(1), pose, shapes.own[side]).place;
