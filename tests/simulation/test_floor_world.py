@@ -13,6 +13,10 @@ from palmbots.simulation import FloorState, FloorWorld
 
 RADIUS_M = 0.003
 PLATE = {"nose_m": 0.0003, "heel_m": 0.012}
+KEEL = {
+    "object.vertices_m": [[0, 0], [0.125, -0.01], [0.25, 0], [0.25, 0.1]],
+    "object.contacts": [0, 2],
+}
 ROUNDED = {"object.edge_radius_m": RADIUS_M}
 
 
@@ -52,8 +56,8 @@ def test_closing_picks_the_object_up(plate: dict[str, float]) -> None:
 def test_a_nose_gets_under_an_edge_if_it_is_thin_enough(
     radius_m: float, theta_deg: float, friction: float
 ) -> None:
-    # The force at the upper edge of the nose leans by ψ + φ from the vertical, where the arc has its
-    # centre in the direction ψ with cos ψ = 1 − t / r: it can lift if that is less than 90°.
+    # The force at the upper edge of the nose leans by ψ + φ from the vertical, where the arc has
+    # its centre in the direction ψ with cos ψ = 1 − t / r: it can lift if that is less than 90°.
     height = radius_m * (1 - math.sin(math.atan(friction)))
     for share, lifts in ((0.98, True), (1.02, False)):
         world = FloorWorld(
@@ -96,8 +100,8 @@ def test_palms_at_different_angles_tilt_the_object() -> None:
 def test_the_corner_that_stands_stays_while_the_other_palm_leaves(
     floor: float, is_dragged: bool
 ) -> None:
-    # It stays if |tan(θ − φ)| V ≤ μ V' of the floor, with the loads V of the palm and V' of the floor:
-    # here both are near one half, and |tan(5° − 16.7°)| = 0.21.
+    # It stays if |tan(θ − φ)| V ≤ μ V' of the floor, with the loads V of the palm and V' of the
+    # floor: here both are near one half, and |tan(5° − 16.7°)| = 0.21.
     world = picked_up(floor_friction=floor)
     world.move(palms_deg=(5, 15), follow_floor=True)
     states = [world.move(-0.01, 0.01)]
@@ -168,7 +172,12 @@ def test_two_heels_stop_the_palms() -> None:
         ({"gaps_m": (0.01, math.nan)}, "gaps_m: value is nan; allowed: at least 0"),
         ({"floor_friction": math.inf}, "floor_friction: value is inf; allowed: at least 0"),
         (
-            {"overrides": {"object.vertices_m": [[0, 0], [0.125, -0.01], [0.25, 0], [0.25, 0.1]], "object.contacts": [0, 2]}},
+            {
+                "overrides": {
+                    "object.vertices_m": [[0, 0], [0.125, -0.01], [0.25, 0], [0.25, 0.1]],
+                    "object.contacts": [0, 2],
+                }
+            },
             "does not stand on its contact vertices",
         ),
     ],

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An object that stands on the floor, and two palms that are moved by hand: driven under it, raised,
-lowered and turned.
+"""An object that stands on the floor, and two palms that are moved by hand: driven under it,
+raised, lowered and turned.
 
 The world is the exact quasistatic one with the floor as a further surface
-(`world/quasistatic_world.hpp`). There are no robots in it: no noise, no sensors, and no limit to the
-force with which the palms are driven. Source: docs/theory/contacts.md.
+(`world/quasistatic_world.hpp`). There are no robots in it: no noise, no sensors, and no limit to
+the force with which the palms are driven. Source: docs/theory/contacts.md.
 """
 
 from __future__ import annotations
@@ -137,8 +137,7 @@ class FloorWorld:
         palms_deg: tuple[float, float] | None = None,
         follow_floor: bool = False,
     ) -> FloorState:
-        """Move the palms, all at constant rates, until the motion is done or the object is no longer
-        held.
+        """Move the palms, all at constant rates, until all is done or the object is not held.
 
         Args:
             left_m: the way of the left palm along the floor, in the direction of travel: towards
