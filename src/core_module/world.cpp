@@ -25,7 +25,7 @@ PerSide<Vec> vectors_of(const std::pair<Numbers2, Numbers2>& given) {
   return {Vec{given.first.first, given.first.second}, {given.second.first, given.second.second}};
 }
 
-std::tuple<std::string, double, int, int, int> told(const Advance<double>& a) {
+std::tuple<std::string, double, int, int, int> result_of(const Advance<double>& a) {
   return {name_of(a.reason), a.fraction, static_cast<int>(a.motion[left]),
           static_cast<int>(a.motion[right]), a.segments};
 }
@@ -101,7 +101,7 @@ void bind_world(nb::module_& m) {
       .def(
           "advance",
           [](W& w, double change, std::pair<double, double> palms, double push) {
-            return told(w.advance(change, {palms.first, palms.second}, push));
+            return result_of(w.advance(change, {palms.first, palms.second}, push));
           },
           nb::arg("change"), nb::arg("palms"), nb::arg("push") = 0.0,
           "Changes the separation [m] and turns the palms to the given angles [rad], both at "
@@ -109,7 +109,7 @@ void bind_world(nb::module_& m) {
       .def(
           "move",
           [](W& w, std::pair<Numbers2, Numbers2> by, Numbers2 palms) {
-            return told(w.advance(vectors_of(by), {palms.first, palms.second}));
+            return result_of(w.advance(vectors_of(by), {palms.first, palms.second}));
           },
           nb::arg("by"), nb::arg("palms"), "The same, with the way (x, y) of each pivot [m].")
       .def(

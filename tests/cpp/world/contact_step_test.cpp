@@ -168,7 +168,8 @@ ContactStepResult step(Scene& s, Regime& regime, double slope, const PalmPose (&
   const ContactProblem problem{s.shapes, slope, 0.0, false};
   const Travel travel = travel_of(s, by, share);
   const ContactStepResult done =
-      ContactStep(problem, travel, s.pose, regime, s.around, 1e-14 * s.shapes.size, [](double) {}).run();
+      ContactStep(problem, travel, s.pose, regime, s.around, 1e-14 * s.shapes.size, [](double) {
+      }).run();
   for (const std::size_t side : {left, right}) {
     s.palms[side].pivot.x += done.fraction * travel.palms[side].by.x;
     s.palms[side].pivot.y += done.fraction * travel.palms[side].by.y;
