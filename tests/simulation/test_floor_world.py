@@ -2,6 +2,7 @@
 """Objects that are picked up from the floor and put down by hand, against closed forms."""
 
 import math
+from typing import Any
 
 import pytest
 
@@ -12,7 +13,7 @@ from palmbots.scene.spec import to_spec
 from palmbots.simulation import FloorState, FloorWorld
 
 RADIUS_M = 0.003
-PLATE = {"nose_m": 0.0003, "heel_m": 0.012}
+PLATE: dict[str, Any] = {"nose_m": 0.0003, "heel_m": 0.012}
 KEEL = {
     "object.vertices_m": [[0, 0], [0.125, -0.01], [0.25, 0], [0.25, 0.1]],
     "object.contacts": [0, 2],
@@ -20,9 +21,9 @@ KEEL = {
 ROUNDED = {"object.edge_radius_m": RADIUS_M}
 
 
-def picked_up(**given: object) -> FloorWorld:
+def picked_up(**given: Any) -> FloorWorld:
     """A rounded box between the middles of its palms, still low."""
-    world = FloorWorld(overrides=ROUNDED, **(PLATE | given))  # type: ignore[arg-type]
+    world = FloorWorld(overrides=ROUNDED, **(PLATE | given))
     state = world.move(0.08, -0.08)
     assert not state.end and not state.on_floor
     return world
@@ -36,8 +37,8 @@ def corner_height(state: FloorState, side: Side) -> float:
 
 
 @pytest.mark.parametrize("plate", [{}, PLATE])
-def test_closing_picks_the_object_up(plate: dict[str, float]) -> None:
-    world = FloorWorld(overrides=ROUNDED, **plate)  # type: ignore[arg-type]
+def test_closing_picks_the_object_up(plate: dict[str, Any]) -> None:
+    world = FloorWorld(overrides=ROUNDED, **plate)
     assert world.state.touched_m.values() == (None, None) and not world.state.end
     before = world.move(0.009, -0.009)
     assert before.on_floor and before.com_m == pytest.approx((0, 0.04), abs=1e-12)
@@ -70,7 +71,7 @@ def test_a_nose_gets_under_an_edge_if_it_is_thin_enough(
 
 
 def test_a_palm_pushes_the_object_until_the_other_one_holds_against_it() -> None:
-    state = FloorWorld(overrides=ROUNDED, gaps_m=(0.005, 0.05), **PLATE).move(0.02, -0.02)  # type: ignore[arg-type]
+    state = FloorWorld(overrides=ROUNDED, gaps_m=(0.005, 0.05), **PLATE).move(0.02, -0.02)
     assert state.on_floor and state.touched_m.right is None
     # The nose meets the arc where that is as high as the nose.
     high = PLATE["nose_m"] * math.cos(math.radians(15))
@@ -134,8 +135,8 @@ def test_it_is_put_down_flat() -> None:
 
 def test_mirrored_motions_give_the_mirrored_states_to_the_last_bit() -> None:
     motions = [(0.03, -0.01), (0.06, -0.07), (-0.02, 0.01)]
-    ours = FloorWorld(palms_deg=(15, 8), gaps_m=(0.004, 0.02), overrides=ROUNDED, **PLATE)  # type: ignore[arg-type]
-    theirs = FloorWorld(palms_deg=(8, 15), gaps_m=(0.02, 0.004), overrides=ROUNDED, **PLATE)  # type: ignore[arg-type]
+    ours = FloorWorld(palms_deg=(15, 8), gaps_m=(0.004, 0.02), overrides=ROUNDED, **PLATE)
+    theirs = FloorWorld(palms_deg=(8, 15), gaps_m=(0.02, 0.004), overrides=ROUNDED, **PLATE)
     for left, right in motions:
         one, two = ours.move(left, right), theirs.move(-right, -left)
         assert (one.end, one.on_floor, one.tilt_deg) == (two.end, two.on_floor, -two.tilt_deg)
@@ -152,7 +153,9 @@ def test_off_the_floor_it_is_the_world_of_a_carry() -> None:
     spec = to_spec(pb.load_scene("paper", ROUNDED))
     palms = spec.palms
     palms[0].steep = angles[0]
-    spec.palms, spec.start = palms, level.touched_m.values()
+    left, right = level.touched_m.values()
+    assert left is not None and right is not None
+    spec.palms, spec.start = palms, (left, right)
     other = _core.World(spec)
     for closing in (0.01, -0.03, 0.02):
         assert not other.advance(-2 * closing, angles)[0]
@@ -182,9 +185,9 @@ def test_two_heels_stop_the_palms() -> None:
         ),
     ],
 )
-def test_bad_input_is_refused(given: dict[str, object], message: str) -> None:
+def test_bad_input_is_refused(given: dict[str, Any], message: str) -> None:
     with pytest.raises(pb.PalmbotsError, match=message):
-        FloorWorld(**given)  # type: ignore[arg-type]
+        FloorWorld(**given)
 
 
 def test_bad_motions_are_refused() -> None:
