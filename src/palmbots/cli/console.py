@@ -61,10 +61,11 @@ def print_report(items: Iterable[Item], about: str = "", console: Console | None
     Args:
         items: the lines.
         about: of what the result is, such as the name of a scene.
-        console: where to print; None: on stdout.
+        console: where to print, as wide as it is; None: on stdout.
     """
+    width = console.width if console else None
     console = console or report_console()
-    width = _text_width(console)
+    width = width or _text_width(console)
     for item in _about(list(items), about) if about else items:
         if isinstance(item, TableOfTexts):
             console.print(_table(item))
