@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What helps along a curve: every change has been carried, and a turn keeps its angle."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -75,6 +76,16 @@ def test_every_change_that_is_printed_was_carried(carried: list[dict[str, Any]])
         assert f"--set {key}={value:g}" in command if isinstance(value, float) else key in command
     assert "-c distributed" in command
     assert {one.controller for one in found.others} == {"distributed", "shared-sign"}
+
+
+def test_the_command_gives_each_key_once(carried: list[dict[str, Any]]) -> None:
+    scene = pb.load_scene("paper", {"palm.length_m": 0.16, "robot.noise_m_s": 0.01})
+    scene.spell("paper --set palm.length_m=0.16 --set robot.noise_m_s=0.01")
+    text = repr(pb.mujoco.compare_on_curve(scene, turn_radius_m=0.6))
+    (command,) = [line for line in text.splitlines() if "run: " in line]
+    keys = re.findall(r"--set '?([a-z_.]+)=", command)
+    assert "palm.length_m" in keys and "robot.noise_m_s" in keys
+    assert len(keys) == len(set(keys))
 
 
 def test_larger_radii_keep_the_angle_of_the_turn(carried: list[dict[str, Any]]) -> None:

@@ -29,6 +29,7 @@ from palmbots.mujoco.curve_trial import (
     Keys,
     carry_curve,
     forecast_curve,
+    respelled,
     turn_keys,
     whole_turn_keys,
 )
@@ -90,16 +91,13 @@ class CurveComparison(Result):
             ("  change", "drops", "stalls", "forecast drift"),
         )
         shown = best or own
-        changes = self.own.settings if shown is not own else ""
+        scene = respelled(self.scene.spelled, {**self.own.changes, **shown.changes})
         carries = ""
         if shown.counts is not None:
             carries = f"{plural(shown.counts.carries, 'carry')} each, seeds "
         yield quiet(f"{own.controller}; MuJoCo; {carries}from 0; 95 % intervals")
         extra = " --allow-drift-beyond-budget" if shown.counts is None else " --seeds 100"
-        command = (
-            f"palmbots carry {self.scene.spelled} --world mujoco{changes}{shown.settings} "
-            f"-c {shown.controller}{extra}"
-        )
+        command = f"palmbots carry {scene} --world mujoco -c {shown.controller}{extra}"
         yield Line(f"run: {command}", indent=2, is_whole=True)
 
 

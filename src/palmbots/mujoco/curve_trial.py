@@ -40,11 +40,6 @@ class CurveTrial:
         """Whether the pair can drive along the curve, and the object is not expected to tip."""
         return self.forecast is not None and self.forecast.verdict != "beyond"
 
-    @property
-    def settings(self) -> str:
-        """The changes as options of a command, each with a blank in front."""
-        return settings_of(self.changes)
-
 
 def settings_of(changes: Mapping[str, Any]) -> str:
     """Changed keys as options of a command, each with a blank in front."""
