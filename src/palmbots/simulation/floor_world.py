@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An object that stands on the floor, and two palms that are moved by hand: driven under it,
-raised, lowered and turned.
+"""An object that stands on the floor, and two palms that the caller drives under it, raises, lowers
+and turns.
 
 The world is the exact quasistatic one with the floor as a further surface
-(`world/quasistatic_world.hpp`). There are no robots in it: no noise, no sensors, and no limit to
-the force with which the palms are driven. Source: docs/theory/contacts.md.
+(`world/quasistatic_world.hpp`). It has no robots, hence no noise, no sensors and no limit to the
+force with which the palms are driven. Source: docs/theory/contacts.md.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from palmbots.scene.spec import contact_radii, to_spec
 Point = tuple[float, float]
 
 _MOST_DEG = 80.0
-_LONGEST_TURN = math.radians(1.0)  # of a palm that follows the floor, in one piece
+_LONGEST_TURN = math.radians(1.0)  # of a palm that follows the floor, in one piece of a motion
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,10 @@ class FloorState:
     """Where palms and object are. Positions are (along the floor, above it) in metres."""
 
     end: str
-    """Why the object is not held where the last motion ended; empty if it is."""
+    """Why the last motion ended early, for example ``jammed``; empty: it was completed."""
     touched_m: BySide[float | None]
-    """Contact coordinate on each palm, outward from the foot of the pivot; None: no contact."""
+    """Contact coordinate on each palm, outward from its point nearest to the pivot; None: the
+    object does not touch this palm."""
     on_floor: bool
     """Whether the object touches the floor."""
     com_m: Point
@@ -47,15 +48,15 @@ class FloorWorld:
     """Two palms and an object that stands on the floor between them.
 
     The object begins on its two contact vertices, with its COM above the origin. The inner end of
-    each palm begins on the floor beside it.
+    each palm begins on the floor beside the object.
 
     Args:
         scene: the object, the palms (length, friction, offset of the pivots) and the slope of the
             floor; the task and the robots of the scene do not matter.
         palms_deg: angles of the left and the right palm.
-        gaps_m: horizontal distances of the palms from the object.
+        gaps_m: horizontal distances of the left and the right palm from the object.
         nose_m: thickness of the palms at their inner ends; 0: infinitely thin.
-        heel_m: height of a raised outer end of the palms; 0: none.
+        heel_m: height of the stop that rises from the outer ends of the palms; 0: none.
         floor_friction: friction coefficient between object and floor.
         overrides: scene keys to set.
 
@@ -119,12 +120,12 @@ class FloorWorld:
         return 0.5 * self._spec.palms[side].length
 
     def _arm(self, side: int, angle: float) -> float:
-        """From the inner end of a palm to its pivot, along the floor."""
+        """Distance along the floor from the inner end of a palm to its pivot."""
         offset = self._spec.palms[side].offset
         return self._half(side) * math.cos(angle) + offset * math.sin(angle)
 
     def _pivot_height(self, side: int, angle: float) -> float:
-        """Of a pivot whose palm has its inner end on the floor."""
+        """Height of the pivot of a palm whose inner end is on the floor."""
         below = self._spec.palms[side].offset - self._nose_m
         return self._half(side) * math.sin(angle) - below * math.cos(angle)
 
@@ -137,16 +138,17 @@ class FloorWorld:
         palms_deg: tuple[float, float] | None = None,
         follow_floor: bool = False,
     ) -> FloorState:
-        """Move the palms, all at constant rates, until all is done or the object is not held.
+        """Move both palms at once, at constant rates, until they arrive or the object stops them.
 
         Args:
-            left_m: the way of the left palm along the floor, in the direction of travel: towards
-                the right palm if positive.
-            right_m: the same of the right palm: away from the left palm if positive.
+            left_m: displacement of the left palm along the floor; positive: towards the right palm.
+            right_m: displacement of the right palm, in the same direction; positive: away from the
+                left palm.
             up_m: how far the pivots of the left and the right palm rise.
-            palms_deg: the angles to which the palms turn; None: they keep theirs.
-            follow_floor: keep the inner ends of the palms at their heights while the palms turn.
-                `up_m` is then the rise of the inner ends.
+            palms_deg: the angles to which the palms turn; None: they do not turn.
+            follow_floor: raise or lower the pivots so that the inner ends keep their heights while
+                the palms turn (exactly after each degree). `up_m` is then the rise of the inner
+                ends.
 
         Raises:
             PalmbotsError: an argument is out of range.
