@@ -40,6 +40,7 @@ def corner_height(state: FloorState, side: Side) -> float:
 def test_closing_picks_the_object_up(plate: dict[str, Any]) -> None:
     world = FloorWorld(overrides=ROUNDED, **plate)
     assert world.state.touched_m.values() == (None, None) and not world.state.end
+    assert world.state.on_floor
     before = world.move(0.009, -0.009)
     assert before.on_floor and before.com_m == pytest.approx((0, 0.04), abs=1e-12)
     after = world.move(0.071, -0.071)
@@ -171,9 +172,15 @@ def test_two_heels_stop_the_palms() -> None:
     ("given", "message"),
     [
         ({"palms_deg": (-5, 15)}, "palms_deg: value is -5; allowed: from 0 to 80"),
-        ({"nose_m": -0.001}, "nose_m: value is -0.001; allowed: at least 0"),
-        ({"gaps_m": (0.01, math.nan)}, "gaps_m: value is nan; allowed: at least 0"),
-        ({"floor_friction": math.inf}, "floor_friction: value is inf; allowed: at least 0"),
+        ({"nose_m": -0.001}, "nose_m: value is -0.001; allowed: a finite number, at least 0"),
+        (
+            {"gaps_m": (0.01, math.nan)},
+            "gaps_m: value is nan; allowed: a finite number, at least 0",
+        ),
+        (
+            {"floor_friction": math.inf},
+            "floor_friction: value is inf; allowed: a finite number, at least 0",
+        ),
         (
             {
                 "overrides": {
@@ -196,3 +203,18 @@ def test_bad_motions_are_refused() -> None:
         world.move(palms_deg=(90, 5))
     with pytest.raises(pb.PalmbotsError, match="left_m: value is nan"):
         world.move(math.nan)
+    with pytest.raises(pb.PalmbotsError, match="up_m: value is inf"):
+        world.move(up_m=(0.1, math.inf))
+
+
+def test_what_topples_on_a_slope_is_refused() -> None:
+    # Uphill is the direction of travel, so the object topples backwards, about its left vertex:
+    # the COM is 40 mm high, and 40 mm × tan 20° = 14.6 mm.
+    for com_x, stands in ((0.014, False), (0.015, True), (0.236, True)):
+        keys = {"object.com_m": [com_x, 0.04], "task.slope_deg": 20}
+        if stands:
+            world = FloorWorld(overrides=keys, floor_friction=1)
+            assert not world.move(0.001, -0.001).end
+            continue
+        with pytest.raises(pb.PalmbotsError, match="does not stand on its contact vertices"):
+            FloorWorld(overrides=keys, floor_friction=1)

@@ -86,7 +86,9 @@ class FloorWorld:
             ("floor_friction", floor_friction),
         ):
             if not 0 <= value < math.inf:
-                raise PalmbotsError(f"{name}: value is {show(value)}; allowed: at least 0")
+                raise PalmbotsError(
+                    f"{name}: value is {show(value)}; allowed: a finite number, at least 0"
+                )
         angles = _angles(palms_deg)
         self._nose_m = nose_m
         self._end = ""
@@ -106,8 +108,9 @@ class FloorWorld:
         spec = self._spec
         lowest = min(y for _, y in spec.silhouette) + com_height - spec.com_height
         radii = contact_radii(spec)
-        slope = spec.slope * com_height
-        inside = -spec.com_left < slope < spec.com_right
+        # Where the line of action meets the floor: a force towards −x moves it back.
+        back = spec.slope * com_height
+        inside = -spec.com_right < back < spec.com_left
         if lowest < -1e-9 or radii[0] != radii[1] or not inside:
             raise PalmbotsError(
                 f"object.vertices_m: the outline does not stand on its contact vertices "
@@ -153,7 +156,11 @@ class FloorWorld:
         Raises:
             PalmbotsError: an argument is out of range.
         """
-        for name, value in (("left_m", left_m), ("right_m", right_m), ("up_m", sum(up_m))):
+        for name, value in (
+            ("left_m", left_m),
+            ("right_m", right_m),
+            *(("up_m", up) for up in up_m),
+        ):
             if not math.isfinite(value):
                 raise PalmbotsError(f"{name}: value is {show(value)}; allowed: finite numbers")
         start = self._world.palms
@@ -184,7 +191,8 @@ class FloorWorld:
         return FloorState(
             end=self._end,
             touched_m=BySide.of(world.touched),
-            on_floor=any(carrier == 2 for carrier, *_ in world.constraints),
+            # Before the first motion the world knows no contacts: the object stands as put.
+            on_floor=not world.constraints or any(one[0] == 2 for one in world.constraints),
             com_m=(x, y),
             tilt_deg=math.degrees(angle),
             pivots_m=BySide.of(world.pivots),

@@ -188,7 +188,8 @@ void test_a_robot_that_stands() {
   }
 }
 
-// Brakes hold only wheels that have come to rest. Backward, what is left of the noise turns round.
+// Brakes hold only wheels that have come to rest. On the way back, the remaining noise has the other
+// sign.
 void test_brakes_and_the_sense_of_travel() {
   Spec spec;
   for (auto& robot : spec.robots) {
