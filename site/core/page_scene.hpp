@@ -28,9 +28,10 @@ struct PageScene {
   bool is_too_long() const { return !(std::nearbyint(timeout / spec.period) <= most_ticks); }
 };
 
-// The values that site/src/shared/scene_values.ts writes: a line of text for each value and two
-// numbers, its place and the value. A line is the name of a key, with `=WORD` behind it if the value
-// is a word. A name that ends with # begins a list of so many records.
+// Reads the values that site/src/shared/scene_values.ts writes. Each value has a line of text in
+// `lines` and two numbers in `in`: its place and the value. The line is the name of a key, followed
+// by `=WORD` if the value is a word. A name that ends with # begins a list; its value is the number
+// of records.
 PageScene read_scene(std::string_view lines, NumberStream in);
 
 }  // namespace palmbots::page

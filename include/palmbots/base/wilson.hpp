@@ -30,9 +30,9 @@ inline RateInterval wilson(double k, double n, double z = z95) {
   return {k == 0 ? 0.0 : (centre - spread) / scale, k == n ? 1.0 : (centre + spread) / scale};
 }
 
-// The 95 % interval of a rate as people read it: Wilson's, but where none or all of n are events it is
-// the exact one-sided bound: with a rate above 1 − 0.05^(1/n), none of n would be an event in fewer
-// than 5 % of all trials.
+// The 95 % interval of a rate that reports print. It is Wilson's, except where none or all of n
+// trials are events: then it is the exact one-sided bound. With a rate above 1 − 0.05^(1/n), the
+// probability that none of n trials is an event is less than 5 %.
 inline RateInterval rate_interval(double k, double n) {
   const double bound = 1 - std::pow(0.05, 1 / n);
   if (k == 0) return {0, bound};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The model: everything that stays constant during a carry, that is object, palms, friction and what
-// stands around them.
+// The model: everything that stays constant during a carry, namely object, palms, friction and
+// surroundings.
 #pragma once
 
 #include "palmbots/mechanics/clearance.hpp"
@@ -24,16 +24,16 @@ struct ModelParams {
   Real safe_reach;
 };
 
-// The plate of a palm beyond its top face [m].
+// The shape of a palm, apart from its top face [m].
 struct PalmProfile {
   double nose = 0.0;  // thickness at the inner end; 0: infinitely thin
-  double heel = 0.0;  // height of the raised outer end over the top face; 0: none
+  double heel = 0.0;  // height of the stop at the outer end, above the top face; 0: none
 };
 
-// What stands still around the robots.
+// What stands still around object and palms.
 struct Surroundings {
-  bool floor = false;  // at height 0
-  double friction = 0.0;
+  bool floor = false;     // at height 0
+  double friction = 0.0;  // of the floor
 
   constexpr bool none() const { return !floor; }
 };

@@ -234,7 +234,7 @@ class Twists {
     return motions[i] != Motion::stick || space.restrict(tangent_[i]);
   }
 
-  // True if the inequalities of the first `count` contacts leave something of a space.
+  // Whether some twist of the space satisfies the inequalities of the first `count` contacts.
   bool is_open(const TwistSpace<Real>& space, const Motions& motions, std::size_t count) const {
     HalfSpaces<Real> open;
     for (std::size_t i = 0; i < count; ++i) {

@@ -71,7 +71,8 @@ class Splitting {
   }
 
   // Chooses the levels such that each is reached by about `share` of the runs from the level
-  // before. None if that takes more steps than `most`, which is looked at between two levels.
+  // before. Returns no levels if that takes more steps than `most`, which is checked only between
+  // levels.
   std::vector<double> choose_levels(double share, std::uint64_t most = ~std::uint64_t{0}) {
     std::vector<double> levels;
     std::vector<Process> parents;

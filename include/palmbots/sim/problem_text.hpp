@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A problem of a scene in words: the same for the command line, Python and the page.
+// The words for a problem of a scene, which the command line, Python and the page share.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@
 
 namespace palmbots {
 
-// A key as in a scene file: "palm.left.friction", "radio.outages[2].end_s".
+// The key as a scene file spells it: "palm.left.friction"; in a list, with the index of the record:
+// "radio.outages[2].end_s".
 inline std::string key_text(const Problem& problem) {
   const std::string name(problem.key);
   if (const std::size_t bracket = name.find("[]"); bracket != name.npos) {
@@ -25,7 +26,7 @@ inline std::string key_text(const Problem& problem) {
          name.substr(dot);
 }
 
-// A text of a problem with its numbers in place of {0}, {1} …
+// The text of a problem, with its numbers in place of {0}, {1}, …
 inline std::string filled_in(std::string_view text, const Numbers& numbers) {
   std::string filled;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -204,7 +204,7 @@ inline void check_disturbances(const SceneValues& scene, Problems& problems) {
   }
 }
 
-// A ridge is an arc no steeper than half a circle.
+// The cross-section of a ridge is a circular arc, at most half a circle.
 inline void check_ridges(const SceneValues& scene, Problems& problems) {
   const auto& ridges = scene.list<"mujoco.ridges">();
   constexpr std::size_t of_length = SceneValues::place_in_record<"mujoco.ridges", "length_m">;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sections of a scene whose values the core takes: those of a spec, and keys that no spec holds
-// because others follow from them (a box) or because only the MuJoCo world reads them (ridges). The
-// core checks these, too, so that every host refuses the same scenes in the same words.
+// The sections of a scene whose values the core takes. Besides those of a spec, these are keys that
+// no spec holds, because other values follow from them (a box gives vertices) or because only the
+// MuJoCo world reads them (ridges). The core checks them so that every host refuses the same scenes
+// in the same words.
 #pragma once
 
 #include <algorithm>

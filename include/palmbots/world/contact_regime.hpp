@@ -236,7 +236,7 @@ inline bool settle(const ContactProblem& problem, const Regime& regime, const Fr
     const double most = EchelonForm<double, 3>::largest(step);
     if (!(most < problem.shapes.size)) return false;
     pose = Pose::of(pose.at - Vec{step[0], step[1]}, pose.angle - step[2] / problem.shapes.size);
-    // Convergence is quadratic: what such a step leaves is far below rounding.
+    // Convergence is quadratic: after so small a step, the remaining error is far below rounding.
     if (most < 1e-10 * problem.shapes.size) {
       contacts = contacts_of(problem, regime, frames, pose);
       return holds(problem, regime, contacts);

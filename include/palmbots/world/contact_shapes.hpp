@@ -37,7 +37,7 @@ int lopsided(const Model<Real>& model) {
 
 }  // namespace detail
 
-// Adds a palm: its top face at this distance from the pivot, its nose and its heel.
+// Adds the surfaces of a palm: top face (at the distance `offset` from the pivot), nose and heel.
 inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double half, double friction,
                      const PalmProfile& profile) {
   constexpr Vec up{0.0, 1.0};

@@ -285,7 +285,7 @@ class ContactStep {
     return true;
   }
 
-  // Whether the regime of the last step holds in the motion of this one, too: the pose is the same.
+  // Whether the regime of the last step also holds in the motion of this one. The pose is the same.
   bool goes_along(double done) const {
     const Frames frames = travel_.frames(done);
     const ActiveContacts contacts = contacts_of(problem_, regime_, frames, pose_);
@@ -300,7 +300,7 @@ class ContactStep {
     const ActiveContacts contacts = contacts_of(problem_, regime, now, pose_);
     return lasts(from, regime, detail::equations(problem_, regime, now, pose_, contacts, true));
   }
-  // Whether more contacts stick than there are unknowns, for longer than an instant.
+  // Whether more contacts stick than the pose has unknowns, and do so for longer than an instant.
   bool lasts(double from, const Regime& regime, const detail::RegimeEquations& twist) const {
     if (!twist.spare) return true;
     const double later = from + 0.01 * look_ < 1.0 ? from + 0.01 * look_ : 1.0;

@@ -41,8 +41,8 @@ class World {
   const Configuration<Real>& configuration() const { return state_.configuration; }
   const Model<Real>& model() const { return model_; }
   ContactVector<Real> contact_vector() const { return state_.contact_vector; }
-  // Puts palms and object elsewhere, for example the object on the floor. The pivots are at given
-  // positions. Nothing may overlap.
+  // Places palms and object anew, for example the object on the floor. `pivots` are positions [m].
+  // Palms, object and floor must not overlap.
   void put(const PerSide<Vec>& pivots, const PerSide<Real>& angles, const Pose& pose) {
     separation_ = pivots[right].x - pivots[left].x;
     middle_ = 0.5 * (pivots[left].x + pivots[right].x);
@@ -56,7 +56,8 @@ class World {
     state_.multi_contact = Real(1);
     place_vertices(travel({}, angles), 0.0);
   }
-  // Whether a step ends when the object leaves one palm, or touches none.
+  // When a step ends: as soon as the object leaves either palm (true), or only when nothing
+  // holds the object any more (false).
   void set_on_both(bool on_both) { on_both_ = on_both; }
 
   Pose pose() const { return posed_ ? pose_ : pose_on_vertices(); }
@@ -293,7 +294,7 @@ class World {
     return total;
   }
 
-  // The pivots after a part of a step, but for their separation.
+  // Moves midpoint and heights of the pivots by a part of a step; the separation is set elsewhere.
   void carry_on(const PerSide<Vec>& by, double done) {
     middle_ += 0.5 * done * (by[left].x + by[right].x);
     for (const std::size_t side : {left, right}) height_[side] += done * by[side].y;
@@ -360,10 +361,10 @@ class World {
   double middle_ = 0.0;       // of the pivots, along the floor [m]
   PerSide<double> height_{};  // of the pivots [m]
   bool posed_ = false;        // whether the object may rest on more than its two contact vertices
-  Regime regime_{};           // if so
-  Pose pose_{};               // if so
+  Regime regime_{};           // valid if `posed_`
+  Pose pose_{};               // valid if `posed_`
   Neighbourhood around_{};
-  double separation_ = 0;  // if so: without the rounding of Real
+  double separation_ = 0;  // valid if `posed_`; unlike the configuration's, not rounded to Real
   WorldState<Real> state_{};
   Advance<Real> last_{};
   ContactEventCounter<Real> contact_events_{};

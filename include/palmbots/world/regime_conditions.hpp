@@ -69,7 +69,8 @@ void each_pair(const ContactProblem& problem, std::size_t first, Visit visit) {
   }
 }
 
-// Adds a pair whose gap is at most `reach` [m]; one that overlaps by more than `closed` is behind.
+// Adds a pair if its gap is at most `reach` [m]. A pair that overlaps by more than `closed` [m] is
+// marked as behind.
 inline void add_near(NearPairs& found, FeaturePair pair, const FeatureContact& c, double reach,
                      double closed) {
   if (!(magnitude(c.gap) <= reach)) return;
@@ -78,8 +79,8 @@ inline void add_near(NearPairs& found, FeaturePair pair, const FeatureContact& c
   if (found.count < most_near) found.at[found.count++] = {pair, behind};
 }
 
-// Finds the near pairs again and again while object and surfaces move: most of the times, only few
-// of all pairs need to be looked at.
+// Finds the near pairs repeatedly while object and surfaces move. It remembers the pairs of a wider
+// neighbourhood, so that most calls compute the gaps of only these.
 class Neighbourhood {
  public:
   NearPairs near(const ContactProblem& problem, std::size_t first, const Frames& frames,
@@ -95,7 +96,7 @@ class Neighbourhood {
  private:
   void collect(const ContactProblem& problem, std::size_t first, const Frames& frames,
                const Pose& pose, double reach) {
-    constexpr double ahead = 3.0;  // more pairs each time, but rarely collected
+    constexpr double ahead = 3.0;  // larger: more pairs, collected less often
     reach_ = ahead * reach;
     first_ = first;
     frames_ = frames;
@@ -117,7 +118,8 @@ class Neighbourhood {
     });
   }
 
-  // At most how far two points that touch now have approached since the pairs were collected.
+  // Upper bound of the distance by which any two near points have approached each other since the
+  // pairs were collected [m].
   double moved(const Frames& frames, const Pose& pose) const {
     double most = 0.0;
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -129,9 +131,10 @@ class Neighbourhood {
 
   std::array<FeaturePair, 4 * most_near> pairs_;
   std::size_t count_ = 0;
-  std::size_t first_ = 2;  // of none yet
+  std::size_t first_ = 2;  // no side: nothing is collected yet
   double reach_ = -1.0;
-  double extent_ = 0.0;  // of object and palms from COM and pivot
+  // The farthest point of the object from its COM, plus that of the palms from their pivots [m].
+  double extent_ = 0.0;
   Frames frames_{};
   Pose pose_{};
 };
@@ -194,8 +197,8 @@ inline bool is_clear(const ContactProblem& problem, const Frames& frames, const 
   return false;
 }
 
-// The conditions that depend on how the surfaces move: forces and slides. `twist` is the regime's
-// equations of rates, `pace` the fastest motion of a surface.
+// The conditions that depend on how the surfaces move: forces and slides. `twist` holds the
+// regime's rate equations; `pace` bounds how far a point of a surface moves in the step [m].
 inline Conditions conditions_of_motion(const ContactProblem& problem, const Regime& regime,
                                        const Frames& frames, const Pose& pose,
                                        const ActiveContacts& contacts,

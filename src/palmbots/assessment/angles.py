@@ -23,8 +23,8 @@ SHALLOW_DEG = (2.0, 4.0, 6.0, 8.0, 10.0)
 BETWEEN_DEG = (5.0, 8.0, 10.0, 12.0, 15.0)
 """Tried as the shallow angle, and as the angle by which the steep palm is steeper."""
 FRESH = 1_000_000
-"""First seed of the comparison: the pair that is best by luck on the seeds that chose it is not
-judged by them."""
+"""First seed of the comparison. It uses other seeds than those that chose the pair, on which that
+pair may be best by luck."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class AngleTrial:
     tried: int
     """Pairs of angles at which all properties hold."""
     least_failure_rate: float
-    """Over these pairs, on the seeds that chose the best pair."""
+    """The lowest among these pairs, on the seeds that chose the best pair."""
     most_failure_rate: float
     carries: int
-    """Of the own and of the best pair, on fresh seeds."""
+    """Of the scene's own pair and of the best pair, each on fresh seeds."""
     own_failures: int
     best_deg: Interval
     """(shallow, steep)."""
@@ -108,5 +108,5 @@ def try_angles(
 
 
 def count_failures(prepared: Prepared, first: int, count: int) -> int:
-    """How many of the carries with seeds first … first + count − 1 do not deliver."""
+    """How many of the carries with the seeds `first` … `first + count - 1` do not deliver."""
     return int(np.count_nonzero(carry_seeds(prepared, first, count)["outcome"] != DELIVERED))

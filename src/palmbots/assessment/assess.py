@@ -55,9 +55,9 @@ from palmbots.stability.analysis import Analysis, analyze
 LOSSES = (0.0, 0.05, 0.2, 0.5)
 """Shares of lost messages that are tried."""
 FEWEST = 400
-"""Fewest carries of each controller: if none of 400 fails, the interval ends below 1 %."""
+"""Fewest carries of each controller; if none of 400 fails, the interval ends below 1 %."""
 CURVE_CARRIES = 10
-"""In the MuJoCo world."""
+"""Carries of a curve in the MuJoCo world."""
 QUESTIONS = (
     "carried", "load", "drops", "controllers", "angles", "friction", "radio", "curve", "change",
 )  # fmt: skip
@@ -88,7 +88,7 @@ class Assessment(Result):
     counts: tuple[OutcomeCounts, ...]
     """Of all shipped controllers that accept the scene, on the same seeds; on a straight path."""
     angles: AngleTrial | None
-    """None: no carry is delivered, or no other pair of angles qualifies."""
+    """None: no carry is delivered, no other pair of angles qualifies, or carries take too long."""
     load: LoadTrial | None
     """None: no carry can begin, or the MuJoCo world refuses the scene."""
     friction: FrictionTrial | None
@@ -152,7 +152,7 @@ class Assessment(Result):
         return "; ".join([*doubts, use])
 
     def _doubt_of_load(self) -> str:
-        """What speaks against the weight, in as few words as its cause is known."""
+        """What speaks against the weight, no more definite than the trials show."""
         cause = "none" if self.load is None else self.load.cause
         if cause == "weight":
             return "the object is too heavy for these robots"

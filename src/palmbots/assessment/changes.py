@@ -2,9 +2,9 @@
 """Changes of one thing in a scene, each tried by carries, and which of them helps most.
 
 If the scene fails often, a change is judged by how often the changed scene fails at its own noise.
-If it rarely fails, the noise of the wheels is raised until it does, and a change after which it
-then fails less gives more reserve. If the object is too heavy, only changes with which the robots
-hold it are tried.
+If it rarely fails, the noise of the wheels is raised until it fails often enough to compare. A
+change after which it then fails less often gives more reserve. If the object is too heavy, only
+changes with which the robots hold it are tried.
 """
 
 from __future__ import annotations
@@ -46,15 +46,15 @@ FACTORS: Mapping[str, tuple[float, ...]] = {
     "palm.usable_m": (0.7, 1.5),
     "palm.friction": (0.7, 1.4),
 }
-"""Factors by which keys are multiplied, those that cost least first. The noise is not among them,
-because less noise always helps."""
+"""Factors by which keys are multiplied; the cheapest changes come first. The noise is not among
+them, because less noise is an obvious improvement."""
 NOISE_FACTORS = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 12.0)
 """Factors by which the noise is raised if the scene rarely fails."""
 STRONGER = (1.25, 1.5, 2.0, 3.0, 5.0, 10.0)
 """Factors by which the strength of a robot is multiplied if it cannot hold the object."""
 Keys = Mapping[str, float | str | list[float]]
 MOST_IN_MUJOCO = 8
-"""Changes for the load that are carried there."""
+"""Changes for the load that are tried in the MuJoCo world, at most."""
 _ENOUGH = 0.05  # share of failures with more noise at which changes can be compared
 
 
@@ -69,7 +69,8 @@ class NoChange:
 
 @dataclass(frozen=True)
 class ChangeTrial:
-    """The change after which a scene fails least often, on seeds that did not choose it."""
+    """The change after which a scene fails least often. The failures are counted on other seeds
+    than those that chose it."""
 
     controller: str
     tried: int
@@ -78,7 +79,8 @@ class ChangeTrial:
     before: Keys
     """The values of the same keys in the scene."""
     noise_factor: float
-    """By which the noise of the wheels was raised in both scenes; 1: as in the scene."""
+    """Factor by which the noise of the wheels was raised, with and without the change; 1: as in the
+    scene."""
     carries: int
     own_failures: int | None
     """Without the change; None: a carry cannot begin, because the object is too heavy."""
@@ -102,7 +104,7 @@ class ChangeTrial:
 
     @property
     def settings(self) -> str:
-        """The change as options of a command, each with a blank in front."""
+        """The change as options of a command, each preceded by a blank."""
         return settings_of(self.changes)
 
     @property
@@ -208,7 +210,7 @@ _STRONG = f"robots {STRONGER[-1]:g} times as strong"
 
 
 def _unfailing(scene: Scene, count: int) -> str:
-    """Why no change can be compared in a scene that does not fail."""
+    """Why no changes can be compared in a scene that rarely fails, even with more noise."""
     text = f"none of {count:,} carries fails"
     if any(scene.robot_of(side).noise_m_s for side in SIDES):
         return f"{text}, and few do with {NOISE_FACTORS[-1]:g} times the noise"
@@ -222,8 +224,8 @@ def _carried_in_mujoco(
     controller: str,
     report: Callable[[float], None],
 ) -> tuple[int, OutcomeCounts | None]:
-    """The first change with which all carries in the MuJoCo world arrive, else the one with which
-    most do; its number, and how its carries end. None: that world refuses the scene."""
+    """The number of the first change with which all carries in the MuJoCo world arrive, else of the
+    one with which most do, and how its carries end; None: that world refuses all of them."""
     found: dict[int, OutcomeCounts] = {}
     for n, k in enumerate(ranked[:MOST_IN_MUJOCO]):
         report(0.5 + 0.4 * n / MOST_IN_MUJOCO)
@@ -239,7 +241,7 @@ def _carried_in_mujoco(
 
 
 def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:
-    """Changes of one thing each, what costs least first."""
+    """Changes of one thing each, the cheapest first."""
     if angles:
         yield angles
     starts = {f"start.{side}_m": value_of(scene, f"start.{side}_m") for side in SIDES}
@@ -256,8 +258,8 @@ def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:
 
 
 def _stronger(scene: Scene, load: LoadLimits, reach_m: float | None) -> Iterator[Keys]:
-    """Strengths of one kind with which the robots hold the object, the least first; where no kind
-    suffices alone, of all kinds without which no carry begins."""
+    """Changes of one kind of strength with which the robots hold the object, the smallest first. If
+    no kind suffices alone: of all kinds together without which no carry begins."""
     alone = [(limit.key,) for limit in load.limits]
     together = [tuple(MEANINGS[kind][1] for kind in DECISIVE)]
     for names in (alone, together):
@@ -281,7 +283,7 @@ def _holds(scene: Scene, keys: Keys, reach_m: float | None) -> bool:
 
 
 def _multiplied(scene: Scene, key: str, factor: float) -> Keys:
-    """A key multiplied wherever it is set, with three digits."""
+    """A key and its overrides, multiplied and rounded to three digits."""
     return {one: float(f"{v:.3g}") for one, v in multiplied(scene, key, factor).items()}
 
 
@@ -296,8 +298,8 @@ def _is_held(load: LoadLimits, reach_m: float | None) -> bool:
 
 
 def _revealing_noise(scene: Scene, controller: str, count: int) -> float | None:
-    """The factor of the noise at which changes differ: 1 where the scene certainly fails already,
-    else the least one that makes it fail; None: none does."""
+    """The factor of the noise at which changes can be compared: 1 if the scene fails often enough
+    already, else the least one at which it does; None: there is none."""
     own = count_failures(prepare(scene, controller), 0, count)
     makes_noise = any(scene.robot_of(side).noise_m_s > 0 for side in SIDES)
     if rate_interval(own, count)[0] > SMALL or (own > 0 and not makes_noise):

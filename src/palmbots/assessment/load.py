@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a load does to the robots, tried by carries in the MuJoCo world on a straight path.
 
-A carry there may fail for reasons that have nothing to do with the weight. The quasistatic world
-knows no weight, so that only more failures than there need another reason. If there are more, the
-same seeds carry a light object of the same shape: the weight is the reason if it fails less.
+A carry there may fail for reasons that have nothing to do with the weight. In the quasistatic world
+the mass does not affect a carry. Only if more carries fail than there, the same seeds carry a light
+object of the same shape. If measurably fewer of these fail, the weight is taken as the reason.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from palmbots.simulation.outcome_counts import OutcomeCounts, reason_counts
 from palmbots.simulation.single import carry
 
 LOAD_CARRIES = 5
-"""In the MuJoCo world, of each scene."""
+"""Carries of each scene in the MuJoCo world."""
 LIGHT = 0.25
 """The mass of the light object, as a share of what the robots hold anywhere on the palms."""
 
@@ -35,12 +35,12 @@ class LoadTrial:
     speed_m_s: float
     """The highest mean speed of a carry."""
     remarks: tuple[str, ...]
-    """What the wheels did wrong in carries that did not drop the object, in words, those of the
-    carry with most slip first; empty: nothing."""
+    """Warnings about the wheels in carries that did not drop the object, from the carry with the
+    most slip on; empty: none."""
     light: OutcomeCounts | None = None
-    """The same with an object of `light_kg`; None: that is refused, or not needed."""
+    """How carries with an object of `light_kg` ended; None: they were refused, or not needed."""
     light_kg: float | None = None
-    """None: nothing needs a reason."""
+    """None: carries do not fail measurably more often than in the quasistatic world."""
 
     @property
     def failed(self) -> int:
@@ -49,9 +49,11 @@ class LoadTrial:
 
     @property
     def cause(self) -> Literal["none", "weight", "other", "unclear"]:
-        """Why more carries fail than in the quasistatic world: ``none`` do; a light object fails
-        measurably less (``weight``), or at least as often (``other``); or these carries do not show
-        it (``unclear``)."""
+        """Why more carries fail than in the quasistatic world.
+
+        ``none``: not measurably more do. ``weight``: a light object fails measurably less often.
+        ``other``: it fails at least as often. ``unclear``: the carries do not decide it.
+        """
         if self.light_kg is None:
             return "none"
         if self.light is None:
@@ -69,7 +71,7 @@ def try_load(
 
     Args:
         scene: with a straight path.
-        planar: how carries of the scene end in the quasistatic world, with the same controller.
+        planar: how carries of the scene end in the quasistatic world; its controller is used.
         carries: how many.
         report: called with the completed fraction.
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Answers in words: from what was measured to a verdict, one sentence and the next command."""
+"""Answers in words: each turns measurements into a verdict, one sentence and the next command."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.tightest_margins import RankedMargin
 
-_SAME = 0.05  # of a time or a number of messages: a difference that is not worth a word
+_SAME = 0.05  # relative difference of a time or a number of messages that is not reported
 Verdict = Literal["yes", "likely", "partly", "no", "open"]
 WORDS: dict[Verdict, Marked] = {
     "yes": good("YES"),
@@ -49,11 +49,11 @@ class Answer:
     conditions. ``open``: not tried."""
     text: str
     command: str
-    """What goes deeper."""
+    """The command that answers the question in more detail."""
 
     @property
     def word(self) -> str:
-        """The verdict as people read it."""
+        """The verdict as it is printed."""
         return WORDS[self.verdict]
 
     def lines(self, table: Table | None = None) -> Iterator[Item]:
@@ -66,7 +66,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class RadioTrial:
-    """How often the scene fails if this share of messages is lost."""
+    """How carries end if the share `loss` of messages is lost."""
 
     loss: float
     counts: tuple[OutcomeCounts, ...]
@@ -78,13 +78,13 @@ def failures(one: OutcomeCounts) -> str:
 
 
 def suffices(one: OutcomeCounts) -> bool:
-    """Whether it fails so rarely that the interval lies below the rate at which σ* is defined."""
+    """Whether the whole interval of its failure rate is at most the rate that defines σ*."""
     return one.failure_interval[1] <= SMALL
 
 
 def best_of(counts: Sequence[OutcomeCounts]) -> OutcomeCounts | None:
     """The recommended controller if it suffices, else the one that fails least often; None: no
-    carry of any controller succeeds."""
+    carry of any controller delivers."""
     usable = [one for one in counts if one.failure_rate < 1]
     named = [one for one in usable if one.controller == RECOMMENDED and suffices(one)]
     return (named or sorted(usable, key=lambda one: one.failure_rate) or [None])[0]
@@ -96,7 +96,8 @@ def on_mechanics(
     """Whether the palms hold the object, and what is tightest.
 
     `near` is the analysis for contacts no farther out than in the carries with the best controller;
-    None: no carry delivers. What fails farther out is no reason against the scene.
+    None: no carry delivers. A property that fails only farther out does not count against the
+    scene.
     """
     question, command = "Can palms hold it?", f"palmbots analyze {name}"
     doubt = _doubt(analysis)
@@ -118,8 +119,8 @@ def on_mechanics(
 
 
 def _doubt(analysis: Analysis) -> str | None:
-    """What may go wrong with contacts in the region of an analysis; None: nothing. The weight is
-    the next question."""
+    """What may go wrong with contacts in the region of an analysis; None: nothing. Warnings about
+    the weight are left out, because the next question is about it."""
     failing = [one for one in analysis.properties.values() if not one.holds]
     if failing:
         return f"with the {failing[0].shallow} palm shallow, {failing[0].binding}"
@@ -177,7 +178,7 @@ def on_load(
 
 
 def _arrivals(trial: LoadTrial) -> str:
-    """How many carries in MuJoCo arrive, and whether the weight keeps the others from it."""
+    """How many carries in MuJoCo arrive, and whether the others fail because of the weight."""
     text = f"in MuJoCo {_arrived(trial.counts)} carries arrive"
     if trial.failed and trial.light_kg is None:
         text += ", not measurably fewer than in the quasistatic world, where no object is too heavy"
@@ -197,8 +198,8 @@ def _arrived(counts: OutcomeCounts) -> str:
 
 
 def on_drops(counts: Sequence[OutcomeCounts], load: LoadTrial | None, name: str) -> Answer:
-    """How often the scene fails with the best controller, also in MuJoCo where that is not due to
-    the weight."""
+    """How often the scene fails with the best controller. Failures in MuJoCo are included unless
+    they are due to the weight."""
     question = "Does it arrive reliably?"
     best = best_of(counts)
     if best is None:
@@ -231,7 +232,7 @@ def on_controllers(counts: Sequence[OutcomeCounts], name: str, scene: Scene) -> 
 
 
 def _swept(scene: Scene, key: str) -> str:
-    """The key to sweep: that of the left side where both sides override it."""
+    """The key to sweep: that of the left side if both sides override the key."""
     return next(iter(on_every_side(scene, {key: None})))
 
 
@@ -254,10 +255,10 @@ def _widths(scene: Scene, controller: str) -> str:
 
 
 def on_angles(trial: AngleTrial | None, is_delivered: bool, name: str, scene: Scene) -> Answer:
-    """Which palm angles, and whether they matter. They are not right where the scene fails, but no
-    others are better then."""
+    """Whether other palm angles are better. If none are but the scene still fails, the verdict is
+    ``partly``."""
     question, command = "Are the palm angles right?", f"palmbots design {name}"
-    if _swept(scene, NOISE_KEY) != NOISE_KEY:  # there is no one noise to be tolerated
+    if _swept(scene, NOISE_KEY) != NOISE_KEY:  # the robots have no common noise to maximize
         command += " --maximize angle"
     if trial is None:
         text = "no carry arrives with which pairs of angles could be compared"
@@ -374,7 +375,8 @@ def on_change(trial: ChangeTrial | NoChange | None, name: str, scene: Scene) -> 
 
 
 def _failure_command(scene: Scene, name: str, controller: str) -> str:
-    """How much noise the scene tolerates; where each robot has its own, how often it drops."""
+    """The command for the noise that the scene tolerates or, if each robot has its own noise, for
+    the drop rate."""
     is_one = _swept(scene, NOISE_KEY) == NOISE_KEY
     return f"palmbots {'noise-limit' if is_one else 'drop-rate'} {name} -c {controller}"
 

@@ -6,8 +6,8 @@ each and continues; the command line prints a warning with the place instead, on
 
 Ctrl-C can be such an exception, too: Python raises it wherever the main thread happens to be, as in
 the garbage collector. There it is lost, so it is sent once more. In a compiled module it may become
-another exception, so it is also remembered. While such a module is being imported it may end the
-process by force, so it waits until that is over.
+another exception, so it is also remembered. While a compiled module is being imported, the
+exception could abort the process; the interrupt therefore waits until the import is over.
 """
 
 import _thread

@@ -21,8 +21,8 @@ _STYLES: dict[Mark, str] = {
     "": "default", "bold": "bold", "good": GOOD, "bad": BAD, "warning": "bold yellow",
     "quiet": QUIET,
 }  # fmt: skip
-_WIDTH = 80  # columns, in a pipe or a file; also the least of tables
-_LEAST = 20  # columns of running text
+_WIDTH = 80  # columns, in a pipe or a file; also the minimum for tables
+_LEAST = 20  # columns: a smaller COLUMNS is ignored
 _TRAILING_BLANKS = re.compile(r" +((?:\x1b\[[0-9;]*m)*)$", re.MULTILINE)
 
 

@@ -40,7 +40,7 @@ _Force: TypeAlias = tuple[Array, Array]  # of the object on a palm: down, outwar
 
 _CONTACTS = 9  # places on each palm
 _HALVINGS = 20
-_NEAR = 5e-4  # of a pivot: contacts are never that close to both [m]
+_NEAR = 5e-4  # [m] from the pivot; two contacts are never both as close as this
 _G = _core.standard_gravity
 MEANINGS = {
     "tipping": ("a robot tips over", "mujoco.body_kg"),
@@ -286,8 +286,8 @@ class _States:
         # From the pivot, outward and up.
         self._arm_x = self._p * np.cos(self._theta) - offset * np.sin(self._theta)
         self._arm_z = self._p * np.sin(self._theta) + offset * np.cos(self._theta)
-        # A rounded vertex touches with another point of its arc in each state. There it is like a
-        # sharp vertex at that point.
+        # The point at which a rounded vertex touches depends on the state. In each state the
+        # vertex acts like a sharp one at that point.
         radius = np.array(contact_radii(spec))[:, np.newaxis]
         down_x, down_z = radius * np.sin(self._theta), radius * np.cos(self._theta)
         rise = np.diff(self._arm_z + down_z, axis=0)[0]  # between the centres of the arcs

@@ -253,7 +253,7 @@ def _lips(scene: Scene) -> Keys:
 
 
 def _clearance(scene: Scene) -> float:
-    """A quarter more clearance than lips need, and 2 mm [m]."""
+    """The clearance that lips need, plus a quarter of it and 2 mm [m]."""
     try:
         room = lip_clearance(scene)
     except PalmbotsError:  # no path for this pair; the trial says so

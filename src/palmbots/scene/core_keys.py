@@ -65,7 +65,7 @@ def _field(check: Any, default: Any) -> Any:
 def key(name: str, *, has_default: bool = False) -> Any:
     """The field of a key: its default, and a validator with its limits.
 
-    A key of a record has no default, so that it is required, unless `has_default` says otherwise.
+    A key of a record is required, unless `has_default` is set.
     """
     row = ROWS[name]
     check, default = _check_of(row), row["default"]

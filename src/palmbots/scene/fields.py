@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Types of scene keys: numbers with a unit and limits, lists, and the faults of both.
+"""Types of scene keys (numbers with a unit and limits, names, lists), and their error messages.
 
 Validation is strict: a number is an int or a float (also of NumPy), never a bool or a string. The
 limits are wide enough for any robot of this kind. They catch lengths in millimetres, angles in the
@@ -45,7 +45,7 @@ PROBLEMS = {
     "items": "has {count} items",
     "missing": "is missing; required there: {keys}",
 }
-"""What may be wrong with a value by itself. The page says it in the same words."""
+"""What may be wrong with a value, apart from other values. The page uses the same words."""
 
 
 def field_error(value: object, problem: str, allowed: str, key: str = "") -> PydanticCustomError:
@@ -138,7 +138,7 @@ class whole:
 
 @dataclass(frozen=True)
 class OneOf:
-    """A validator for one of some names."""
+    """A validator for one of several names."""
 
     names: tuple[str, ...]
 
@@ -166,7 +166,7 @@ def is_switch(value: object) -> bool:
 
 
 def _wrong_kind(value: object, wanted: str, allowed: str) -> PydanticCustomError:
-    """The error about a value of another kind than `wanted`."""
+    """The error about a value whose kind is not `wanted`."""
     kinds: dict[type, str] = {
         bool: "boolean",
         str: "string",

@@ -27,7 +27,7 @@ def scene_schema() -> dict[str, Any]:
 
 
 def worded_schema() -> dict[str, Any]:
-    """The same for the page: every node has the word ``allowed``, what messages say is allowed."""
+    """The same for the page: nodes also have ``allowed``, the allowed values in words."""
     return Scene.model_json_schema(schema_generator=_WordedSchema)
 
 
@@ -71,7 +71,7 @@ class _SceneSchema(GenerateJsonSchema):
 
 
 class _WordedSchema(_SceneSchema):
-    """Adds what messages say is allowed."""
+    """Adds the allowed values in the words of error messages."""
 
     def function_before_schema(
         self, schema: core_schema.BeforeValidatorFunctionSchema

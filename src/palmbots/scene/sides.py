@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Keys that a side or a sender may override: ``robot.left.noise_m_s`` beside ``robot.noise_m_s``.
 
-The key without a side is the value of all that have none of their own. To change it everywhere is
-therefore to change the overrides, too; and where both sides override it, the key alone changes
-nothing. All that sets or multiplies such keys uses the functions here.
+The key without a side holds for every side or sender that has no value of its own. A change that is
+to act everywhere therefore has to change the overrides, too; if both sides override a key, the key
+without a side has no effect. Code that sets or multiplies such keys uses the functions here.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def overriding(scene: Scene, key: str) -> tuple[str, ...]:
 
 
 def on_every_side(scene: Scene, keys: Mapping[str, Any]) -> dict[str, Any]:
-    """These keys, and the keys of all that override them, so that each value holds everywhere."""
+    """These keys with all their overrides, so that each value holds for every side and sender."""
     found: dict[str, Any] = {}
     for key, value in keys.items():
         own = overriding(scene, key)
@@ -46,7 +46,7 @@ def on_every_side(scene: Scene, keys: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def multiplied(scene: Scene, key: str, factor: float) -> dict[str, float]:
-    """A key multiplied wherever it is set; empty where it is no number."""
+    """The values of a key and its overrides, multiplied; those that are no numbers are left out."""
     found = {}
     for one in on_every_side(scene, {key: None}):
         value = value_of(scene, one)
@@ -56,8 +56,11 @@ def multiplied(scene: Scene, key: str, factor: float) -> dict[str, float]:
 
 
 def value_of(scene: Scene, key: str) -> Any:
-    """The value that holds for a dotted key: for ``robot.left.noise_m_s``, that of the left robot,
-    also where ``robot.noise_m_s`` sets it; for a friction, also that of an angle."""
+    """The value that is in force for a dotted key.
+
+    ``robot.left.noise_m_s`` has that of ``robot.noise_m_s`` unless the left robot overrides it. A
+    friction that is given as an angle has the coefficient that follows from it.
+    """
     section, _, name = key.partition(".")
     holder, _, own = name.partition(".")
     own_ones = [holder] if holder in SIDES else overriding(scene, key)
@@ -74,8 +77,8 @@ def value_of(scene: Scene, key: str) -> Any:
 
 
 def refuse_without_effect(scene: Scene, changes: Mapping[str, Any], called: str) -> None:
-    """Raise `SceneError` for a key without a side among `changes`, which made `scene`, if both
-    robots override it, unless the changes set these overrides, too."""
+    """Raise `SceneError` for a change without effect: of a key without a side that both sides
+    override, unless `changes` also sets both overrides. `scene` has the changes already."""
     given = merged({}, changes)
     for section in _HOLDERS:
         if not isinstance(given.get(section), Mapping):
@@ -89,7 +92,8 @@ def refuse_without_effect(scene: Scene, changes: Mapping[str, Any], called: str)
 
 
 def _is_without_effect(overriding: tuple[str, ...]) -> bool:
-    """Whether both robots have values of their own. What the station sends has a key of its own."""
+    """Whether both robots have values of their own. That the station may have none does not count,
+    because it has a key of its own."""
     return set(SIDES) <= set(overriding)
 
 

@@ -50,8 +50,8 @@ PILOT = 12
 FEWEST, MOST = 16, 10_000
 """Limits of the number of replicates that count."""
 SPLITTING = 20
-"""A budget of fewer stages than this has plain carries only: splitting would not end within it.
-Nor would it where the levels alone take half of the budget."""
+"""With a budget of fewer stages than this, only plain carries are run, because splitting would not
+end within it. The same holds if the choice of levels alone takes half of the budget."""
 _AT_ONCE = 16  # replicates between two checks of the budget; not a matter of threads
 _SEEDS_APART = 2**41  # plain carries share no seeds with those of other commands
 # More replicates than the scatter of the pilot requires, because that scatter is an estimate: at

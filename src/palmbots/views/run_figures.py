@@ -34,7 +34,7 @@ from palmbots.views.run_replay import RunReplay
 _ENDS = (*SIDES, "station")
 _GAP_TICKS = 5
 _APART_S = 2.0
-"""Wheels that rest for longer have ended a carry."""
+"""A longer rest of the wheels ends a carry."""
 WORLD = "robots"
 """The world of such a carry."""
 
@@ -139,7 +139,7 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
 
 
 def _check(log: RunLog) -> None:
-    """Refuse numbers that no robot writes, as a right checksum can hide."""
+    """Refuse numbers that no robot writes. A correct checksum does not exclude them."""
     most = len(_core.wire.messages)
     for number, (_, tick) in enumerate(log.messages["ticks"], start=1):
         if not (
