@@ -2,14 +2,15 @@
 """How many small defects of the core the tests find: the mutation score, with its interval.
 
     .venv/bin/python tests/soak/mutation_score.py [--rooms world,sim] [--seconds 3000] [--again]
-    .venv/bin/python tests/soak/mutation_score.py --draw TREE
+    .venv/bin/python tests/soak/mutation_score.py --draw TREE | --redraw
 
 The sample of mutants is mutants.csv, drawn with seed 2 from the headers of commit 05d8b30: 200 of
 the rooms mechanics, control and wire together, and 50 of each of world, sim, stability and runtime.
 A mutant is found again by the text of its line, in its header or another one. Where the line has
 changed, look for the same defect in the code that took its place, and edit the row: `drawn_as`
 keeps what was drawn, and `room` stays that of the draw. A mutant without such code is "gone". Once
-a tenth of a group is gone, draw as many from the present headers of its rooms, with the same seed.
+a tenth of a group is gone, --redraw draws as many from the present headers of its rooms, with the
+same seed.
 A row says in `equivalent` why a mutant has no effect that a test could find, if that is proven.
 
 The mutants of the chosen rooms are compiled into copies of the headers, once. Tests then run once
@@ -37,7 +38,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -95,14 +96,14 @@ def main(words: list[str]) -> int:
     parser.add_argument("--seconds", type=float, default=1e9, help="stop after this time")
     parser.add_argument("--again", action="store_true", help="try what was not killed anew")
     parser.add_argument("--draw", type=Path, metavar="TREE", help="only write mutants.csv anew")
+    parser.add_argument("--redraw", action="store_true", help="only replace those that are gone")
     options = parser.parse_args(words)
     if options.draw:
         return _draw(options.draw / "include")
+    if options.redraw:
+        return _redraw(ROOT / "include")
     until = time.monotonic() + options.seconds
-    rooms = options.rooms.split(",")
-    with LIST.open(newline="") as stream:
-        rows = [row for row in csv.DictReader(stream) if row["room"] in rooms]
-    listed = {int(row["number"]): row for row in rows}
+    listed = _listed(options.rooms.split(","))
     chosen = mutants.found_again(ROOT / "include", listed)
     names = {
         number: f"{row['header']}:{row['line']} {row['operator']} @{row['column']}"
@@ -136,22 +137,56 @@ def _draw(include: Path) -> int:
     """Write the list of mutants."""
     drawn: list[dict[str, str]] = []
     for rooms, size in SAMPLES.items():
-        every = [
-            mutant
-            for room in rooms
-            for path in sorted((include / "palmbots" / room).glob("*.hpp"))
-            for mutant in mutants.mutants_of(include, str(path.relative_to(include)))
-        ]
+        every = _every(include, rooms)
         drawn += [
             {"room": _room(mutant)} | mutant.row(include) | {"drawn_as": "", "equivalent": ""}
             for mutant in mutants.sample(every, size, SEED)
         ]
         print(f"{', '.join(rooms)}: {min(size, len(every))} of {len(every)}")
-    with LIST.open("w", newline="") as stream:
-        writer = csv.DictWriter(stream, ("number", *drawn[0]))
-        writer.writeheader()
-        writer.writerows({"number": str(n)} | row for n, row in enumerate(drawn, start=1))
+    _write_list({n: {"number": str(n)} | row for n, row in enumerate(drawn, start=1)})
     return 0
+
+
+def _redraw(include: Path) -> int:
+    """Replace the mutants that are gone, in the groups of which a tenth is."""
+    listed = _listed(ROOMS)
+    found = mutants.found_again(include, listed)
+    for rooms, size in SAMPLES.items():
+        gone = [n for n, row in listed.items() if row["room"] in rooms and n not in found]
+        if 10 * len(gone) < size:
+            continue
+        taken = set(found.values())
+        every = [mutant for mutant in _every(include, rooms) if mutant not in taken]
+        for n, mutant in zip(gone, mutants.sample(every, len(gone), SEED), strict=True):
+            place = "{header}:{line} {operator}: {text}".format(**listed[n])
+            was = listed[n]["drawn_as"] or place.removeprefix("palmbots/")
+            listed[n] |= {"room": _room(mutant)} | mutant.row(include)
+            listed[n] |= {"drawn_as": f"gone: {was}", "equivalent": ""}
+        print(f"{', '.join(rooms)}: {len(gone)} of {len(every)}")
+    _write_list(listed)
+    return 0
+
+
+def _every(include: Path, rooms: tuple[str, ...]) -> list[mutants.Mutant]:
+    return [
+        mutant
+        for room in rooms
+        for path in sorted((include / "palmbots" / room).glob("*.hpp"))
+        for mutant in mutants.mutants_of(include, str(path.relative_to(include)))
+    ]
+
+
+def _listed(rooms: Collection[str]) -> dict[int, dict[str, str]]:
+    with LIST.open(newline="") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["room"] in rooms]
+    return {int(row["number"]): row for row in rows}
+
+
+def _write_list(rows: dict[int, dict[str, str]]) -> None:
+    with LIST.open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, tuple(next(iter(rows.values()))))
+        writer.writeheader()
+        writer.writerows(rows.values())
 
 
 def _room(mutant: mutants.Mutant) -> str:
