@@ -2,7 +2,8 @@
 """What the robots can hold, against linear programs and virtual work, and against MuJoCo."""
 
 import math
-from itertools import product
+from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from palmbots.scene.chassis import axle_out, chassis, wheel_kg
 from palmbots.scene.placement import floor_level
 from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.sides import on_every_side
 from palmbots.scene.spec import contact_radii, to_spec
 
 G = 9.80665
@@ -142,6 +144,24 @@ def test_servo_at_the_end_of_a_palm_holds_the_moment_of_its_load() -> None:
     # Flat palms: half of the weight, more by the share that the contacts shift, times the lever.
     assert limit.kind == "servo" and limit.at_start_kg is None
     assert limit.heaviest_kg * G * 0.5 * 0.05 == pytest.approx(0.7, rel=2e-3)
+
+
+TIPPING = {
+    "object.box_m": [0.25, 0.125], "palm.shallow_deg": -1.3, "palm.steep_deg": 17.5,
+    "palm.length_m": 0.087, "mujoco.palm_torque_n_m": 10.0, "mujoco.floor_friction": 5.0,
+}  # fmt: skip
+"""A robot tips most with a friction at which some contacts are just held."""
+
+
+@pytest.mark.parametrize("changes", [*SCENES, TIPPING])
+def test_more_friction_never_allows_a_heavier_object(changes: dict[str, Any]) -> None:
+    scene = load_scene("paper", changes)
+    heaviest = []
+    for mu in np.linspace(0.03, 0.8, 15):
+        found = pb.load_limits(scene, overrides=on_every_side(scene, {"palm.friction": float(mu)}))
+        heaviest.append(found.heaviest_kg or math.inf)
+    assert all(b <= a * (1 + 1e-9) for a, b in pairwise(heaviest))
+    assert heaviest[-1] < heaviest[0]
 
 
 def test_mirrored_scene_has_mirrored_limits() -> None:

@@ -54,6 +54,22 @@ def test_study_without_varied_keys_has_one_point() -> None:
     assert (found.shape, found.values, found.dims) == ((1,), ((),), ("point",))
 
 
+def test_key_without_effect_at_some_points_only_is_accepted() -> None:
+    """Zones of the sensor replace its half width."""
+    zones = [{"sign": "+", "from_m": 0, "to_m": 1}]
+    widths = [0.004, 0.005]
+    vary: dict[str, Any] = {
+        "tactile": [{"zones": zones}, {"false_rate": 0.1}], "tactile.zero_half_width_m": widths
+    }  # fmt: skip
+    assert len(points(vary=vary).values) == 4
+    with pytest.raises(pb.PalmbotsError, match=r"study: vary: tactile.zero_half_width_m: no carry"):
+        points(vary=vary | {"tactile": [{"zones": zones}]})
+    sampled = {"kind": "sobol", "points": 4}
+    spans = {key: {"from": 0.1, "to": 0.2} for key in ("robot.noise_m_s", "mujoco.arm_kg")}
+    with pytest.raises(pb.PalmbotsError, match=r"study: vary: mujoco.arm_kg: no carry"):
+        points(vary=spans, design=sampled)
+
+
 def test_list_entries_vary_beside_other_keys() -> None:
     """Two entries of one list, the second first, and a key that has nothing to do with it."""
     found = points(

@@ -28,6 +28,13 @@ pair may be best by luck."""
 
 
 @dataclass(frozen=True)
+class NoPair:
+    """Why no other pair of angles was tried by carries."""
+
+    why: str
+
+
+@dataclass(frozen=True)
 class AngleTrial:
     """How often the scene fails at its own palm angles, and at the best of the others."""
 
@@ -64,15 +71,12 @@ class AngleTrial:
 
 def try_angles(
     scene: Scene, controller: str, report: Callable[[float], None] = lambda fraction: None
-) -> AngleTrial | None:
-    """Carry with other pairs of angles, the same on both palms.
-
-    None: at no pair do all properties hold, or carries of this scene take long.
-    """
+) -> AngleTrial | NoPair:
+    """Carry with other pairs of angles, the same on both palms."""
     own = prepare(scene, controller)
     count = default_carries(own)
     if count is None:
-        return None
+        return NoPair("carries take too long, so no other pair of angles was tried")
     clearances: dict[Interval, float] = {}
     found: dict[Interval, Prepared] = {}
     pairs = [(shallow, shallow + more) for shallow in SHALLOW_DEG for more in BETWEEN_DEG]
@@ -87,7 +91,10 @@ def try_angles(
             continue
     report(0.3)
     if not found:
-        return None
+        return NoPair(
+            f"none of {len(pairs)} pairs of angles is both allowed and keeps all properties, so no "
+            "carry was tried with them"
+        )
     failures = {}
     for k, (pair, prepared) in enumerate(found.items()):
         failures[pair] = count_failures(prepared, 0, count)

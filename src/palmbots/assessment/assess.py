@@ -15,7 +15,7 @@ from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
-from palmbots.assessment.angles import AngleTrial, try_angles
+from palmbots.assessment.angles import AngleTrial, NoPair, try_angles
 from palmbots.assessment.changes import ChangeTrial, NoChange, try_changes
 from palmbots.assessment.friction import FrictionTrial, hardest_to_hold, try_friction
 from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
@@ -127,17 +127,17 @@ class Assessment(Result):
         if best is None:
             if self.answers.load.verdict == "no":
                 return "the object is too heavy for these robots"
-            return "no shipped controller carries this object"
+            return "no carry arrives with any shipped controller"
         use = f"use {best.controller}: it fails in {failures(best)} of carries"
         doubts = []
         if self.load is not None and self.load.cause == "other":
-            doubts.append("it fails more often in MuJoCo, whatever its weight")
+            doubts.append("it fails more often in MuJoCo, with a light object, too")
         doubts += [
             words
             for answer, words in (
                 (self.answers.carried, "the object is not held in every state that may occur"),
                 (self.answers.load, self._doubt_of_load()),
-                (self.answers.friction, "it may fail with some friction of the interval"),
+                (self.answers.friction, "it may fail with some friction within the interval"),
             )
             if answer.verdict in ("no", "partly")
         ]
@@ -235,7 +235,8 @@ def assess(
         rules = best.controller if best else None
         rough = try_friction(straight, friction, rules, counts[0].carries if counts else 0)
         loaded = hardest_to_hold(chosen, friction)
-    angles = curve = load = None
+    angles: AngleTrial | NoPair | None = None
+    curve = load = None
     change: ChangeTrial | NoChange | None = None
     if best is not None:
         angles = try_angles(straight, best.controller, lambda done: report(0.1 + 0.1 * done))
@@ -247,7 +248,7 @@ def assess(
         change = try_changes(
             straight,
             best.controller if best else RECOMMENDED,
-            {} if angles is None else angles.keys,
+            angles.keys if isinstance(angles, AngleTrial) else {},
             best.farthest_m if best else None,
             lambda done: report(0.45 + 0.1 * done),
         )
@@ -265,7 +266,7 @@ def assess(
         load=on_load(load_limits(loaded), best, load, name, rough),
         drops=on_drops(counts, load, planar),
         controllers=on_controllers(counts, planar, straight),
-        angles=on_angles(angles, best is not None, planar, straight),
+        angles=on_angles(angles, planar, straight),
         friction=on_friction(rough, analysis, planar),
         radio=on_radio(radio, counts, planar, straight),
         curve=on_curve(curve, best, chosen),
@@ -277,8 +278,9 @@ def assess(
             answers,
             **{name: replace(getattr(answers, name), **refused) for name in _OF_CARRIES},
         )
+    pairs = angles if isinstance(angles, AngleTrial) else None
     trial = change if isinstance(change, ChangeTrial) else None
-    return Assessment(answers, counts, angles, load, rough, radio, curve, trial, chosen, analysis)
+    return Assessment(answers, counts, pairs, load, rough, radio, curve, trial, chosen, analysis)
 
 
 def _near(scene: Scene, best: OutcomeCounts | None) -> Analysis | None:

@@ -167,15 +167,14 @@ def try_changes(
         except PalmbotsError:  # the palms collide, or a value is beyond its limits
             continue
     if not judged or count is None:
-        if is_heavy:
-            return NoChange(f"even {_STRONG} do not hold it", is_for_load=True)
-        return NoChange(_LONG if count is None else "every change that was tried is refused")
+        why = "no change is both allowed and keeps all properties" if plans else _WEAK
+        return NoChange(why, is_for_load=is_heavy)
     ranked = sorted(judged, key=lambda k: judged[k])
     chosen, mujoco = ranked[0], None
     if is_heavy:
         chosen, mujoco = _carried_in_mujoco(scene, plans, ranked, controller, report)
         if mujoco is not None and mujoco.failure_rate == 1:
-            return NoChange(f"up to {_STRONG} fail in every carry in MuJoCo", is_for_load=True)
+            return NoChange(_ALL_FAIL, is_for_load=True)
     best, holds = plans[chosen], not judged[chosen][0]
     changed = load_scene(scene, dict(best))
     after = _usual(prepare(changed, controller), count)
@@ -205,16 +204,22 @@ def try_changes(
     )
 
 
-_LONG = "carries take long, and none was tried"
-_STRONG = f"robots {STRONGER[-1]:g} times as strong"
+_LONG = "carries take too long, so no change was tried"
+_WEAK = f"no stronger robots that were tried hold it (up to {STRONGER[-1]:g} times as strong)"
+_ALL_FAIL = "in MuJoCo every carry fails with each of the stronger robots that were tried"
 
 
 def _unfailing(scene: Scene, count: int) -> str:
     """Why no changes can be compared in a scene that rarely fails, even with more noise."""
-    text = f"none of {count:,} carries fails"
     if any(scene.robot_of(side).noise_m_s for side in SIDES):
-        return f"{text}, and few do with {NOISE_FACTORS[-1]:g} times the noise"
-    return f"{text}, and the robots have no noise that could be raised to compare changes"
+        most = f"up to {NOISE_FACTORS[-1]:g} times as much"
+        return (
+            f"too few of {count:,} carries fail to compare changes, even with more noise ({most})"
+        )
+    return (
+        f"none of {count:,} carries fails, and there is no noise that could be raised to compare "
+        "changes"
+    )
 
 
 def _carried_in_mujoco(

@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from palmbots._types import Interval
 from palmbots._util.arguments import show, two_numbers
 from palmbots.errors import PalmbotsError
-from palmbots.mechanics.load_limits import load_limits
 from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side
@@ -57,14 +55,15 @@ def try_friction(
 
 
 def hardest_to_hold(scene: Scene, friction: Interval) -> Scene:
-    """The scene with that end of the interval at which the robots hold least.
+    """The scene with the highest friction of the interval, at which `load_limits` finds the
+    lightest heaviest object.
 
-    More friction permits a harder squeeze, so no friction between the ends is worse than both.
+    More friction permits more squeezes in every state, and lets more states be held. Each limit is
+    linear in the squeeze and must hold for all of them, except that wheels need load only with the
+    least one; but there, wheels that do not slip have load. No contact wedges: a scene refuses such
+    friction.
     """
-    ends = [_with_friction(scene, float(end)) for end in friction]
-    heaviest = [load_limits(one).heaviest_kg for one in ends]
-    masses = [math.inf if one is None else one for one in heaviest]
-    return ends[masses.index(min(masses))]
+    return _with_friction(scene, friction[1])
 
 
 def friction_keys(scene: Scene, friction: float) -> dict[str, float]:

@@ -11,7 +11,7 @@ from typing import Literal
 from palmbots._util.confidence_intervals import rate_interval, rate_text
 from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, quiet, warn_word
 from palmbots._util.text import format_number, millimetres, plural
-from palmbots.assessment.angles import AngleTrial
+from palmbots.assessment.angles import AngleTrial, NoPair
 from palmbots.assessment.changes import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial, friction_keys
 from palmbots.assessment.load import LoadTrial
@@ -143,7 +143,7 @@ def on_load(
     rough: FrictionTrial | None = None,
 ) -> Answer:
     """Whether the robots hold the weight: by statics, and in carries of the MuJoCo world. If the
-    friction is known only roughly, `limits` and `trial` are those with the worse end."""
+    friction is known only roughly, `limits` and `trial` are those with the highest value."""
     question, command = "Can these robots hold it?", f"palmbots load {name}"
     friction = limits.scene.palm_of("left").friction
     if rough is not None:
@@ -159,7 +159,8 @@ def on_load(
             texts.append(
                 f"{best.controller} keeps the contacts within {millimetres(reach)} of the "
                 f"pivots; there no robot tips and no palm sags up to "
-                f"{mass_text(limits.heaviest_within(reach))} kg, but wheels may slip before"
+                f"{mass_text(limits.heaviest_within(reach))} kg, but wheels may slip at a smaller "
+                "mass"
             )
             verdict = "likely" if reach <= limits.held_within_m else "partly"
     if trial is None:
@@ -173,7 +174,7 @@ def on_load(
             verdict = "partly"
         texts += trial.remarks[:1]
     if rough is not None:
-        texts.append(f"all with friction {friction:g}, the worse end")
+        texts.append(f"all with friction {friction:g}, which permits the hardest squeeze")
     return Answer(question, verdict, "; ".join(texts), command)
 
 
@@ -181,13 +182,15 @@ def _arrivals(trial: LoadTrial) -> str:
     """How many carries in MuJoCo arrive, and whether the others fail because of the weight."""
     text = f"in MuJoCo {_arrived(trial.counts)} carries arrive"
     if trial.failed and trial.light_kg is None:
-        text += ", not measurably fewer than in the quasistatic world, where no object is too heavy"
+        text += (
+            ", not measurably fewer than in the quasistatic world, where the weight has no effect"
+        )
     if trial.light is not None:
         text += f", and {_arrived(trial.light)} with an object of {trial.light_kg:g} kg"
     means = {
         "none": "",
         "weight": ": the weight is the reason",
-        "other": ": the weight is not the reason",
+        "other": ": the weight is probably not the reason",
         "unclear": ": these do not show whether the weight is the reason",
     }
     return text + means[trial.cause]
@@ -225,7 +228,7 @@ def on_controllers(counts: Sequence[OutcomeCounts], name: str, scene: Scene) -> 
         command += f" --sweep {key} --values {noises}"
     enough = [one.controller for one in counts if suffices(one)]
     if not enough:
-        text = f"none fails in less than {100 * SMALL:g} % of carries"
+        text = f"none is shown to fail in at most {100 * SMALL:g} % of carries"
         return Answer(question, "no", text, command)
     text = ", ".join(enough)
     return Answer(question, "yes" if RECOMMENDED in enough else "partly", text, command)
@@ -254,23 +257,23 @@ def _widths(scene: Scene, controller: str) -> str:
     return f"here: {millimetres(zone)}, overrun {millimetres(overrun)}"
 
 
-def on_angles(trial: AngleTrial | None, is_delivered: bool, name: str, scene: Scene) -> Answer:
+def on_angles(trial: AngleTrial | NoPair | None, name: str, scene: Scene) -> Answer:
     """Whether other palm angles are better. If none are but the scene still fails, the verdict is
     ``partly``."""
     question, command = "Are the palm angles right?", f"palmbots design {name}"
     if _swept(scene, NOISE_KEY) != NOISE_KEY:  # the robots have no common noise to maximize
         command += " --maximize angle"
-    if trial is None:
-        text = "no carry arrives with which pairs of angles could be compared"
-        if is_delivered:
-            text = "at no other pair of angles that was tried do all properties hold"
-        return Answer(question, "open", text, command)
+    if not isinstance(trial, AngleTrial):
+        why = "no carry arrives, so pairs of angles cannot be compared"
+        return Answer(question, "open", why if trial is None else trial.why, command)
     command += f" -c {trial.controller}"
     least, most = 100 * trial.least_failure_rate, 100 * trial.most_failure_rate
     tried = f"{trial.tried} pairs tried, with {trial.carries:,} carries each"
     spread = f"{least:.3g} to {most:.3g} % at the {tried}"
     if most == 0:
-        spread = f"no failures at any of the {tried}, so the angles do not matter"
+        spread = (
+            f"no failures at any of the {tried}, so these carries show no difference between them"
+        )
     own, best = (rate_text(n, trial.carries) for n in (trial.own_failures, trial.best_failures))
     if not trial.is_better:
         text = f"{trial.controller} fails in {own} at the scene's angles; {spread}"
@@ -328,7 +331,7 @@ def on_change(trial: ChangeTrial | NoChange | None, name: str, scene: Scene) -> 
     """Which change helps most, and what it costs."""
     question = "Does one change help?"
     if trial is None or isinstance(trial, NoChange):
-        text = "no carry arrives that a change could make more frequent"
+        text = "no carry arrives, so changes cannot be compared"
         if trial is not None:
             text = trial.why
         if trial is not None and trial.is_for_load:
@@ -413,7 +416,8 @@ def on_radio(
         text = f"even if {100 * worst.loss:g} % are lost: {', '.join(kept)}"
         return Answer(question, "yes", text, command)
     held = [row.loss for row in takewhile(lambda row: any(map(suffices, row.counts)), trials)]
-    text = "it fails even without losses"
+    names = ", ".join(one.controller for one in worst.counts)
+    text = f"even without losses too many carries fail with {names}"
     if held:
         text = f"up to {100 * held[-1]:g} % lost" if held[-1] else "only if none is lost"
     return Answer(question, "partly" if len(held) > 1 else "no", text, command)
@@ -423,7 +427,7 @@ def on_curve(trial: CurveTrial | None, best: OutcomeCounts | None, scene: Scene)
     """What a curve does."""
     question, name = "Does it survive a curve?", scene.spelled
     if trial is None:
-        why = "no turn was asked for" if best else "no carry arrives on a straight path"
+        why = "no turn was requested" if best else "no carry arrives on a straight path"
         return Answer(question, "open", why, f"palmbots curve {name}")
     command = f"palmbots curve {name} -c {trial.controller}"
     where, radius = f"on its path ({scene.task.path.kind})", trial.changes.get("task.path.radius_m")
@@ -448,8 +452,8 @@ def on_curve(trial: CurveTrial | None, best: OutcomeCounts | None, scene: Scene)
         carries = plural(counts.carries, "carry")
         fails = f"none of {carries} with {counts.controller} fails in MuJoCo"
     doubt = ""
-    if verdict == "no" and not forecast.lips and forecast.mean_m < forecast.budget_m:
-        doubt = ", so something else makes it fall"
+    if verdict == "no" and not forecast.lips and forecast.tips == 0:
+        doubt = ", so this drift alone does not explain the failures"
     reason = usual_reason(counts, "mujoco")
     text = "; ".join(filter(None, [f"{where}: {fails}", reason, f"{drift} {room}{doubt}"]))
     return Answer(question, verdict, text, command)

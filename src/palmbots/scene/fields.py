@@ -43,7 +43,7 @@ PROBLEMS = {
     "key": "is the value of an unknown key",
     "item": "has 1 item",
     "items": "has {count} items",
-    "missing": "is missing; required there: {keys}",
+    "missing": "is missing; this table requires {keys}",
 }
 """What may be wrong with a value, apart from other values. The page uses the same words."""
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.scene.spec import refuse_curved
+from palmbots.scene.spec import refuse_curved, to_spec
 
 ENTRY = re.compile(r"(.+)\[(\d{1,3})\]")
 """Pattern of a key of one number of a list: the key of the list, and the index."""
@@ -55,6 +55,19 @@ def with_values(
     except SceneError as error:
         raise SceneError(f"{called} {error}") from None
     return varied
+
+
+def have_equal_carries(scenes: Sequence[Scene]) -> bool:
+    """Whether the carries of all these scenes are the same in a world that runs their `Spec`."""
+    return len({to_spec(scene).to_bytes() for scene in scenes}) == 1
+
+
+def without_effect(called: str, key: str, world: str) -> SceneError:
+    """The error for a key that is varied although carries do not depend on it."""
+    return SceneError(
+        f"{called} {key}: no carry of this scene in the {world} world depends on it; "
+        "allowed: other keys, or a world in which they do"
+    )
 
 
 _KEPT = ("edge_radius_m", "contacts", "com_m", "mass_kg")

@@ -2,7 +2,7 @@
 """One carry, many carries, a sweep, rare events; the worlds and the results.
 
 `palmbots` exports the functions that run carries; this room exports the types of their results,
-batches of carries, whether a drop could have been prevented, palms that are moved by hand
+batches of carries, whether a drop could have been prevented, palms that a program moves
 (`FloorWorld`), and what registers a world.
 """
 

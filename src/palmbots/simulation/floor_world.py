@@ -115,8 +115,8 @@ class FloorWorld:
             raise PalmbotsError(
                 f"object.vertices_m: the outline does not stand on its contact vertices "
                 f"{show(spec.outline[0][0])} and {show(spec.outline[spec.contact_right][0])}; "
-                "allowed: an object whose two contact vertices are its lowest, with equal radii "
-                "and the COM above the floor between them"
+                "allowed: an object whose two contact vertices are its lowest, with equal radii, "
+                "and whose weight acts on the floor between them"
             )
 
     def _half(self, side: int) -> float:

@@ -25,8 +25,7 @@ from palmbots._util.text import format_number, plural
 from palmbots.control.registry import ControllerLike, resolve, shipped_names
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.scene.spec import to_spec
-from palmbots.scene.variations import with_values
+from palmbots.scene.variations import have_equal_carries, with_values, without_effect
 from palmbots.simulation.batch import DELIVERED, DROPPED
 from palmbots.simulation.outcome_counts import carry_seeds
 from palmbots.simulation.prepare import Prepared, check_precision, prepare
@@ -272,7 +271,7 @@ def compare(
         on_progress: called with the completed fraction.
 
     Raises:
-        SceneError: a scene cannot be read or is invalid.
+        SceneError: a scene cannot be read or is invalid, or no carry depends on the key.
         PalmbotsError: another argument is not allowed, or no controller takes any of the scenes.
     """
     entries = [resolve(c) for c in (shipped_names() if controllers is None else controllers)]
@@ -292,12 +291,8 @@ def compare(
         for value in values
     ]
     _each_once("values", values)
-    specs = [] if place.is_stepped else [to_spec(at).to_bytes() for at in scenes]
-    if len(specs) > 1 == len(set(specs)):
-        raise PalmbotsError(
-            f"sweep: {key}: no carry of this scene in the {place.name} world depends on it; "
-            "allowed: other keys, or a world in which they do"
-        )
+    if len(scenes) > 1 and not place.is_stepped and have_equal_carries(scenes):
+        raise without_effect("sweep:", key, place.name)
     rows, refusals = [], []
     cells = [(e, v, s) for e in entries for v, s in zip(values, scenes, strict=True)]
     for i, (entry, value, at) in enumerate(cells):

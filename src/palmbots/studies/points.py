@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from palmbots._util.arguments import show
 from palmbots._version import __version__
 from palmbots.control.registry import ControllerEntry, refusal
-from palmbots.errors import PalmbotsError
+from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene
-from palmbots.scene.variations import with_values
+from palmbots.scene.variations import have_equal_carries, with_values, without_effect
+from palmbots.simulation.worlds import DEFAULT_WORLD
 from palmbots.studies.axes import Axis, Span
 from palmbots.studies.designs import DESIGNS, GRID
 from palmbots.studies.study_file import Plan
@@ -108,7 +109,8 @@ def design_points(plan: Plan, on_progress: Callable[[float], None] = lambda _: N
     """The points of a plan. The scene at each of them is validated.
 
     Raises:
-        SceneError: the scene at a point is invalid; the message names the point.
+        SceneError: the scene at a point is invalid; the message names the point. Or no carry
+            depends on one of the keys.
         PalmbotsError: there are too many points, or a package of the extra ``study`` is missing.
     """
     axes, spec = plan.study.vary, plan.study.design
@@ -126,7 +128,7 @@ def design_points(plan: Plan, on_progress: Callable[[float], None] = lambda _: N
             for row in shares.tolist()
         )
         shape = (len(values),)
-    rejected_cells = {}
+    rejected_cells: dict[tuple[int, int], str] = {}
     for i in range(len(values)):
         scene = _scene(plan, values, i)
         for c, controller in enumerate(plan.controllers):
@@ -135,6 +137,9 @@ def design_points(plan: Plan, on_progress: Callable[[float], None] = lambda _: N
                 rejected_cells[i, c] = problem
         if i % 64 == 0:
             on_progress(i / len(values))
+    for k, key in enumerate(plan.keys):
+        if _is_without_effect(plan, values, k):
+            raise without_effect(f"{plan.called} vary:", key, DEFAULT_WORLD)
     return Points(plan, shape, values, rejected_cells)
 
 
@@ -143,6 +148,26 @@ def _scene(plan: Plan, values: tuple[tuple[Any, ...], ...], point: int) -> Scene
     place = ", ".join(f"{key} = {show(value)}" for key, value in pairs)
     called = f"{plan.called} point {point} ({place}):" if place else plan.called
     return with_values(plan.base, plan.keys, values[point], called)
+
+
+def _is_without_effect(plan: Plan, values: tuple[tuple[Any, ...], ...], k: int) -> bool:
+    """Whether another value of the key with index `k` leaves the carries of every point the same,
+    as far as the changed scenes are valid."""
+    levels = {repr(point[k]): point[k] for point in values}
+    following = dict(zip(levels, [*levels.values()][1:], strict=False))
+    compared = False
+    for i, point in enumerate(values):
+        if repr(point[k]) not in following:  # the last value, which is the next one of others
+            continue
+        changed = (*point[:k], following[repr(point[k])], *point[k + 1 :])
+        try:
+            pair = [_scene(plan, values, i), _scene(plan, (changed,), 0)]
+        except SceneError:
+            continue
+        if not have_equal_carries(pair):
+            return False
+        compared = True
+    return compared
 
 
 def _at(axis: Axis, share: float) -> Any:
