@@ -144,13 +144,16 @@ def test_no_damaged_image_is_flashed(image: Path, tmp_path: Path) -> None:
             flash(file, target)
     content = IntelHex(str(image))
     page = content.tobinstr(start=PAGE, size=0x1000)
-    forged = {80: 2, 32 + 4: 0, 82: 255, 83: 100, 84: 2, 92: 2, 93: 0, 98: 6, 28: 0}
-    for at, value in forged.items():
-        body = page[:at] + bytes([value]) + page[at + 1 : 168]
-        if at == 28:
-            body = body[:28] + bytes(4) + body[32:]
-        elif at == 36:
-            body = body[:36] + bytes(4) + body[40:]
+    forged = {80: 2, 82: 255, 83: 100, 84: 2, 92: 2, 93: 0, 98: 6}
+    changes = [(at, bytes([value])) for at, value in forged.items()]
+    # No period, no epoch, watchdog after 10.000001 s.
+    changes += [(at, value.to_bytes(4, "little")) for at, value in
+                ((36, 0), (28, 0), (40, 10_000_001))]  # fmt: skip
+    # Palm and wheels without a slew; pulses of the palm and of wheels that no servo gets.
+    for value, *places in ((0, 94, 96), (499, 108, 110, 112, 134), (2501, 108, 110, 112, 134)):
+        changes += [(at, value.to_bytes(2, "little")) for at in places]
+    for at, value in changes:
+        body = page[:at] + value + page[at + len(value) : 168]
         check = zlib.crc32(body).to_bytes(4, "little")
         file.write_text(image_with("robot", body + check + page[172:]))
         with pytest.raises(pb.PalmbotsError, match=r"is damaged|has no settings that a board"):

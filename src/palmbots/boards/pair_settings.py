@@ -9,7 +9,10 @@ from typing import Any
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
 from palmbots.boards.settings_page import (
+    MOST_POWER,
+    PERIODS_S,
     SWITCHES,
+    WATCHDOGS_S,
     BoardSettings,
     radio_settings,
     settings_page,
@@ -25,6 +28,7 @@ from palmbots.drivers.hardware import (
     wheel_rates,
 )
 from palmbots.errors import PalmbotsError
+from palmbots.pair.board_keys import PULSES_S
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stopping_limit import stopping_limit_s
@@ -35,10 +39,6 @@ from palmbots.scene.spec import to_spec
 
 BOOTS_PER_IMAGE = 16384
 """How many boots an image may count. Each new image begins beyond those of the one before."""
-PERIODS_S = (0.005, 0.05)
-"""Shortest and longest control period of a board."""
-SHORTEST_WATCHDOG_S = 0.1
-"""An erase of a page of flash memory halts the processor for 88 ms."""
 PALM_SWITCHES = 7
 """Switches along the palm; the two others of the matrix feel its ends."""
 MOST_BATTERY_V = 3.3
@@ -121,7 +121,7 @@ class BoardPair:
         """A share of full power as a pulse [us] or a speed of the motor board."""
         board = self.pair.settings.board
         if board.wheels == "motor-board":
-            return round(255 * power)
+            return round(MOST_POWER * power)
         return round(1e6 * (board.wheel_rest_s + board.wheel_full_s * power))
 
     def _wheel_slew(self, hardware: HardwareParameters, period_s: float) -> int:
@@ -167,8 +167,8 @@ def board_pair(pair: Pair) -> BoardPair:
         )
     if entry.machines is not None:
         _check_table(entry, scene)
-    core_settings(pair, scene, entry, 0.0)  # refuses time bounds that cannot be kept
     _check_times(scene)
+    core_settings(pair, scene, entry, 0.0)  # refuses time bounds that cannot be kept
     board = pair.settings.board
     for side in SIDES:
         _check_hardware(pair.settings.hardware.of(side), side, scene)
@@ -195,11 +195,12 @@ def _check_times(scene: Scene) -> None:
             f"control.period_s: value is {period_s:g}; allowed on a board: a multiple of 5 µs, "
             f"from {PERIODS_S[0]:g} to {PERIODS_S[1]:g} s"
         )
-    if watchdog_s < max(SHORTEST_WATCHDOG_S, 2 * period_s):
+    least_s = max(WATCHDOGS_S[0], 2 * period_s)
+    if not least_s <= watchdog_s <= WATCHDOGS_S[1]:
         raise PalmbotsError(
-            f"control.watchdog_s: value is {watchdog_s:g}; allowed on a board: at least "
-            f"{max(SHORTEST_WATCHDOG_S, 2 * period_s):g} s, because an erase of its flash memory "
-            "takes 0.088 s"
+            f"control.watchdog_s: value is {watchdog_s:g}; allowed on a board: {least_s:g} to "
+            f"{WATCHDOGS_S[1]:g} s, because an erase of its flash memory takes 0.088 s, and its "
+            "wheels keep turning until a reset"
         )
     for side, robot in zip(SIDES, to_spec(scene).robots, strict=True):
         if robot.stride > 1:
@@ -237,7 +238,8 @@ def _check_hardware(hardware: HardwareParameters, side: Side, scene: Scene) -> N
             )
     for name in ("servo_min_pulse_s", "servo_max_pulse_s"):
         pulse_s = getattr(hardware, name)
-        if not 0.0005 <= pulse_s <= 0.0025:
+        if not PULSES_S[0] <= pulse_s <= PULSES_S[1]:
             raise PalmbotsError(
-                f"hardware.{name}: value is {pulse_s:g}; allowed on a board: 0.0005 to 0.0025 s"
+                f"hardware.{name}: value is {pulse_s:g}; allowed on a board: {PULSES_S[0]:g} to "
+                f"{PULSES_S[1]:g} s"
             )

@@ -9,8 +9,16 @@ import struct
 import zlib
 from dataclasses import dataclass
 
+from palmbots.pair.board_keys import PULSES_S
 from palmbots.wire import MAX_EPOCH
 
+PERIODS_S = (0.005, 0.05)
+"""Shortest and longest control period of a board."""
+WATCHDOGS_S = (0.1, 10.0)
+"""Limits of the time after which a silent processor is reset. An erase of a page of flash memory
+halts it for 88 ms; the wheels keep turning until the reset."""
+MOST_POWER = 255
+"""Full power of a motor board."""
 PAGE_ADDRESS = 0xF000
 PAGE_SIZE = 0x1000
 TABLE_SIZE = 3265
@@ -139,10 +147,14 @@ def settings_page(settings: BoardSettings, table: bytes = b"") -> bytes:
     return page.ljust(PAGE_SIZE, b"\xff")
 
 
+def _us(limits_s: tuple[float, float]) -> tuple[int, int]:
+    return round(1e6 * limits_s[0]), round(1e6 * limits_s[1])
+
+
 _LIMITS: dict[int, tuple[int, int]] = {
     5: (0, MAX_EPOCH),  # last_epoch
-    7: (5000, 50_000),  # period_us
-    8: (100_000, 0xFFFF_FFFF),  # watchdog_us
+    7: _us(PERIODS_S),
+    8: _us(WATCHDOGS_S),
     _ROLE: (0, 2),
     _ROLE + 2: (0, 100),  # channel
     _ROLE + 3: (-40, 8),  # power_dbm
@@ -152,6 +164,19 @@ _LIMITS: dict[int, tuple[int, int]] = {
     **{_ROLE + 16 + number: (0, len(SWITCHES) - 1) for number in range(9)},
 }
 """From the least to the most, for the places of the fields that a board cannot check itself."""
+_WHEEL_KIND = _ROLE + 12
+_WHEELS = (_us(PULSES_S), (-MOST_POWER, MOST_POWER))
+"""Pulses or speeds of the wheels, by their kind."""
+
+
+def _robot_limits(wheel_kind: int) -> dict[int, tuple[int, int]]:
+    """Further limits of a robot's page: the station's radio has neither wheels nor a palm."""
+    return {
+        _ROLE + 14: (1, 0xFFFF),  # palm_slew_us; with 0 a palm never turns
+        _ROLE + 15: (1, 0xFFFF),  # wheel_slew
+        **{_ROLE + 26 + number: _us(PULSES_S) for number in range(2)},  # palm_us
+        **{_ROLE + 28 + number: _WHEELS[wheel_kind] for number in range(12)},
+    }
 
 
 def role_in(page: bytes) -> int | None:
@@ -161,7 +186,14 @@ def role_in(page: bytes) -> int | None:
         return None
     fields = _STRUCT.unpack(body)
     is_known = fields[:2] == (_MAGIC, _FORMAT)
-    is_meant = all(least <= fields[at] <= most for at, (least, most) in _LIMITS.items())
-    first, last = fields[4], fields[5]
-    counts = fields[_ROLE] == 2 or 1 <= first <= last
-    return fields[_ROLE] if is_known and is_meant and counts else None
+    if not is_known or not _are_within(_LIMITS, fields):
+        return None
+    role, first, last = fields[_ROLE], fields[4], fields[5]
+    if role == 2:
+        return role
+    is_meant = _are_within(_robot_limits(fields[_WHEEL_KIND]), fields)
+    return role if is_meant and 1 <= first <= last else None
+
+
+def _are_within(limits: dict[int, tuple[int, int]], fields: tuple[int, ...]) -> bool:
+    return all(least <= fields[at] <= most for at, (least, most) in limits.items())

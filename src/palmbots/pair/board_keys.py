@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table ``[board]`` of ``pair.toml``: robots whose program runs on a microcontroller board."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, model_validator
 
-from palmbots.scene.fields import Range, whole
+from palmbots.scene.fields import Range, field_error, whole
 from palmbots.scene.section import Section
 
 Channel = Annotated[int, BeforeValidator(whole(0, 100))]
-PulseLength = Annotated[float, BeforeValidator(Range("s", least=0.0005, most=0.0025))]
+PULSES_S = (0.0005, 0.0025)
+"""Shortest and longest pulse of a servo."""
+PulseLength = Annotated[float, BeforeValidator(Range("s", least=PULSES_S[0], most=PULSES_S[1]))]
 PulseChange = Annotated[float, BeforeValidator(Range("s", least=0.00001, most=0.001))]
 Bounce = Annotated[float, BeforeValidator(Range("s", least=0, most=0.5))]
 Timeout = Annotated[float, BeforeValidator(Range("s", least=0, most=10))]
@@ -35,3 +37,15 @@ class BoardTable(Section):
     keeps its last speed, and is refused."""
     bounce_s: Bounce = 0.005
     """Longest time for which a switch bounces; the default is assumed."""
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        most = min(self.wheel_rest_s - PULSES_S[0], PULSES_S[1] - self.wheel_rest_s)
+        if self.wheel_full_s > most + 1e-9:
+            raise field_error(
+                self.wheel_full_s,
+                f"makes pulses shorter than {PULSES_S[0]:g} s or longer than {PULSES_S[1]:g} s",
+                f"at most {most:g} s around wheel_rest_s, {self.wheel_rest_s:g} s",
+                "wheel_full_s",
+            )
+        return self
