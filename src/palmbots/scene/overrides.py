@@ -13,6 +13,7 @@ from typing import Any
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError
+from palmbots.scene.section import Section
 
 _FORM = "KEY=VALUE with a dotted key and a TOML value, as in"
 _EXAMPLES = 'radio.loss=0.1 or task.direction="backward"'
@@ -139,6 +140,49 @@ def without_superseded(
             if key in keys and value in ("", keys[key]):
                 obsolete |= {f"{table}.{other}": None for other in others if other not in keys}
     return merged(data, obsolete) if obsolete else dict(data)
+
+
+HOLDERS = {"palm": SIDES, "robot": SIDES, "radio": (*SIDES, "station")}
+"""The sections in which a side or a sender may override a key."""
+_EITHER = ("friction", "friction_angle_deg")  # a side with one of them ignores both of the pair
+
+
+def overriding(scene: Section, key: str) -> tuple[str, ...]:
+    """The sides and senders with a value of their own for a key without a side."""
+    section, _, name = key.partition(".")
+    names = _EITHER if key.startswith("palm.") and name in _EITHER else (name,)
+    found = []
+    for holder in HOLDERS.get(section, ()):
+        own = getattr(getattr(scene, section), holder)
+        if any(getattr(own, one, None) is not None for one in names):
+            found.append(holder)
+    return tuple(found)
+
+
+def refuse_without_effect(scene: Section, changes: Mapping[str, Any], called: str) -> None:
+    """Raise `SceneError` for a change without effect: of a key without a side that both sides
+    override, unless `changes` also sets both overrides. `scene` has the changes already."""
+    given = merged({}, changes)
+    for section in HOLDERS:
+        if not isinstance(given.get(section), Mapping):
+            continue
+        keys = {k for k, value in leaves(section, given[section]).items() if value is not None}
+        for key in sorted(keys):
+            own = overriding(scene, key)
+            if has_no_effect(own) and not {key_of(key, one) for one in SIDES} <= keys:
+                ones = " and ".join(key_of(key, one) for one in SIDES)
+                raise SceneError(f"{called} {key}: both sides override it; allowed: {ones}")
+
+
+def has_no_effect(overriding: tuple[str, ...]) -> bool:
+    """Whether a key without a side has no effect: both robots have values of their own. That the
+    station may have none does not count, because it has a key of its own."""
+    return set(SIDES) <= set(overriding)
+
+
+def key_of(key: str, holder: str) -> str:
+    """The key of a side or sender that overrides this one."""
+    return key.replace(".", f".{holder}.", 1)
 
 
 def _table_at(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:

@@ -25,12 +25,11 @@ from palmbots.scene.files import read_scene
 from palmbots.scene.mujoco_section import MujocoParameters
 from palmbots.scene.object_library import by_name, is_object_file, with_named_object
 from palmbots.scene.object_section import Object
-from palmbots.scene.overrides import merged, without_superseded
+from palmbots.scene.overrides import merged, refuse_without_effect, without_superseded
 from palmbots.scene.palm_section import Palm, PalmParameters
 from palmbots.scene.radio_section import Radio
 from palmbots.scene.robot_section import Control, Robot, RobotParameters, Tactile
 from palmbots.scene.section import Section, as_given, plain
-from palmbots.scene.sides import refuse_without_effect
 from palmbots.scene.task_section import Bumps, Start, Task
 
 _STEP = re.compile(r"(\w+)|\[(\d+)\]")

@@ -6,32 +6,12 @@ to act everywhere therefore has to change the overrides, too; if both sides over
 without a side has no effect. Code that sets or multiplies such keys uses the functions here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from palmbots._types import SIDES
-from palmbots.errors import SceneError
-from palmbots.scene.overrides import leaves, merged
-
-if TYPE_CHECKING:
-    from palmbots.scene.scene import Scene
-
-_HOLDERS = {"palm": SIDES, "robot": SIDES, "radio": (*SIDES, "station")}
-_EITHER = ("friction", "friction_angle_deg")  # a side with one of them ignores both of the pair
-
-
-def overriding(scene: Scene, key: str) -> tuple[str, ...]:
-    """The sides and senders with a value of their own for a key without a side."""
-    section, _, name = key.partition(".")
-    names = _EITHER if key.startswith("palm.") and name in _EITHER else (name,)
-    found = []
-    for holder in _HOLDERS.get(section, ()):
-        own = getattr(getattr(scene, section), holder)
-        if any(getattr(own, one, None) is not None for one in names):
-            found.append(holder)
-    return tuple(found)
+from palmbots.scene.overrides import HOLDERS, has_no_effect, key_of, overriding
+from palmbots.scene.scene import Scene
 
 
 def on_every_side(scene: Scene, keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -39,9 +19,9 @@ def on_every_side(scene: Scene, keys: Mapping[str, Any]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in keys.items():
         own = overriding(scene, key)
-        if not _is_without_effect(own):
+        if not has_no_effect(own):
             found[key] = value
-        found |= {_key_of(key, holder): value for holder in own}
+        found |= {key_of(key, holder): value for holder in own}
     return found
 
 
@@ -71,31 +51,6 @@ def value_of(scene: Scene, key: str) -> Any:
     found: Any = scene
     for part in key.split("."):
         found = getattr(found, part)
-    if found is None and own and holder in _HOLDERS.get(section, ()):
+    if found is None and own and holder in HOLDERS.get(section, ()):
         return value_of(scene, f"{section}.{own}")
     return list(found) if isinstance(found, tuple) else found
-
-
-def refuse_without_effect(scene: Scene, changes: Mapping[str, Any], called: str) -> None:
-    """Raise `SceneError` for a change without effect: of a key without a side that both sides
-    override, unless `changes` also sets both overrides. `scene` has the changes already."""
-    given = merged({}, changes)
-    for section in _HOLDERS:
-        if not isinstance(given.get(section), Mapping):
-            continue
-        keys = {k for k, value in leaves(section, given[section]).items() if value is not None}
-        for key in sorted(keys):
-            own = overriding(scene, key)
-            if _is_without_effect(own) and not {_key_of(key, one) for one in SIDES} <= keys:
-                ones = " and ".join(_key_of(key, one) for one in SIDES)
-                raise SceneError(f"{called} {key}: both sides override it; allowed: {ones}")
-
-
-def _is_without_effect(overriding: tuple[str, ...]) -> bool:
-    """Whether both robots have values of their own. That the station may have none does not count,
-    because it has a key of its own."""
-    return set(SIDES) <= set(overriding)
-
-
-def _key_of(key: str, holder: str) -> str:
-    return key.replace(".", f".{holder}.", 1)
