@@ -205,7 +205,7 @@ class EndStatistics:
         return quantile(trips, 0.5) if trips else None
 
     def summary(self) -> EndTable:
-        """The same as a table; what is not known is None."""
+        """All of these as a table; what is not known is None."""
 
         def known(trip_s: float) -> float | None:
             return None if math.isnan(trip_s) else trip_s
@@ -248,7 +248,9 @@ class PacketStatistics:
 
     def summary(self, details: Mapping[str, Any]) -> StatisticsTable:
         """All counts as a table, with what the link says about itself."""
-        found: Any = {end: one.summary() for end, one in self.ends.items()}
+        found: StatisticsTable = {}
+        for end, one in self.ends.items():
+            found[end] = one.summary()
         if details:
             found["details"] = dict(details)
         return found
