@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The station on a clock of the test: wishes, restarts, other stations, forged packets."""
+"""The station on a clock of the test: wishes, restarts, other stations."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -7,18 +7,13 @@ from typing import Any
 
 import pytest
 
-from palmbots._types import Side
-from palmbots.links.packet_statistics import PacketStatistics
 from palmbots.pair.launcher import UP
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.station.carry_script import carry_once
-from palmbots.station.correction_watch import CorrectionWatch
-from palmbots.station.fault_watch import FaultWatch
-from palmbots.station.robot_view import RobotView
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.station.station import PERIOD_S, OtherStation, Station
 from palmbots.station.station_epochs import StationEpochs
-from palmbots.wire import Endpoint, Hello, Operate, Packet, Status, encode
+from palmbots.wire import Hello, Operate
 
 CARRYING = ("carrying", "holding")
 STEP = round(PERIOD_S / 0.01)
@@ -300,187 +295,6 @@ def test_an_e_stop_does_not_wait_until_other_stations_are_ruled_out(tmp_path: Pa
     pair.restart_station()
     pair.station.wish("e_stop")
     pair.run_until(("stopped",), within=30)
-
-
-def sent_by_a_stranger(pair: SimulatedPair, key: bytes, body: Any, sequence: int) -> None:
-    """Packets to both robots as a station would send them, also with right acknowledgements."""
-    for side in ("left", "right"):
-        for ahead in (0, 5):
-            packet = Packet(
-                "station", side, pair.pair.settings.pair.number, 2**24 - 1, sequence + ahead,
-                (pair.stored[side].epoch, 1), body,
-            )  # fmt: skip
-            pair.air.send("station", side, encode(packet, key))
-
-
-def test_a_wrong_key_moves_nothing(tmp_path: Path) -> None:
-    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
-    pair.run(50)
-    wrong = bytes(16)
-    assert wrong != pair.pair.key
-    operations: tuple[Any, ...] = ("arm", "start", "e_stop", "release")
-    for number, operation in enumerate(operations * 5):
-        sent_by_a_stranger(pair, wrong, Operate(operation, stop=operation == "e_stop"), number + 1)
-        pair.run(20)
-        assert pair.modes() == ("disarmed", "disarmed")
-    assert all(robot.count(6) >= 40 for robot in pair.robots.values())  # bad_tag
-
-
-def test_with_the_right_key_the_same_packets_do_stop(tmp_path: Path) -> None:
-    """Otherwise the test above could not fail."""
-    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
-    pair.run(50)
-    sent_by_a_stranger(pair, pair.pair.key, Operate("e_stop", stop=True), 1)
-    pair.run(5)
-    assert pair.modes() == ("stopped", "stopped")
-
-
-def test_replayed_orders_do_nothing(tmp_path: Path) -> None:
-    """Everything that the station has sent is recorded and sent again: after the carry, after a
-    stop, and after a reboot of both robots. No robot arms, starts or is released by it."""
-    pair = SimulatedPair(tmp_path, "resilient", Air(), UP | {"limits.after_reboot": "disarm"})
-    recorded: list[tuple[str, bytes]] = []
-    before = pair.air.send
-
-    def send(sender: str, receiver: str, data: bytes) -> None:
-        if sender == "station":
-            recorded.append((receiver, data))
-        before(sender, receiver, data)
-
-    pair.air.send = send
-    pair.start()
-    pair.wish("stop", "stopped")
-    pair.wish("release", "disarmed")
-    pair.start()
-    pair.wish("stop", "stopped")
-    pair.air.send = before
-
-    def replay() -> set[str]:
-        seen: set[str] = set()
-        for receiver, data in recorded:
-            pair.air.send("station", receiver, data)
-            pair.run(1)
-            seen |= set(pair.modes())
-        return seen
-
-    assert replay() == {"stopped"}
-    for side in ("left", "right"):
-        pair.boot(side)
-    assert replay() == {"stopped"}
-    pair.wish("release", "disarmed")
-    # An emergency stop counts without a session, and can only stop.
-    assert replay() <= {"disarmed", "stopped"}
-
-
-def test_a_forged_release_does_not_end_an_e_stop(tmp_path: Path) -> None:
-    """Bits of a release are changed in every byte, and its tag is that of other packets."""
-    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
-    pair.start()
-    pair.wish("e_stop", "stopped")
-    number = pair.pair.settings.pair.number
-    stranger = Endpoint(bytes(range(16)), number, "station", 2**24 - 1)
-    forged = stranger.send("left", Operate("release"))
-    real: list[bytes] = []
-    before = pair.air.send
-
-    def send(sender: str, receiver: str, data: bytes) -> None:
-        if (sender, receiver) == ("station", "left"):
-            real.append(data)
-        before(sender, receiver, data)
-
-    pair.air.send = send
-    pair.run(20)
-    for k in range(len(forged)):
-        changed = real[-1][:k] + bytes([real[-1][k] ^ 1]) + real[-1][k + 1 :]
-        mixed = real[-1][:k] + forged[k:]
-        for data in (forged, changed, mixed):
-            pair.air.send("station", "left", data)
-        pair.run(1)
-        assert pair.robots["left"].mode == "stopped"
-    pair.wish("release", "disarmed")  # a real one does
-
-
-def test_a_correction_that_never_ends_is_named_once() -> None:
-    watch = CorrectionWatch(6.0)
-    for now, side, case in ((1.0, "left", "a"), (1.2, "right", "c"), (5.0, "left", "a")):
-        watch.take(side, case, now)
-    assert watch.hanging(7.0) == []
-    assert watch.hanging(7.1) == ["correction A of left lasts for more than 6 s: it hangs"]
-    assert watch.hanging(7.3) == ["right assists for more than 6 s: it hangs"]
-    assert watch.hanging(20.0) == []
-    watch.take("left", " ", 21.0)
-    watch.take("left", "d", 22.0)
-    watch.take("left", " ", 27.9)
-    assert watch.hanging(40.0) == []
-
-
-@pytest.mark.parametrize(
-    ("left", "right", "hangs"),
-    [
-        ("holding", "carrying", True), ("holding", "done", True), ("done", "done", False),
-        ("holding", "ready", False), ("fault", "carrying", False),
-    ],
-)  # fmt: skip
-def test_a_carry_that_does_not_move_on_is_named(left: Any, right: Any, hangs: bool) -> None:
-    watch = FaultWatch(PERIOD_S, PacketStatistics("station"), 0.0, lambda: 0.0)
-    modes: dict[Any, Any] = {"left": left, "right": right}
-    assert watch.step(modes, 0.0) == watch.step(modes, 5.0) == []
-    line = f"the carry has not moved on for 5 s: it hangs (left is {left}, right is {right})"
-    if right == "done":
-        line += "; left waits for right, which is done: stop the carry"
-    assert watch.step(modes, 5.1) == ([line] if hangs else [])
-    assert watch.step(modes, 15.0) == []  # not again so soon
-    assert watch.step(modes, 15.2) == ([line] if hangs else [])
-
-
-@pytest.mark.parametrize(("jump_s", "way"), [(-3600.0, "back by 3600"), (90.0, "forward by 90")])
-def test_a_clock_that_was_set_is_named_once(jump_s: float, way: str) -> None:
-    wall = [1000.0]
-    watch = FaultWatch(PERIOD_S, PacketStatistics("station"), 0.0, lambda: wall[0])
-    wall[0] += 0.9  # as a time service does
-    assert watch.step({}, 1.0) == []
-    wall[0] = 1000.0 + jump_s
-    line = f"station: the clock of this computer was set {way} s; nothing here depends on it"
-    assert watch.step({}, 2.0) == [line]
-    assert watch.step({}, 3.0) == []
-
-
-def test_numbers_of_a_robot_are_kept_until_it_boots() -> None:
-    """At rest it reports no progress any more; after a boot nothing is known."""
-    view = RobotView(PacketStatistics("station").ends["left"])
-
-    def take(epoch: int, mode: Any, item: Any, value: int) -> None:
-        status = Status(mode=mode, item=item, value=value)
-        view.take(Packet("left", "station", 1, epoch, 1, body=status), status, 0.0)
-
-    take(1, "carrying", "battery", 7400)
-    take(1, "carrying", "progress", 0x8000)
-    take(1, "done", "progress", 0)
-    assert view.progress == pytest.approx(0.5, abs=1e-4)
-    assert view.battery_v == 7.4
-    take(1, "disarmed", "progress", 0)
-    assert view.progress == 0
-    take(2, "disarmed", "overruns", 0)
-    assert view.battery_v is None and view.progress is None
-
-
-def test_corrections_get_labels_in_the_order_of_their_start() -> None:
-    watch = CorrectionWatch()
-    cases: list[tuple[Side, str]] = [
-        ("left", "a"), ("right", "c"), ("left", " "), ("right", " "), ("right", "b"),
-        ("left", "c"), ("right", "a"), ("right", "a"),
-    ]  # fmt: skip
-    said = [watch.take(side, case, now) for now, (side, case) in enumerate(cases)]
-    assert said == [
-        "correction A of left (a) begins", "correction A: right assists",
-        "correction A ends after 2.0 s", None, "correction B of right (b) begins",
-        "correction B: left assists", "correction C of right (a) begins", None,
-    ]  # fmt: skip
-    assert [(c.label, c.robot, c.assistant, c.start_s, c.end_s) for c in watch.ended] == [
-        ("A", "left", "right", 0, 2),
-        ("B", "right", "left", 4, 6),
-    ]
-    assert [(c.label, c.assistant) for c in watch.under_way] == [("C", "left")]
 
 
 def test_a_stop_that_a_robot_does_not_confirm_is_reported(tmp_path: Path) -> None:
