@@ -272,7 +272,9 @@ def _put(path: Path, data: bytes) -> None:
 
 
 def _sources() -> list[Path]:
-    return sorted((ROOT / "tests" / "cpp").glob("*/*_test.cpp"))
+    # lane_carries_test runs longer than LONGEST_S, and takes half an hour to compile with mutants.
+    every = sorted((ROOT / "tests" / "cpp").glob("*/*_test.cpp"))
+    return [source for source in every if source.stem != "lane_carries_test"]
 
 
 def _programs() -> str | None:
