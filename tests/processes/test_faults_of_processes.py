@@ -69,6 +69,25 @@ def test_a_fault_in_a_carry(name: str, tmp_path: Path) -> None:
         assert "Traceback" not in pair.report()
 
 
+@pytest.mark.parametrize(("held_up_s", "boots"), [(0.08, 1), (0.15, 2)])
+def test_robots_that_were_held_up_longer_than_the_watchdog_start_again_and_go_on(
+    held_up_s: float, boots: int, tmp_path: Path
+) -> None:
+    with SteppedProcesses(tmp_path) as pair:
+        pair.carry()
+        for side in ("left", "right"):
+            pair.suspend(side)
+        pair.run(held_up_s)
+        for side in ("left", "right"):
+            pair.resume(side)
+        world = pair.finish()
+        assert world["outcome"] == "delivered", pair.report()
+        # What was covered before is stored in steps of 2 cm, and the wheels run on meanwhile.
+        assert 0.39 < world["distance_m"] < 0.4 + 0.02 + 0.02 + 0.02
+        for side in ("left", "right"):
+            assert read_json("robot", pair.programs[side].printed())["boots"] == boots
+
+
 def is_well(pair: SteppedProcesses) -> bool:
     """Both robots are ready again, or have ended with a reason."""
     faults = pair.faults()

@@ -60,6 +60,18 @@ def test_a_killed_robot_starts_again_and_a_killed_world_ends_everything(up: Up) 
     assert not any(map(is_there, started.values()))
 
 
+def test_a_killed_world_ends_a_carry_in_lockstep() -> None:
+    command = ["up", "--lockstep", "--set", "task.distance_m=500", "--set", "task.timeout_s=9999"]
+    with started(command) as up:
+        names = {"world", "left", "right"}
+        wait_until(lambda: programs_of(up).keys() >= names)
+        os.kill(programs_of(up)["world"], signal.SIGKILL)
+        _, errors = up.communicate(timeout=60)
+    assert up.returncode == 2
+    assert "palmbots: world: was killed; the carry is void\n" in errors
+    assert "Traceback" not in errors
+
+
 def test_a_robot_that_stays_suspended_does_not_hold_up_the_end(up: Up) -> None:
     started = all_of(up)
     os.kill(started["right"], signal.SIGSTOP)

@@ -44,7 +44,8 @@ def run_lockstep(
         The exit status of the world: 0 if the object was delivered.
 
     Raises:
-        PalmbotsError: a process cannot be started, or a robot's program fails.
+        PalmbotsError: a process cannot be started, a robot's program fails, or the world was
+            killed.
     """
     with (
         _pair(scene, controller) as (file, address, key),
@@ -56,16 +57,23 @@ def run_lockstep(
             running.start(side, ["robot", str(file), "--side", side, "--lockstep"])
         if has_station:
             running.start("station", ["station", str(file), "--lockstep"])
-        while running.status("world") is None:
+        while (status := running.status("world")) is None:
             for side in SIDES:
                 ended = running.status(side)
                 if ended == REBOOTED:
                     running.restart(side)
-                elif ended not in (None, 0):
+                elif ended not in (None, 0) and not running.ends_within("world", 1.0):
                     raise PalmbotsError(f"{side} robot: its program ended with status {ended}")
             time.sleep(_POLL_S)
+        _check_world(status)
         running.end(*SIDES, within_s=_END_WITHIN_S, ask=False)
-        return running.wait("world", _END_WITHIN_S)
+        return status
+
+
+def _check_world(status: int) -> None:
+    """Raise `PalmbotsError` for a world that was killed."""
+    if status < 0:
+        raise PalmbotsError("world: was killed; the carry is void")
 
 
 class LiveCarryProcesses:
@@ -170,8 +178,7 @@ class LiveCarryProcesses:
         running = self.processes
         world = running.status("world")
         if world is not None:
-            if world < 0:
-                raise PalmbotsError("world: was killed; the carry is void")
+            _check_world(world)
             return False
         for name in (*SIDES, "station"):
             ended = running.status(name)
