@@ -242,36 +242,27 @@ class SceneValues {
     return record;
   }
 
-  // "object.edge_radius_m[3]": the number at this place of a list of numbers.
-  Slot find_item(std::string_view path) {
-    const std::size_t bracket = path.rfind('[');
-    if (!path.ends_with(']') || bracket == path.npos) return {};
-    const std::size_t list = detail::find_list(path.substr(0, bracket));
-    if (list == detail::no_key) return {};
-    std::size_t place = 0;
-    for (const char digit : path.substr(bracket + 1, path.size() - bracket - 2)) {
-      place = 10 * place + static_cast<std::size_t>(digit - '0');
-    }
-    if (place >= lists_[list].records.size()) return {};
-    return {&lists_[list].records[place][0], &detail::list_at(list).keys[0]};
-  }
-
+  // A key of a list has brackets: "radio.outages[].start_s" is that of the record `place`. A number
+  // in them is the place: "object.edge_radius_m[3]".
   Slot find(std::string_view path, std::size_t place) {
-    if (const Slot item = find_item(path); item.value != nullptr && !path.ends_with("[]"))
-      return item;
-    if (const std::size_t bracket = path.find("[]"); bracket != path.npos) {
-      const std::size_t list = detail::find_list(path.substr(0, bracket));
-      if (list == detail::no_key || place >= lists_[list].records.size()) return {};
-      std::string_view name = path.substr(bracket + 2);
-      if (name.starts_with('.')) name.remove_prefix(1);
-      if (name.empty()) name = itself;
-      const std::size_t k = detail::find_in(detail::list_at(list), name);
-      if (k == detail::no_key) return {};
-      return {&lists_[list].records[place][k], &detail::list_at(list).keys[k]};
+    const std::size_t open = path.find('[');
+    const std::size_t list = detail::find_list(path.substr(0, open));
+    if (list == detail::no_key) {
+      const std::size_t k = detail::find_key(path);
+      if (k == detail::no_key || place >= numbers_[k].size()) return {};
+      return {&numbers_[k][place], &detail::key_at(k)};
     }
-    const std::size_t k = detail::find_key(path);
-    if (k == detail::no_key || place >= numbers_[k].size()) return {};
-    return {&numbers_[k][place], &detail::key_at(k)};
+    const std::size_t close = path.find(']');
+    if (close == path.npos) return {};
+    const std::string_view digits = path.substr(open + 1, close - open - 1);
+    if (!digits.empty()) place = 0;
+    for (const char digit : digits) place = 10 * place + static_cast<std::size_t>(digit - '0');
+    if (place >= lists_[list].records.size()) return {};
+    std::string_view name = path.substr(close + 1);
+    if (name.starts_with('.')) name.remove_prefix(1);
+    const std::size_t k = detail::find_in(detail::list_at(list), name.empty() ? itself : name);
+    if (k == detail::no_key) return {};
+    return {&lists_[list].records[place][k], &detail::list_at(list).keys[k]};
   }
 
   std::array<std::array<double, 4>, detail::key_count> numbers_;
