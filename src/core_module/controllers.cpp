@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "bindings.hpp"
+#include "machines.hpp"
 #include "palmbots/control/centralized.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/team_registry.hpp"
@@ -136,20 +137,8 @@ void bind_controllers(nb::module_& m) {
   using OneDistributed = TableRobot<Distributed>;
   nb::class_<OneDistributed>(m, "Distributed", "Table 2 of the paper, one robot.")
       .def(nb::init<>())
-      .def(
-          "step",
-          [](OneDistributed& self, int sign, int message, bool palm_at_target) {
-            if (sign < -1 || sign > 1 || message < 0 || message > 3) {
-              throw std::out_of_range("sign is -1, 0 or 1; message is 0 to 3");
-            }
-            const auto out = self.step(
-                {static_cast<Sign>(sign), palm_at_target, 1, static_cast<MessageKind>(message)});
-            return std::tuple(static_cast<int>(out.command.palm),
-                              static_cast<int>(out.command.move), static_cast<int>(out.message),
-                              out.read);
-          },
-          nb::arg("sign"), nb::arg("message"), nb::arg("palm_at_target"),
-          "One tick; returns (palm, move, message sent, message read).")
+      .def("step", &checked_step<OneDistributed>, nb::arg("sign"), nb::arg("message"),
+           nb::arg("palm_at_target"), "One tick; returns (palm, move, message sent, message read).")
       .def("__copy__", [](const OneDistributed& self) { return self; })
       .def_prop_ro("memory", &memory<OneDistributed>, "All that it remembers.")
       .def_prop_ro("state",

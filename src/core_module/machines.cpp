@@ -140,14 +140,7 @@ void bind_machines(nb::module_& m) {
       .def(
           "step",
           [](Robot& self, int sign, int message, bool palm_at_target) {
-            if (sign < -1 || sign > 1 || message < 0 || message > 3) {
-              throw std::out_of_range("sign is -1, 0 or 1; message is 0 to 3");
-            }
-            const auto out = (*self).step(
-                {static_cast<Sign>(sign), palm_at_target, 1, static_cast<MessageKind>(message)});
-            return std::tuple(static_cast<int>(out.command.palm),
-                              static_cast<int>(out.command.move), static_cast<int>(out.message),
-                              out.read);
+            return checked_step(*self, sign, message, palm_at_target);
           },
           nb::arg("sign"), nb::arg("message"), nb::arg("palm_at_target"),
           "One tick; returns (palm, move, message sent, message read).")

@@ -20,7 +20,8 @@ struct Reader {
   double operator[](std::size_t i) const { return data[i * step]; }
 };
 
-// The nine modes in the order of their bits: left contact first, each in the order of `slides`.
+// The nine contact modes in the order of their bits: left contact first, each in the order of
+// `slip_directions`.
 constexpr ContactMode mode_of(std::size_t bit) {
   return {slip_directions[bit / 3], slip_directions[bit % 3]};
 }
