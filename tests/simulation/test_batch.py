@@ -37,12 +37,13 @@ def test_modules_have_different_numbers_of_lanes() -> None:
 @pytest.mark.parametrize("level", [3, 4])
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
 def test_lanes_of_larger_processors_passes_sanitizers(level: int, compiler: str) -> None:
-    """tests/cpp/test_programs.py runs the same program with the lanes of any processor."""
+    """tests/cpp/test_programs.py runs the same programs with the lanes of any processor."""
     if not _core.supports_x86_level(level):
         pytest.skip(f"this processor has no level x86-64-v{level}")
-    command = [program(f"batch/lane_carries_test-v{level}-{compiler}"), "30"]  # seeds
-    run = subprocess.run(command, capture_output=True, text=True, timeout=1500)
-    assert run.returncode == 0, run.stderr
+    for name in ("base/simd_lanes_test", "batch/lane_carries_test"):
+        command = [program(f"{name}-v{level}-{compiler}"), "30"]  # seeds, of the second one
+        run = subprocess.run(command, capture_output=True, text=True, timeout=1500)
+        assert run.returncode == 0, run.stderr
 
 
 def test_exception_in_watch_stops_the_batch() -> None:

@@ -156,4 +156,8 @@ void put_lane(S<Lanes<Real, n>>& to, int lane, const S<Real>& value) {
   }
 }
 
+// The number of lanes that fill a register.
+template <class Real>
+inline constexpr int lanes_of = register_bytes / static_cast<int>(sizeof(Real));
+
 }  // namespace palmbots

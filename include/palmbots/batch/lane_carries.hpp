@@ -392,8 +392,4 @@ class LaneCarries {
   BitslicedTeams<Real, n, Team> teams_;
 };
 
-// The number of lanes that fill a register.
-template <class Real>
-inline constexpr int lanes_of = register_bytes / static_cast<int>(sizeof(Real));
-
 }  // namespace palmbots
