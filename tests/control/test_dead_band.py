@@ -5,8 +5,11 @@ The scenes here have no noise, only a contact that starts off its zone.
 """
 
 import math
+from collections.abc import Iterator
+from itertools import product
 from typing import Any
 
+import numpy as np
 import pytest
 
 import palmbots as pb
@@ -57,6 +60,50 @@ def test_overrun_is_that_of_the_simulated_wheels() -> None:
     way = 2 * (0.015 * 11 * 0.01 + 0.01 * (0.01 + 0.005))
     assert overrun_m(quiet(0.01), "centralized") == pytest.approx(way * along_palm, rel=1e-12)
     assert overrun_m(quiet(0.01), "none") == 0
+
+
+KEYS: list[dict[str, float]] = [
+    {},
+    {"robot.acceleration_m_s2": 0.1},
+    {"robot.correction_m_s": 0.06},
+    {"control.period_s": 0.02},  # messages wait for the next tick
+]
+
+
+@pytest.mark.parametrize("keys", KEYS, ids=repr)
+@pytest.mark.parametrize("latency_s", [0.0, 0.05, 0.15])
+@pytest.mark.parametrize(
+    ("controller", "tightness"), [("distributed", 0.65), ("centralized", 0.65), ("shared-sign", 0)]
+)
+def test_no_contact_of_a_trace_overruns_the_edge_farther(
+    controller: str, tightness: float, latency_s: float, keys: dict[str, float]
+) -> None:
+    """Each contact in turn begins outside of a zone that is wide enough, at five phases of the
+    control period, and is followed from the edge until it no longer goes inward."""
+    base = pb.load_scene(quiet(0.01, latency_s=latency_s), keys | {"task.distance_m": 0.25})
+    bound = overrun_m(base, controller)
+    half = 1.1 * bound
+    farthest = 0.0
+    for k, start in product(range(5), ((1, 0), (-1, 0), (0, 1), (0, -1))):
+        off = half + 0.002 + base.robot.correction_m_s * base.control.period_s * k / 5
+        names = ("start.left_m", "start.right_m")
+        begin = {name: off * sense for name, sense in zip(names, start, strict=True)}
+        trace = pb.carry(base, controller, overrides=begin | {
+            "tactile.zero_half_width_m": half,
+        }).trace  # fmt: skip
+        assert trace is not None
+        for p in trace["contact"].values.T:
+            farthest = max(farthest, *(half - x for x in turns_within(p, half)), 0.0)
+    assert tightness * bound <= farthest <= bound * (1 + 1e-3)
+
+
+def turns_within(p: "np.ndarray[Any, Any]", half: float) -> Iterator[float]:
+    """How far out a contact that has entered the zone still is when it stops going inward."""
+    inside = abs(p) <= half
+    for k in np.flatnonzero(~inside[:-1] & inside[1:]):
+        way = math.copysign(1.0, p[k]) * p[k + 1 :]
+        stays = np.flatnonzero(way[:-1] - way[1:] <= 1e-7)
+        yield float(way[stays[0] if len(stays) else -1])
 
 
 def test_latency_matters_only_with_a_station() -> None:

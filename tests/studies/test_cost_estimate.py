@@ -2,6 +2,7 @@
 """The chunks of a study, which cover every carry once, and its estimated cost."""
 
 import json
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from palmbots.cli import main as cli
+from palmbots.simulation.batch import SlowBuildWarning
 from palmbots.studies import chunk_task
 from palmbots.studies import cost_estimate as explain
 from palmbots.studies.chunk_task import Block
@@ -60,6 +62,20 @@ def test_cost_follows_the_measured_time_of_each_controller(
     wide = 1 + 1 + 8 + 2 * 3 * 4 + 2 * 4  # bytes a carry, as the columns of results have them
     assert 0.5 * wide * 6000 < cost.disk_bytes < 1.0 * wide * 6000 + 1000 * 6 * cost.chunks
     assert 2 * wide * 500 < cost.memory_bytes < 8 * wide * 500
+
+
+@pytest.mark.parametrize(("count", "is_built", "warns"), [
+    (10_001, False, True), (10_000, False, False), (10_001, True, False),
+])  # fmt: skip
+def test_large_study_is_said_to_be_slow_if_nothing_runs_in_lanes(
+    count: int, is_built: bool, warns: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(explain, "is_built", lambda: is_built)
+    points = design_points(load_plan({"controllers": ["none"], "seeds": {"count": count}}))
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        explain.estimate_cost(points, layout_of(points, None), 1)
+    assert [one.category for one in said] == [SlowBuildWarning] * warns
 
 
 def test_refused_cells_cost_nothing(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

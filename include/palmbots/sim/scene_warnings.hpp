@@ -79,7 +79,9 @@ inline double overrun_of(const Spec& spec, const ControllerInfo& controller) {
     return spec.period * (steps * speed - drop * steps * (steps + 1) / 2);
   };
   const double step = spec.longest_period();
-  const double delay = std::max(spec.period, spec.longest_delay());
+  // Messages arrive in whole periods, at least one.
+  const double periods = std::ceil(spec.longest_delay() / spec.period - 1e-9);
+  const double delay = spec.period * std::max(1.0, periods);
   double distance = 0;
   for (const RobotSpec& robot : spec.robots) {
     if (by_station) {  // each robot drives half of a correction

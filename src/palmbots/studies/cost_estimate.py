@@ -7,6 +7,7 @@ would use.
 
 import math
 import time
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -18,6 +19,7 @@ from palmbots._util.results import Result
 from palmbots._util.text import data_size, duration, plural
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
+from palmbots.simulation.batch import FEW_SECONDS, SLOW_BUILD, SlowBuildWarning, is_built
 from palmbots.studies.chunk_task import ChunkTask, build_id, carry_chunk
 from palmbots.studies.chunking import ChunkGrid
 from palmbots.studies.points import Points
@@ -88,7 +90,11 @@ class Cost(Result):
 
 
 def estimate_cost(points: Points, layout: ChunkGrid, threads: int) -> Cost:
-    """Measure a sample of a study, and extrapolate to all of it."""
+    """Measure a sample of a study, and extrapolate to all of it.
+
+    Warns:
+        SlowBuildWarning: no module for lanes is built, and the study is large.
+    """
     study = points.plan.study
     allowed = points.allowed_cells()
     seconds, by_controller = 0.0, {}
@@ -120,6 +126,9 @@ def estimate_cost(points: Points, layout: ChunkGrid, threads: int) -> Cost:
     width = sum(np.dtype(v.dtype).itemsize * (2 if v.by_side else 1) for v in VARIABLES.values())
     cells = int(allowed.sum())
     carries = cells * study.seeds.count
+    can_be_faster = any(one.runs_in_lanes for one in points.plan.controllers)
+    if carries > FEW_SECONDS and can_be_faster and not is_built():
+        warnings.warn(SLOW_BUILD, SlowBuildWarning, stacklevel=2)
     stored_cells = math.prod(layout.shape) * len(points.plan.controllers)
     return Cost(
         points=len(points.values),
