@@ -15,10 +15,12 @@ A row says in `equivalent` why a mutant has no effect that a test could find, if
 
 The mutants of the chosen rooms are compiled into copies of the headers, once. Tests then run once
 per mutant, until the first of them fails: the C++ programs, with sanitizers as in `make test`, and
-the files of Python tests of the room in which the mutant is, and of those that use it. A first run
-without a mutant records which tests reach which mutants, so that only those run. If a test takes
-ten times its usual time, of the processor or ten times as much on the clock, the mutant has "timed
-out". It counts neither as killed nor as survived, because a very busy machine has the same effect.
+the files of Python tests of the room in which the mutant is, and of those that use it. The rooms
+are done one after the other. What is proven to be equivalent is tried with the programs alone. A
+first run without a mutant records which tests reach which mutants, so that only those run. If a
+test takes ten times its usual time, of the processor or ten times as much on the clock, the mutant
+has "timed out". It counts neither as killed nor as survived, because a very busy machine has the
+same effect.
 
 Results are kept in build/mutation/results.csv, and a further run goes on from there; with --again
 it tries those anew that were not killed. When all are there, they are copied to
@@ -121,15 +123,26 @@ def main(words: list[str]) -> int:
         for number in sorted(compiled.keys() - kept.keys() - done.keys()):
             done[number] = _note(number, names[number], "does not compile", "")
         compiled = kept
-        units = _recorded(units_of())
-        reached |= {number for unit in units for number in unit.reaches}
-        rest = {n: _room(compiled[n]) for n in sorted(compiled.keys() - done.keys())}
-        for number, result, by in _tried(rest, units, until):
-            if result:
-                done[number] = _note(number, names[number], result, by)
-            elif units_of is _python_units:
-                kind = "survived" if number in reached else "not reached"
-                done[number] = _note(number, names[number], kind, "")
+        is_last = units_of is _python_units
+        units: dict[str, Unit | None] = {}
+        for room in dict.fromkeys((*options.rooms.split(","), *ROOMS)):
+            rest = [n for n in sorted(compiled) if _room(compiled[n]) == room and n not in done]
+            own = [unit for unit in units_of() if room in unit.rooms]
+            if is_last:
+                for number in (n for n in rest if listed[n]["equivalent"]):
+                    done[number] = _note(number, names[number], "survived", "")
+                rest = [n for n in rest if n not in done]
+            if rest:
+                units |= _recorded([unit for unit in own if unit.name not in units])
+            found = [unit for one in own if (unit := units.get(one.name)) is not None]
+            found.sort(key=lambda unit: unit.seconds)
+            reached |= {number for unit in found for number in unit.reaches}
+            for number, result, by in _tried(rest, found, until):
+                if result:
+                    done[number] = _note(number, names[number], result, by)
+                elif is_last:
+                    kind = "survived" if number in reached else "not reached"
+                    done[number] = _note(number, names[number], kind, "")
     return _report(done, listed)
 
 
@@ -193,13 +206,13 @@ def _room(mutant: mutants.Mutant) -> str:
     return Path(mutant.header).parent.name
 
 
-def _tried(rest: dict[int, str], units: list[Unit], until: float) -> Iterator[tuple[int, str, str]]:
-    """Result of each of the mutants (of these rooms), as it becomes known, and what found it."""
+def _tried(rest: list[int], units: list[Unit], until: float) -> Iterator[tuple[int, str, str]]:
+    """Result of each of the mutants, as it becomes known, and what found it."""
 
     def one(number: int) -> tuple[int, str, str] | None:
         if time.monotonic() > until:
             return None
-        return number, *_killed(number, [u for u in units if rest[number] in u.rooms])
+        return number, *_killed(number, units)
 
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         yield from (found for found in pool.map(one, rest) if found is not None)
@@ -301,8 +314,8 @@ def _python_units() -> list[Unit]:
     ]
 
 
-def _recorded(units: list[Unit]) -> list[Unit]:
-    """The units that pass without a mutant, fastest first, with what they reach."""
+def _recorded(units: list[Unit]) -> dict[str, Unit | None]:
+    """The units with what they reach, by name; None: it does not pass without a mutant."""
 
     def one(unit: Unit) -> Unit | None:
         record = WORK / f"reached-{threading.get_ident()}.txt"
@@ -318,8 +331,7 @@ def _recorded(units: list[Unit]) -> list[Unit]:
         return replace(unit, seconds=seconds, reaches=frozenset(reached))
 
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        found = [unit for unit in pool.map(one, units) if unit is not None]
-    return sorted(found, key=lambda unit: unit.seconds)
+        return dict(zip((unit.name for unit in units), pool.map(one, units), strict=True))
 
 
 def _run(unit: Unit, limit_s: float, environment: dict[str, str]) -> int | None:
