@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// Regimes and how they are chosen, one rule at a time: which pairs hold the object, which of them
+// comes first, when a tip is beside an edge; and what a world reports of its contacts.
+#include "palmbots/world/regime_choice.hpp"
+
+#include <cmath>
+#include <cstddef>
+
+#include "palmbots/sim/build.hpp"
+#include "palmbots/world/quasistatic_world.hpp"
+#include "support/check.hpp"
+#include "support/paper_spec.hpp"
+
+using namespace palmbots;
+
+namespace {
+
+// The object of the scene `paper` on its two contact vertices, while the palms close or rest.
+struct Held {
+  Spec spec = paper_spec();
+  Model<double> model = model_of<double>(spec);
+  World<double> world{model, configuration_of(spec, model)};
+  ContactShapes shapes = shapes_of(model);
+  ContactProblem problem{shapes, 0.0, 0.0, true};
+  Pose pose = world.pose();
+
+  Frames frames(double closing) const {
+    Travel travel{};
+    for (const std::size_t side : {left, right}) {
+      const double angle = world.configuration().palms[side].angle;
+      travel.palms[side] = {
+          world.pivot(side), {-outward<double>(side) * closing, 0.0}, angle, 0.0, angle};
+    }
+    return travel.frames(0.0);
+  }
+  ClosedPair closed(std::size_t side) const {
+    return {shapes.own[side], problem.contact(frames(0.0), pose, shapes.own[side])};
+  }
+};
+
+void test_what_holds_the_object() {
+  const Held held;
+  ClosedPairs closed;
+  closed.at[0] = held.closed(left);
+  closed.at[1] = held.closed(right);  // counts only if the count is 2
+  closed.count = 0;
+  CHECK(reason_of(held.problem, closed) == DropReason::lifting);
+  closed.count = 1;
+  CHECK(reason_of(held.problem, closed) == DropReason::lifting);
+  closed.count = 2;
+  CHECK(reason_of(held.problem, closed) == DropReason::none);
+  closed.at[0] = held.closed(right);
+  closed.count = 1;
+  CHECK(reason_of(held.problem, closed) == DropReason::lifting);
+}
+
+void test_pairs_of_a_regime() {
+  const Held held;
+  Regime regime;
+  CHECK(regime.none() && !regime.has(held.shapes.own[left]));
+  regime.active[regime.count++] = {held.shapes.own[left], Motion::stick, 0.0, {}};
+  CHECK(!regime.none() && regime.has(held.shapes.own[left]) && !regime.has(held.shapes.own[right]));
+}
+
+bool all_slide(const Regime& regime) {
+  for (std::size_t i = 0; i < regime.count; ++i)
+    if (regime.active[i].motion == Motion::stick) return false;
+  return true;
+}
+
+// When the palms close on a symmetric object, either contact may slide, or both. Regimes in which
+// all slide come before others with as many contacts; both never slide to the same side.
+void test_order_of_the_candidates() {
+  const Held held;
+  ClosedPairs closed;
+  for (const std::size_t side : {left, right}) closed.at[closed.count++] = held.closed(side);
+  const RegimeCandidates found = candidates_at(held.problem, held.frames(0.001), held.pose, closed);
+  CHECK(found.count == 3);
+  for (std::size_t k = 0; k < found.count; ++k) {
+    const Regime& regime = found.at[k].regime;
+    CHECK(found.at[k].on_both && found.at[k].staying == 2 && regime.count == 2);
+    CHECK(all_slide(regime) == (k == 0));
+    for (const ActivePair& pair : regime.active)
+      if (&pair < &regime.active[2]) CHECK(pair.motion != Motion::down);
+  }
+}
+
+// A tip behind one edge is outside the object if it is in front of another one, and not beside that.
+void test_tip_beside_an_edge() {
+  Held held;
+  const auto tip = static_cast<std::uint8_t>(1);
+  CHECK(held.shapes.surfaces.at[tip].tip);
+  const FeaturePair bottom{PairKind::tip_on_edge, tip, 0};
+  const FeaturePair behind{PairKind::tip_on_edge, tip, 1};
+  held.pose = Pose::of({0.0, 0.0}, 0.0);
+  const Corner& corner = held.shapes.body.corners[0];
+  Frames frames = held.frames(0.0);
+  const auto put = [&](double along, double below) {
+    Frame& frame = frames[left];
+    const Vec at{corner.middle.x + along, corner.middle.y - below};
+    frame.origin = at - frame.to_world(held.shapes.surfaces.at[tip].at);
+  };
+  NearPairs near;
+  near.at[0] = {bottom, false};
+  for (const bool is_beside : {false, true}) {
+    put(is_beside ? corner.half_length + 0.01 : 0.01, 0.001);
+    near.count = 1;
+    CHECK(is_clear(held.problem, frames, held.pose, near, behind, -0.01) == !is_beside);
+    near.count = 0;
+    CHECK(!is_clear(held.problem, frames, held.pose, near, behind, -0.01));
+  }
+}
+
+// Two palms approach an object on the floor, 1 mm in each step. After 2.5 mm both tips touch it, at
+// one height: nothing can move any more.
+void test_object_on_the_floor() {
+  Held held;
+  held.model.surroundings = {true, 0.3};
+  World<double> world(held.model, configuration_of(held.spec, held.model));
+  world.set_on_both(false);
+  const double angle = 15 * radians_per_degree<double>;
+  const double inner = held.model.half_length[left];
+  const double high = inner * std::sin(angle) + 0.005;  // the tips are 5 mm above the floor
+  const double away = held.model.object.com_left + 0.0025 + inner * std::cos(angle);
+  world.put({Vec{-away, high}, Vec{away, high}}, {angle, angle}, Pose::of({0.0, 0.04}, 0.0));
+  CHECK(world.check() == DropReason::none || world.check() == DropReason::lifting);
+  for (int step = 1; step <= 3; ++step) {
+    const auto& done = world.advance({Vec{0.001, 0.0}, Vec{-0.001, 0.0}}, {angle, angle});
+    CHECK(done.reason == (step < 3 ? DropReason::none : DropReason::jammed));
+    CHECK(std::abs(done.fraction - (step < 3 ? 1.0 : 0.5)) < 1e-6);
+    CHECK(done.segments <= 2);
+    CHECK(!world.is_touched(left) && !world.is_touched(right) && world.rests_elsewhere());
+  }
+}
+
+// What rests on its two contact vertices rests nowhere else, however it came there.
+void test_two_vertices_after_a_placement() {
+  const Held held;
+  World<double> world(held.model, configuration_of(held.spec, held.model));
+  const PerSide<Vec> pivots{world.pivot(left), world.pivot(right)};
+  const PerSide<double> angles{held.world.configuration().palms[left].angle,
+                               held.world.configuration().palms[right].angle};
+  world.put(pivots, angles, held.pose);
+  CHECK(world.advance(-1e-4, angles).reason == DropReason::none);
+  CHECK(!world.rests_elsewhere() && world.is_touched(left) && world.is_touched(right));
+  // After a sudden shift no contacts are tied.
+  CHECK(world.shift({0.001, 0.001}) == DropReason::none);
+  CHECK(world.state().tied == 0.0);
+}
+
+// A palm that lies a little deeper in the object than a closed contact is flush with it.
+void test_depth_of_a_flush_palm() {
+  const Held held;
+  const double deep = closed_tolerance<double> * held.model.object.width / 64.0;
+  for (const double depth : {0.25 * deep, 4.0 * deep}) {
+    Held level;
+    for (PalmSpec& palm : level.spec.palms) palm.shallow = palm.steep = 0.0;
+    const Model<double> model = model_of<double>(level.spec);
+    World<double> world(model, configuration_of(level.spec, model));
+    Pose pose = world.pose();
+    pose.at.y -= depth;
+    world.put({world.pivot(left), world.pivot(right)}, {0.0, 0.0}, pose);
+    CHECK((world.check() == DropReason::flush) == (depth > deep));
+  }
+}
+
+}  // namespace
+
+int main() {
+  test_what_holds_the_object();
+  test_pairs_of_a_regime();
+  test_order_of_the_candidates();
+  test_tip_beside_an_edge();
+  test_two_vertices_after_a_placement();
+  test_depth_of_a_flush_palm();
+  test_object_on_the_floor();
+}
