@@ -13,12 +13,13 @@ from palmbots.scene.section import as_given
 
 
 def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:
-    """How far a contact can overrun the edge of the zero zone [m]; 0 without a controller.
+    """How far a contact can overrun the edge of the zero zone if the other one is in its zone [m];
+    0 without a controller. A robot of `silent` that stops to correct is not covered.
 
     With u the correction speed of a robot, T its control period and D the delay of the radio, a
     contact overruns by u T and the braking distance where one robot drives. Where both drive by
     both signs (shared-sign), the partner learns of the zero only D later: the sum of u (D + T) and
-    the braking distance over both robots.
+    the braking distance over both robots. D is a whole number of control periods.
     """
     entry = resolve(controller)
     return _core.overrun(as_given(scene), _registered(entry), entry.team)
