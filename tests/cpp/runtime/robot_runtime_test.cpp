@@ -22,12 +22,12 @@ using wire::Role;
 
 constexpr wire::Identity identity_of(Role role) { return {wire::test_key, wire::test_pair, role}; }
 
-// What the robot has told its program: when it began, and the ticks of its steps.
-struct Told {
+// How the robot has called its program: when it began, and the ticks of its steps.
+struct Calls {
   std::uint32_t begun = never;
   std::uint32_t passed = 0;
 };
-Told told;
+Calls calls;
 
 // A program that says nothing. It drives away from the partner, or closer after a boot.
 struct Silent {
@@ -38,8 +38,8 @@ struct Silent {
   static constexpr bool greets = false;
   static constexpr bool with_station = false;
 
-  void begin(std::uint32_t tick) { told = {tick, 0}; }
-  void pass(std::uint16_t elapsed) { told.passed += elapsed; }
+  void begin(std::uint32_t tick) { calls = {tick, 0}; }
+  void pass(std::uint16_t elapsed) { calls.passed += elapsed; }
   Taken hear(const Decoded&) { return Taken::ignored; }
   Decision step(const runtime::Observation&) {
     return {{Palm::shallow, is_rebooted ? Move::closer : Move::away, false}};
@@ -263,13 +263,13 @@ void test_program_begins() {
   RuntimeSettings settings = calm();
   settings.mode.after_reboot = AfterReboot::rejoin;
   Ends ends(settings, false, {true, false});
-  told = {};
+  calls = {};
   ends.step({}, 7);
   CHECK(ends.out.mode.mode == wire::RobotMode::carrying);
-  CHECK(told.begun == 6 && told.passed == 1);
+  CHECK(calls.begun == 6 && calls.passed == 1);
   CHECK(ends.out.decision.command.move == Move::closer);
   ends.step({}, 3);
-  CHECK(told.begun == 6 && told.passed == 4);
+  CHECK(calls.begun == 6 && calls.passed == 4);
   for (const std::uint32_t epoch : {1U, 2U}) {
     Ends begun(calm(), true, {}, epoch);
     begun.step();
