@@ -10,6 +10,7 @@
 
 #include "palmbots/mechanics/loop_closure.hpp"
 #include "palmbots/sim/object_frame.hpp"
+#include "palmbots/sim/plate_section.hpp"
 #include "palmbots/sim/spec.hpp"
 
 namespace palmbots::page {
@@ -22,7 +23,8 @@ struct Pose {
 };
 
 // Appends x and y of: pivots, inner ends, outer ends and contacts (left, right each), COM, the left
-// contact vertex as the scene has it, and the outline to draw.
+// contact vertex as the scene has it, the corners of the left and the right plate, and the outline
+// to draw.
 inline void append_places(const Spec& spec, const Pose& pose, std::vector<double>& out) {
   struct Xy {
     double x;
@@ -32,6 +34,7 @@ inline void append_places(const Spec& spec, const Pose& pose, std::vector<double
   PerSide<Xy> inner{};
   PerSide<Xy> outer{};
   PerSide<Xy> contact{};
+  PerSide<std::array<Xy, PlateSection{}.size()>> plate{};
   Xy vertex{};
   for (const std::size_t side : {left, right}) {
     const PalmAngle<double>& palm = pose.configuration.palms[side];
@@ -47,6 +50,11 @@ inline void append_places(const Spec& spec, const Pose& pose, std::vector<double
     inner[side] = {foot.x - half * along.x, foot.y - half * along.y};
     outer[side] = {foot.x + half * along.x, foot.y + half * along.y};
     contact[side] = {foot.x + p * along.x, foot.y + p * along.y};
+    const PlateSection corners = plate_section(spec.palms[side]);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      plate[side][i] = {pivot[side].x + corners[i].x * along.x + corners[i].y * normal.x,
+                        pivot[side].y + corners[i].x * along.y + corners[i].y * normal.y};
+    }
     if (side == left) {
       const double above = lift + spec.outline.vertices[0].radius;
       vertex = {contact[side].x + above * normal.x, contact[side].y + above * normal.y};
@@ -67,6 +75,8 @@ inline void append_places(const Spec& spec, const Pose& pose, std::vector<double
   }
   put_carried(spec.com_left, spec.com_height);
   put_carried(spec.outline.vertices[0].along[left], spec.outline.vertices[0].height);
+  for (const auto& corners : plate)
+    for (const Xy& corner : corners) put(corner);
   for (const Vec& point : silhouette(spec)) put_carried(point.x, point.y);
 }
 

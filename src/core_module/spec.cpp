@@ -13,6 +13,7 @@
 #include "bindings.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/object_frame.hpp"
+#include "palmbots/sim/plate_section.hpp"
 #include "palmbots/sim/spec_bytes.hpp"
 
 namespace palmbots::bindings {
@@ -68,7 +69,8 @@ void bind_member(nb::class_<Class>& type, const Key& key, At at) {
 }
 
 template <class Record>
-void bind_records(nb::module_& m, const char* name, const char* about, std::span<const Key> keys) {
+nb::class_<Record> bind_records(nb::module_& m, const char* name, const char* about,
+                                std::span<const Key> keys) {
   nb::class_<Record> type(m, name, about);
   type.def(nb::init<>());
   for (const Key& key : keys) {
@@ -76,6 +78,7 @@ void bind_records(nb::module_& m, const char* name, const char* about, std::span
       bind_member(type, key, [](Record& record) -> void* { return &record; });
     }
   }
+  return type;
 }
 
 // The attribute of a list: tuples of the members that its keys name.
@@ -127,7 +130,24 @@ std::vector<Spec> specs_of(const nb::bytes& bytes) {
 }  // namespace
 
 void bind_spec(nb::module_& m) {
-  bind_records<PalmSpec>(m, "PalmSpec", "One palm, in SI units and radians.", palm_keys);
+  m.attr("thin_plate_thickness") = thin_plate_thickness;
+  bind_records<PalmSpec>(m, "PalmSpec", "One palm, in SI units and radians.", palm_keys)
+      .def(
+          "lowest_pivot",
+          [](const PalmSpec& p, double angle) { return p.lowest_pivot(sin_cos(angle)); },
+          nb::arg("angle"),
+          "Height of the pivot [m] with the inner end of the palm on the floor, at an angle [rad].")
+      .def_prop_ro("plate_thickness", &plate_thickness,
+                   "Thickness where it is drawn and has mass [m].")
+      .def_prop_ro(
+          "section",
+          [](const PalmSpec& p) {
+            std::vector<std::pair<double, double>> corners;
+            for (const Vec& corner : plate_section(p)) corners.emplace_back(corner.x, corner.y);
+            return corners;
+          },
+          "Corners of the plate's cross-section (outward from the foot of the pivot, along the "
+          "normal) [m]. The first one and the last one are the ends of the surface.");
   bind_records<RobotSpec>(m, "RobotSpec", "One robot's wheels, in SI units.", robot_keys);
 
   nb::class_<Spec> type(m, "Spec", "Everything that defines a carry, in SI units and radians.");

@@ -46,19 +46,13 @@ void bind_world(nb::module_& m) {
   nb::class_<W>(m, "World", "Two palms and an object: exact motion under given robot motions.")
       .def(
           "__init__",
-          [](W* self, const Spec& spec, std::optional<double> floor, Numbers2 noses,
-             Numbers2 heels) {
+          [](W* self, const Spec& spec, std::optional<double> floor) {
             Model<double> model = model_of<double>(spec);
             model.safe_reach = -1;  // the palms may be turned to any angles
-            model.profile = {PalmProfile{noses.first, heels.first}, {noses.second, heels.second}};
             if (floor) model.surroundings = {true, *floor};
             new (self) W(model, configuration_of(spec, model));
           },
-          nb::arg("spec"), nb::arg("floor") = nb::none(), nb::arg("noses") = Numbers2{0.0, 0.0},
-          nb::arg("heels") = Numbers2{0.0, 0.0},
-          "floor: its friction; it is at height 0. noses, heels: thickness of the palms at the "
-          "inner "
-          "end, and height of the outer end over the top face [m].")
+          nb::arg("spec"), nb::arg("floor") = nb::none(), "floor: its friction; it is at height 0.")
       .def_prop_ro("contacts", [](const W& w) { return pair_of(w.configuration().contacts); })
       .def_prop_ro("separation", [](const W& w) { return w.configuration().separation; })
       .def_prop_ro("palms",

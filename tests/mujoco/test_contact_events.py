@@ -118,3 +118,26 @@ def test_edge_along_the_palm_is_flush_and_slanting_edge_is_tip() -> None:
         "edge_1": ("flush", "flush"),  # parallel to level palms
         "edge_2": ("tip", "flush"),
     }
+
+
+def test_a_heel_stops_the_object_in_both_worlds() -> None:
+    """A push closes the pair by 3 cm, from 6 cm outward; the palms end at 7.5 cm."""
+    push = {"robot": "left", "at_s": 0.5, "duration_s": 1.0, "speed_m_s": -0.03}
+    keys = QUIET | {"task.distance_m": 0.2, "start.left_m": 0.06, "start.right_m": 0.06,
+                    "bumps.pushes": [push]}  # fmt: skip
+    found = {
+        (world, high): pb.carry(
+            "paper", "none", world=world, seed=0, overrides=keys | {"palm.heel_m": high}
+        )
+        for world in ("quasistatic", "mujoco")
+        for high in (0.0, 0.012)
+    }
+    assert all(found[world, 0.0].reason == "off-palm" for world in ("quasistatic", "mujoco"))
+    known, seen = found["quasistatic", 0.012], found["mujoco", 0.012]
+    assert seen.outcome == "delivered"  # the wheels slip
+    assert known.reason == "jammed"
+    one, other = known.contact_events[0], seen.contact_events[0]
+    assert (one.robot, one.kind) == (other.robot, other.kind) == ("left", "tip")
+    assert other.start_s == pytest.approx(one.start_s, abs=0.06)
+    most = [carry.trace["contact"].values.max() for carry in (known, seen) if carry.trace]
+    assert most[1] == pytest.approx(most[0], abs=1.5e-3)  # a heel is compressed, too

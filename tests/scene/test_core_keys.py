@@ -63,7 +63,10 @@ def test_random_scenes_have_every_key() -> None:
 CHECKED_ONLY = ("object.mass_kg", "object.depth_m")
 """Keys that decide only whether the object is accepted."""
 
-NEEDED = {"palm.usable_m": {"palm.length_m": 0.3}}
+NEEDED = {
+    "palm.usable_m": {"palm.length_m": 0.3},
+    "palm.nose_m": {"palm.thickness_m": 0.1, "palm.bevel_m": 0.1},
+}
 """Other keys without which a value is refused."""
 
 

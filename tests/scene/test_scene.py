@@ -32,7 +32,7 @@ def test_default_scene_is_paper_which_gives_every_key():
         f"{section}.{key}" for section, keys in PAPER.model_dump().items() for key in keys
     } - {"task.path"} | {f"task.path.{key}" for key in PAPER.task.path.model_dump()}
     optional = {"palm.friction_angle_deg", "tactile.zones", "radio.lease_s", "task.timeout_s"}
-    optional |= {"palm.usable_m", "object.box_m", "mujoco.drive_force_n"}
+    optional |= {"palm.usable_m", "palm.nose_m", "object.box_m", "mujoco.drive_force_n"}
     optional |= {"mujoco.axle_m", "robot.period_s"} | {
         k for k in KEYS if k.startswith("task.path.")
     }
@@ -51,7 +51,7 @@ def test_numbers_of_the_paper():
 
 
 def test_other_built_in_scenes_differ_from_paper_in_few_keys():
-    assert built_in_scenes() == ["figure8", "paper", "paper-offset"]
+    assert built_in_scenes() == ["figure8", "paper", "paper-offset", "plate"]
     assert load_scene("paper-offset") == load_scene(PAPER, {"palm.pivot_offset_m": 0.01})
     figure8 = load_scene("figure8")
     assert figure8.robot.noise_m_s == 0

@@ -15,6 +15,7 @@ LIKE: dict[str, Any] = {
     "robot.max_speed_m_s": 0.18, "palm.steep_deg": 14.0,
 }  # fmt: skip
 """Values for keys without a default, or with close relations to others."""
+NEEDED = {"palm.nose_m": {"palm.thickness_m": 0.1, "palm.bevel_m": 0.1}}
 KEYS = [
     name
     for name in ROWS
@@ -35,13 +36,13 @@ def test_value_holds_on_both_sides(key: str) -> None:
     sides = [f"{section}.{side}.{name}" for side in ("left", "right")]
     new, old = _value(key, 1.04), _value(key, 0.98)
     for given in ([], sides[:1], sides):
-        base = pb.load_scene("paper", dict.fromkeys(given, old))
+        base = pb.load_scene("paper", dict.fromkeys(given, old) | NEEDED.get(key, {}))
         keys = on_every_side(base, {key: new})
         changed = pb.load_scene(base, keys)
         assert [value_of(changed, side) for side in sides] == [new, new]
         assert set(keys) == {*given, *([] if len(given) == 2 else [key])}
     # The key alone reaches no robot, and is refused.
-    base = pb.load_scene("paper", dict.fromkeys(sides, old))
+    base = pb.load_scene("paper", dict.fromkeys(sides, old) | NEEDED.get(key, {}))
     with pytest.raises(pb.SceneError, match=rf"^overrides: {key}: both sides override it; allowed"):
         pb.load_scene(base, {key: new})
     everything = dict.fromkeys([key, *sides], new)

@@ -13,17 +13,18 @@ from palmbots.scene.spec import to_spec
 from palmbots.simulation import FloorState, FloorWorld
 
 RADIUS_M = 0.003
-PLATE: dict[str, Any] = {"nose_m": 0.0003, "heel_m": 0.012}
 KEEL = {
     "object.vertices_m": [[0, 0], [0.125, -0.01], [0.25, 0], [0.25, 0.1]],
     "object.contacts": [0, 2],
 }
-ROUNDED = {"object.edge_radius_m": RADIUS_M}
+ROUNDED: dict[str, Any] = {"object.edge_radius_m": RADIUS_M}
+NOSE_M = 0.0003
+PLATE = ROUNDED | {"palm.thickness_m": NOSE_M, "palm.heel_m": 0.012}
 
 
 def picked_up(**given: Any) -> FloorWorld:
     """A rounded box between the middles of its palms, still low."""
-    world = FloorWorld(overrides=ROUNDED, **(PLATE | given))
+    world = FloorWorld(overrides=PLATE, **given)
     state = world.move(0.08, -0.08)
     assert not state.end and not state.on_floor
     return world
@@ -36,9 +37,9 @@ def corner_height(state: FloorState, side: Side) -> float:
     return state.pivots_m[side][1] + p * math.sin(theta) + RADIUS_M * math.cos(theta)
 
 
-@pytest.mark.parametrize("plate", [{}, PLATE])
-def test_closing_picks_the_object_up(plate: dict[str, Any]) -> None:
-    world = FloorWorld(overrides=ROUNDED, **plate)
+@pytest.mark.parametrize("keys", [ROUNDED, PLATE])
+def test_closing_picks_the_object_up(keys: dict[str, Any]) -> None:
+    world = FloorWorld(overrides=keys)
     assert world.state.touched_m.values() == (None, None) and not world.state.end
     assert world.state.on_floor
     before = world.move(0.009, -0.009)
@@ -62,20 +63,21 @@ def test_a_nose_gets_under_an_edge_if_it_is_thin_enough(
     # its centre in the direction ψ with cos ψ = 1 − t / r: it can lift if that is less than 90°.
     height = radius_m * (1 - math.sin(math.atan(friction)))
     for share, lifts in ((0.98, True), (1.02, False)):
-        world = FloorWorld(
-            palms_deg=(theta_deg, theta_deg),
-            nose_m=share * height / math.cos(math.radians(theta_deg)),
-            overrides={"object.edge_radius_m": radius_m, "palm.friction": friction},
-        )
+        keys = {
+            "object.edge_radius_m": radius_m,
+            "palm.friction": friction,
+            "palm.thickness_m": share * height / math.cos(math.radians(theta_deg)),
+        }
+        world = FloorWorld(palms_deg=(theta_deg, theta_deg), overrides=keys)
         end = world.move(0.05, -0.05).end
         assert end == ("" if lifts else "jammed")
 
 
 def test_a_palm_pushes_the_object_until_the_other_one_holds_against_it() -> None:
-    state = FloorWorld(overrides=ROUNDED, gaps_m=(0.005, 0.05), **PLATE).move(0.02, -0.02)
+    state = FloorWorld(overrides=PLATE, gaps_m=(0.005, 0.05)).move(0.02, -0.02)
     assert state.on_floor and state.touched_m.right is None
     # The nose meets the arc where that is as high as the nose.
-    high = PLATE["nose_m"] * math.cos(math.radians(15))
+    high = NOSE_M * math.cos(math.radians(15))
     inset = RADIUS_M - math.sqrt(RADIUS_M**2 - (RADIUS_M - high) ** 2)
     assert state.com_m == pytest.approx((0.02 - 0.005 - inset, 0.04), abs=1e-12)
 
@@ -136,8 +138,8 @@ def test_it_is_put_down_flat() -> None:
 
 def test_mirrored_motions_give_the_mirrored_states_to_the_last_bit() -> None:
     motions = [(0.03, -0.01), (0.06, -0.07), (-0.02, 0.01)]
-    ours = FloorWorld(palms_deg=(15, 8), gaps_m=(0.004, 0.02), overrides=ROUNDED, **PLATE)
-    theirs = FloorWorld(palms_deg=(8, 15), gaps_m=(0.02, 0.004), overrides=ROUNDED, **PLATE)
+    ours = FloorWorld(palms_deg=(15, 8), gaps_m=(0.004, 0.02), overrides=PLATE)
+    theirs = FloorWorld(palms_deg=(8, 15), gaps_m=(0.02, 0.004), overrides=PLATE)
     for left, right in motions:
         one, two = ours.move(left, right), theirs.move(-right, -left)
         assert (one.end, one.on_floor, one.tilt_deg) == (two.end, two.on_floor, -two.tilt_deg)
@@ -172,7 +174,6 @@ def test_two_heels_stop_the_palms() -> None:
     ("given", "message"),
     [
         ({"palms_deg": (-5, 15)}, "palms_deg: value is -5; allowed: from 0 to 80"),
-        ({"nose_m": -0.001}, "nose_m: value is -0.001; allowed: a finite number, at least 0"),
         (
             {"gaps_m": (0.01, math.nan)},
             "gaps_m: value is nan; allowed: a finite number, at least 0",

@@ -26,8 +26,14 @@ struct ModelParams {
 
 // The shape of a palm, apart from its top face [m].
 struct PalmProfile {
-  double nose = 0.0;  // thickness at the inner end; 0: infinitely thin
-  double heel = 0.0;  // height of the stop at the outer end, above the top face; 0: none
+  double nose = 0.0;   // thickness at the inner end; 0: infinitely thin
+  double heel = 0.0;   // height of the stop at the outer end, above the top face; 0: none
+  bool stops = false;  // whether a contact may be anywhere on the face, up to the heel
+  // The normal of the lower side at the inner end, in the frame of the palm.
+  double under_along = 0.0;
+  double under_across = -1.0;
+
+  constexpr bool is_plain() const { return nose == 0.0 && heel == 0.0; }
 };
 
 // What stands still around object and palms.

@@ -17,6 +17,17 @@
 
 namespace palmbots {
 
+inline PalmProfile profile_of(const PalmSpec& palm) {
+  PalmProfile profile{palm.tip_thickness(), palm.heel, palm.stops};
+  const double narrows = palm.thickness - profile.nose;
+  const double long_side = std::sqrt(palm.bevel * palm.bevel + narrows * narrows);
+  if (palm.bevel > 0 && narrows > 0) {
+    profile.under_along = -narrows / long_side;
+    profile.under_across = -palm.bevel / long_side;
+  }
+  return profile;
+}
+
 // The model of object, palms and friction.
 template <class Real>
 Model<Real> model_of(const Spec& spec) {
@@ -38,6 +49,7 @@ Model<Real> model_of(const Spec& spec) {
     model.half_length[side] = Real(0.5 * spec.palms[side].length);
     model.reach[side] = Real(spec.palms[side].reach());
     model.friction[side] = Real(spec.palms[side].friction);
+    model.profile[side] = profile_of(spec.palms[side]);
   }
   model.safe_reach = Real(spec.safe_reach);
   return model;

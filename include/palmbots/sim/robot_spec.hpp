@@ -16,6 +16,11 @@ struct PalmSpec {
   double length = 0.15;
   double usable = unset;  // of the length; unset: all of it
   double offset = 0;      // of the surface from the pivot
+  double thickness = 0;   // of the plate
+  double nose = unset;    // thickness at its inner end; unset: that of the plate
+  double bevel = 0;       // length over which the plate narrows to the nose, on its lower side
+  double heel = 0;        // height of the stop at the outer end, above the surface; 0: none
+  bool stops = false;     // whether a contact may be anywhere up to the heel
   double friction = 0.3;
   double shallow = 5 * radians_per_degree<double>;
   double steep = 15 * radians_per_degree<double>;
@@ -23,11 +28,26 @@ struct PalmSpec {
 
   // How far from the foot of the pivot a contact may be [m].
   constexpr double reach() const { return 0.5 * (usable < length ? usable : length); }
+
+  constexpr double tip_thickness() const { return nose < thickness ? nose : thickness; }
+
+  // Height of the pivot over a level floor that the plate touches with its inner end, or where the
+  // bevel begins if that is lower [m].
+  constexpr double lowest_pivot(SinCos<double> angle) const {
+    const double below =
+        larger(tip_thickness() * angle.cos, thickness * angle.cos - bevel * angle.sin);
+    return 0.5 * length * angle.sin - offset * angle.cos + below;
+  }
 };
 inline constexpr Key palm_keys[] = {
     number<&PalmSpec::length>("length_m", Unit::m, 0.001, 10),
     number<&PalmSpec::usable>("usable_m", Unit::m, 0.001, 10),
     number<&PalmSpec::offset>("pivot_offset_m", Unit::m, -1, 1),
+    number<&PalmSpec::thickness>("thickness_m", Unit::m, 0, 0.1),
+    number<&PalmSpec::nose>("nose_m", Unit::m, 0, 0.1),
+    number<&PalmSpec::bevel>("bevel_m", Unit::m, 0, 10),
+    number<&PalmSpec::heel>("heel_m", Unit::m, 0, 1),
+    derived<&PalmSpec::stops>(),
     number<&PalmSpec::friction>("friction", Unit::none, 0.001, 100),
     source_number("friction_angle_deg", Unit::degrees, 0.1, 89),
     between(number<&PalmSpec::shallow>("shallow_deg", Unit::degrees, -80, 80)),

@@ -51,6 +51,21 @@ inline void check_palms(const SceneValues& scene, Problems& problems) {
       report(problems, "palm.usable_m", place_of<"palm.usable_m">(scene, side),
              "is more than length_m, which is {0}", "a number in m, from 0.001 to {0}", {length});
     }
+    const double thick = scene.of<"palm.thickness_m">(own(side));
+    if (scene.of<"palm.nose_m">(own(side)) > thick) {
+      report(problems, "palm.nose_m", place_of<"palm.nose_m">(scene, side),
+             "is more than thickness_m, which is {0}", "a number in m, from 0 to {0}", {thick});
+    }
+    const double bevel = scene.of<"palm.bevel_m">(own(side));
+    if (bevel > length) {
+      report(problems, "palm.bevel_m", place_of<"palm.bevel_m">(scene, side),
+             "is more than length_m, which is {0}", "a number in m, from 0 to {0}", {length});
+    }
+    if (scene.of<"palm.nose_m">(own(side)) < thick && bevel == 0) {
+      report(problems, "palm.nose_m", place_of<"palm.nose_m">(scene, side),
+             "is less than thickness_m, which is {0}, but bevel_m is 0",
+             "{0}, or a bevel_m above 0", {thick});
+    }
     const double friction = friction_of(scene, side);
     const double most = 1 / tangent(steepest * radians_per_degree<double>);  // infinite if level
     if (friction >= most) {

@@ -155,6 +155,37 @@ inline double time_limit_of(const SceneValues& scene) {
   return default_time_limit(scene.of<"task.distance_m">(), speed, speedup);
 }
 
+// The length of the middle part of a palm on which the contact vertex may be while the heel is
+// certain to touch nothing [m]. A point of the object that lies outward of the vertex by `a` and is
+// seen at the height h from the palm, which is inclined to the object by at most β, is seen at most
+// a / cos β + h tan β outward of the vertex.
+inline double clear_of_heel(const Spec& spec, std::size_t side) {
+  double steepest = 0;  // of both palms
+  double apart = std::abs(spec.palms[left].offset - spec.palms[right].offset);
+  double reach = 0;
+  double farthest = 0;  // surface from its pivot
+  for (const PalmSpec& palm : spec.palms) {
+    steepest = larger(steepest, larger(std::abs(palm.shallow), std::abs(palm.steep)));
+    reach += 0.5 * palm.length;
+    farthest = larger(farthest, std::abs(palm.offset));
+  }
+  const SinCos<double> at = sin_cos(steepest);
+  apart += reach * at.sin + farthest * (1 - at.cos);
+  const double lean = apart / spec.width;  // at most, as a sine
+  constexpr double least = 0.001;          // as the least of palm.usable_m
+  if (!(lean < 1)) return least;
+  const double tan_lean = lean / std::sqrt(1 - lean * lean);
+  const double tan_palm = at.sin / at.cos;
+  if (!(tan_lean * tan_palm < 1)) return least;
+  const double tan_most = (tan_lean + tan_palm) / (1 - tan_lean * tan_palm);
+  double overhang = 0;
+  for (std::size_t i = 0; i < spec.outline.count; ++i)
+    overhang = larger(overhang, -spec.outline.vertices[i].along[side]);
+  const PalmSpec& palm = spec.palms[side];
+  const double taken = overhang * std::sqrt(1 + tan_most * tan_most) + palm.heel * tan_most;
+  return larger(least, palm.length - 2 * taken);
+}
+
 // The spec of a scene that passes all checks.
 inline Spec spec_of(const SceneValues& scene) {
   Spec spec;
@@ -164,7 +195,11 @@ inline Spec spec_of(const SceneValues& scene) {
   for (const std::size_t side : {left, right}) {
     PalmSpec& palm = spec.palms[side];
     palm.friction = detail::friction_of(scene, side);
-    if (!(palm.usable == palm.usable)) palm.usable = palm.length;
+    palm.nose = palm.tip_thickness();
+    if (!(palm.usable == palm.usable)) {
+      palm.stops = palm.heel > 0;
+      palm.usable = palm.stops ? clear_of_heel(spec, side) : palm.length;
+    }
     spec.robots[side].stride = detail::stride_of(scene, side);
   }
   detail::derive_zones(scene, spec);

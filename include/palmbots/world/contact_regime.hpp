@@ -51,6 +51,7 @@ struct ContactShapes {
   Surfaces surfaces;
   PerSide<FeaturePair> own;  // each contact corner of the object on the face of its palm
   PerSide<double> reach;     // how far from the middle of the face that contact may be [m]
+  PerSide<bool> stops;       // outward it may be anywhere, up to the heel
   double size;               // of the object: the distance of its contact corners [m]
   double lopsided;           // > 0 or < 0: which way left and right differ; 0: mirror images
 };
@@ -77,7 +78,8 @@ struct ContactProblem {
   // How far such a contact is from the end of what may be used of its palm. A little before it
   // counts as there, because the palm may end there, too.
   double left_of_reach(std::size_t side, const FeatureContact& c) const {
-    return shapes.reach[side] - magnitude(c.place) - 4e-10 * shapes.size;
+    const double from = shapes.stops[side] ? -c.place : magnitude(c.place);
+    return shapes.reach[side] - from - 4e-10 * shapes.size;
   }
   // The weight that the contacts carry, with the push of an acceleration or without it.
   Triple<double> weight(bool pushed) const { return {slope + (pushed ? push : 0.0), 1.0, 0.0}; }

@@ -13,13 +13,14 @@ namespace detail {
 template <class Real>
 int lopsided(const Model<Real>& model) {
   const auto palm = [&](std::size_t side) {
-    return std::array<Real, 7>{model.friction[side],
+    return std::array<Real, 8>{model.friction[side],
                                model.offset[side],
                                model.half_length[side],
                                model.reach[side],
                                side == left ? model.object.com_left : model.object.com_right,
                                Real(model.profile[side].nose),
-                               Real(model.profile[side].heel)};
+                               Real(model.profile[side].heel),
+                               Real(model.profile[side].under_along)};
   };
   const auto of_left = palm(left);
   const auto of_right = palm(right);
@@ -42,6 +43,7 @@ inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double hal
                      const PalmProfile& profile) {
   constexpr Vec up{0.0, 1.0};
   constexpr Vec inward{-1.0, 0.0};
+  const Vec under{profile.under_along, profile.under_across};
   const auto face = [&](Vec at, Vec normal, double low, double high) {
     surfaces.add({palm, false, at, normal, {}, low, high, friction});
   };
@@ -52,9 +54,9 @@ inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double hal
   if (profile.nose > 0.0) {
     tip({-half, offset}, up, inward);
     face({-half, offset}, inward, -profile.nose, 0.0);
-    tip({-half, offset - profile.nose}, inward, -up);
+    tip({-half, offset - profile.nose}, inward, under);
   } else {
-    tip({-half, offset}, up, -up);
+    tip({-half, offset}, up, under);
   }
   if (profile.heel > 0.0) {
     face({half, offset}, inward, 0.0, profile.heel);
@@ -74,6 +76,7 @@ ContactShapes shapes_of(const Model<Real>& model) {
   for (const std::size_t side : {left, right}) {
     const std::size_t own = model.outline.contact[side];
     shapes.reach[side] = double(model.reach[side]);
+    shapes.stops[side] = model.profile[side].stops;
     shapes.own[side] = {PairKind::corner_on_face, static_cast<std::uint8_t>(shapes.surfaces.count),
                         static_cast<std::uint8_t>(own)};
     add_palm(shapes.surfaces, side == left ? Carrier::left_palm : Carrier::right_palm,

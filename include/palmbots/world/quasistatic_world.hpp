@@ -36,7 +36,7 @@ class World {
   World(const Model<Real>& model, const Configuration<Real>& configuration)
       : model_(model),
         state_{{configuration, palmbots::contact_vector(configuration, model.offset)},
-               {Real(0), Real(0), Real(rolls() ? 1 : 0)}} {}
+               {Real(0), Real(0), Real(is_general() ? 1 : 0)}} {}
 
   const Configuration<Real>& configuration() const { return state_.configuration; }
   const Model<Real>& model() const { return model_; }
@@ -113,7 +113,7 @@ class World {
   // Why the object is not held in its present position, or `none`.
   DropReason check() const {
     const Configuration<Real>& here = state_.configuration;
-    if (posed_ || rolls()) return check_all();
+    if (posed_ || is_general()) return check_all();
     const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
     const DropReason reason =
         drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
@@ -133,7 +133,7 @@ class World {
     state_.tied = Real(0);
     regime_ = {};
     posed_ = false;
-    state_.multi_contact = Real(rolls() ? 1 : 0);
+    state_.multi_contact = Real(is_general() ? 1 : 0);
     return check();
   }
 
@@ -177,14 +177,18 @@ class World {
  private:
   const Advance<Real>& take_apart(const PerSide<Vec>& by, const PerSide<Real>& angles) {
     last_ = go(by, angles);
-    state_.multi_contact = Real(posed_ || rolls() ? 1 : 0);
+    state_.multi_contact = Real(posed_ || is_general() ? 1 : 0);
     return last_;
   }
 
-  // Whether a contact vertex is rounded: it rolls, which the steps for two vertices do not know.
-  bool rolls() const {
-    for (const std::size_t own : model_.outline.contact)
-      if (model_.outline.vertices[own].radius > Real(0)) return true;
+  // Whether the steps for two vertices do not suffice: a rounded contact vertex rolls, and a nose or
+  // a heel may touch the object anywhere.
+  bool is_general() const {
+    for (const std::size_t side : {left, right}) {
+      const std::size_t own = model_.outline.contact[side];
+      if (model_.outline.vertices[own].radius > Real(0) || !model_.profile[side].is_plain())
+        return true;
+    }
     return false;
   }
 
@@ -197,10 +201,11 @@ class World {
     const Real deep = closed / Real(64);
     const Pose pose = this->pose();
     const Frames frames = here();
-    for (const FeaturePair own : shapes().own) {
-      const ContactProblem all = problem();
-      if (is_pierced(shapes().body, pose, frames[all.carrier(own)], all.surface(own), double(deep)))
-        return DropReason::flush;
+    for (std::size_t i = 0; i < shapes().surfaces.count; ++i) {
+      const Surface& face = shapes().surfaces.at[i];
+      if (face.tip || face.carrier == Carrier::ground) continue;
+      const Frame& frame = frames[static_cast<std::size_t>(face.carrier)];
+      if (is_pierced(shapes().body, pose, frame, face, double(deep))) return DropReason::flush;
     }
     const NearPairs near =
         Neighbourhood{}.near(problem(), left, frames, pose, double(closed), double(closed));
@@ -265,7 +270,7 @@ class World {
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
     bool on_vertices = rests_on_vertices();
     if (!posed_) {
-      const bool alone = model_.surroundings.none() && by[left].y == by[right].y && !rolls();
+      const bool alone = model_.surroundings.none() && by[left].y == by[right].y && !is_general();
       if (alone) total = GeneralStep<Real>{model_, state_, Real(widens), goals}.run();
       if (alone && !adds_contact(total.reason)) {
         carry_on(by, double(total.fraction));
@@ -287,7 +292,8 @@ class World {
     total = {done.reason, Real(done.fraction), motion_of_palms(), total.segments + done.pieces};
     carry_on(by, done.fraction);
     place_vertices(step, done.fraction);
-    if (on_vertices && !rolls() && model_.surroundings.none() && height_[left] == height_[right]) {
+    if (on_vertices && !is_general() && model_.surroundings.none() &&
+        height_[left] == height_[right]) {
       regime_ = {};
       posed_ = false;
     }

@@ -12,6 +12,8 @@ import type { Surface } from "./canvas";
 const { body_size, body_gap, ground_clearance, wheel_radius, shoulder_inset } =
   tables.robot as Record<string, number>;
 
+const PLATE_CORNERS = (PLACES.outline - PLACES.plate) / 4;
+
 export interface Flight {
   from: number; // side
   share: number; // of the way
@@ -160,8 +162,8 @@ function drawPalm(
   ];
   const [ix, iy] = at(PLACES.inner);
   const [ox, oy] = at(PLACES.outer);
+  // The plate, and a line below its surface, so that it is seen from afar.
   const width = Math.max(4, 0.012 * view.scale);
-  // The line lies below the surface of the palm.
   const length = Math.hypot(ox - ix, oy - iy);
   const [nx, ny] = [((iy - oy) / length) * (side === 0 ? -1 : 1), ((ox - ix) / length) * (side === 0 ? -1 : 1)];
   const down: [number, number] = ny > 0 ? [nx, ny] : [-nx, -ny];
@@ -174,6 +176,13 @@ function drawPalm(
   c.strokeStyle = sideColour(p, side);
   path(c, [shift(ix, iy), shift(ox, oy)], false);
   c.stroke();
+  const plate = Array.from({ length: PLATE_CORNERS }, (_, i): [number, number] => {
+    const k = PLACES.plate + 2 * (side * PLATE_CORNERS + i);
+    return [view.x(places[k]!), view.y(places[k + 1]!)];
+  });
+  c.fillStyle = sideColour(p, side);
+  path(c, plate);
+  c.fill();
   if (picture.zones) {
     const metres = length / view.scale;
     const share = (q: number) => Math.min(1, Math.max(0, 0.5 + q / metres));

@@ -21,7 +21,6 @@ from palmbots._types import SIDES, BySide, Side
 from palmbots.mechanics.contact_modes import contact_modes_batch
 from palmbots.scene.chassis import axle_out, chassis, wheel_kg
 from palmbots.scene.placement import floor_level
-from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import contact_radii
 
@@ -132,9 +131,14 @@ class LoadStates:
             elif keys.drive_force_n is not None:
                 yield keys.drive_force_n - sign * push[0], -sign * push[1]
 
+    def _plate_middle(self, i: int) -> float:
+        """Height of the middle of the plate over the pivot, along the palm's normal [m]."""
+        palm = self._spec.palms[i]
+        return palm.offset - palm.plate_thickness / 2
+
     def _palm_moment(self, i: int, tilt: Array) -> Array:
         """Moment of the palm's own weight about its pivot [N m]."""
-        middle = self._spec.palms[i].offset - PALM_THICKNESS / 2
+        middle = self._plate_middle(i)
         x, z = -middle * np.sin(self._theta[i]), middle * np.cos(self._theta[i])
         return -self._scene.mujoco.palm_kg * _G * (x + z * tilt)
 
@@ -161,7 +165,7 @@ class LoadStates:
         yield keys.body_kg - 2 * wheel, *at.com
         yield 2 * wheel, at.axle, keys.wheel_radius_m
         yield keys.arm_kg, at.shoulder[0] + at.arm[0] / 2, at.shoulder[1] + at.arm[1] / 2
-        middle = self._spec.palms[i].offset - PALM_THICKNESS / 2
+        middle = self._plate_middle(i)
         turn = self._theta[i]
         yield (
             keys.palm_kg,

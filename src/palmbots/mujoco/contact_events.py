@@ -30,6 +30,8 @@ class ExtraContact:
     further vertex is on the palm."""
     own: bool
     """Whether that edge begins or ends at the contact vertex of the palm."""
+    on_heel: bool = False
+    """Whether the heel of the palm touches, which no switch feels."""
 
     def kind(self, palm: Any, obj: Any) -> Kind:
         """The kind, from the orientations of palm and object (nine numbers each)."""

@@ -49,6 +49,9 @@ class PalmContacts:
             name = m.geom(of_object[0]).name
             is_vertex = name.startswith(f"vertex_{(0, layout.spec.contact_right)[side]}_")
             further = None if is_vertex else extra_contact(side, name, layout)
+            if "_heel" in m.geom(of_palm[0]).name:
+                edge = further.along if further else None
+                further = ExtraContact(side, edge, own=False, on_heel=True)
             self._pairs[pair] = self._pairs[pair[::-1]] = (side, further)
 
     def loads(
@@ -80,10 +83,12 @@ class PalmContacts:
                 continue
             k, extra = found
             push, one, other = forces[address : address + 3].tolist()
-            sums[k][extra is None][0] += push
-            sums[k][extra is None][1] += push * to_palm(k, places[i].tolist())[0]
             if extra is not None and push > 0:
                 further.append(extra)
+            if extra is not None and extra.on_heel:
+                continue  # its force is along the palm
+            sums[k][extra is None][0] += push
+            sums[k][extra is None][1] += push * to_palm(k, places[i].tolist())[0]
             if not with_friction:
                 continue
             frame, mat = frames[i], palm_axes[k]

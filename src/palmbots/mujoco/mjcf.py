@@ -191,6 +191,7 @@ class _Slab:
     low: float  # x of its two ends in the object's frame
     high: float
     height: float  # of its lower end
+    faces_down: bool  # so that the end of a palm can touch it; else only a heel can
 
 
 def _object(world: ET.Element, scene: Scene, at: Layout) -> tuple[list[_Ball], list[_Slab]]:
@@ -219,6 +220,7 @@ def _object(world: ET.Element, scene: Scene, at: Layout) -> tuple[list[_Ball], l
     balls, slabs = [], []
     outline = [(x, z) for x, _, z, _ in at.spec.outline]
     arcs = at.spec.corners
+    heel = max(scene.palm_of(side).heel_m for side in SIDES)
     following = [*range(1, len(outline)), 0]
     for k, (x, z, radius) in enumerate(arcs):
         is_convex = turn(outline[k - 1], outline[k], outline[following[k]]) > 0
@@ -233,11 +235,13 @@ def _object(world: ET.Element, scene: Scene, at: Layout) -> tuple[list[_Ball], l
     for k, n in enumerate(following):
         (ax, az), (bx, bz) = _straight_part(outline[k], outline[n], arcs[k], arcs[n])
         long = math.hypot(bx - ax, bz - az)
-        # The edge has no straight part, does not face down, or is too high.
-        if long < 2 * TIP or bx - ax < 0.01 * long or min(az, bz) > reach / 2:
+        faces_down = bx - ax >= 0.01 * long
+        faces_heel = heel > 0 and bx - ax > -0.5 * long
+        # The edge has no straight part, faces away from the palms, or is too high.
+        if long < 2 * TIP or not (faces_down or faces_heel) or min(az, bz) > reach / 2 + heel:
             continue
         inx, inz = -(bz - az) / long * _SLAB / 2, (bx - ax) / long * _SLAB / 2
-        slabs.append(_Slab(f"edge_{k}", ax, bx, min(az, bz)))
+        slabs.append(_Slab(f"edge_{k}", min(ax, bx), max(ax, bx), min(az, bz), faces_down))
         ET.SubElement(
             body, "geom", {"class": "touch"}, name=slabs[-1].name, type="box",
             size=numbers(long / 2, thing.depth_m / 2, _SLAB / 2),
@@ -288,8 +292,14 @@ def _palm_pairs(
         for ball in balls:
             if abs(ball.along - foot) < palm.length:
                 _pair(parent, f"{side}_palm", ball.name, 3, palm.friction, contact)
+                if palm.heel > 0:
+                    _pair(parent, f"{side}_heel", ball.name, 3, palm.friction, contact)
         for slab in slabs:
             if slab.low - palm.length < foot < slab.high + palm.length:
+                if palm.heel > 0:
+                    _pair(parent, slab.name, f"{side}_heel", 3, palm.friction, contact)
+                if not slab.faces_down:
+                    continue
                 for end in ("inner", "outer"):
                     for y in ("near", "far"):
                         _pair(parent, slab.name, f"{side}_{end}_{y}", 3, palm.friction, contact)

@@ -16,7 +16,6 @@ from palmbots.scene.mujoco_section import PALM_TORQUE
 from palmbots.scene.robot_dimensions import (
     BODY_SIZE,
     CASTER_RADIUS,
-    PALM_THICKNESS,
     WHEEL_WIDTH,
 )
 from palmbots.scene.scene import Scene
@@ -161,12 +160,14 @@ def _palm(
         armature=numbers(WRIST.armature),
     )  # fmt: skip
     half, wide, offset = palm.length_m / 2, palm.width_m / 2, palm.pivot_offset_m
-    middle = (0.0, 0.0, offset - PALM_THICKNESS / 2)
+    thick = palm.plate_m
+    middle = (0.0, 0.0, offset - thick / 2)
     ET.SubElement(
         body, "inertial", pos=numbers(*middle), mass=numbers(mass),
-        diaginertia=numbers(*box_inertia(mass, 2 * half, 2 * wide, PALM_THICKNESS)),
+        diaginertia=numbers(*box_inertia(mass, 2 * half, 2 * wide, thick)),
     )  # fmt: skip
-    _draw(body, solids.plate(side, palm), _ORIGIN, f"{side}_plate")
+    for solid, name in zip(solids.plate(side, palm), ("plate", "stop"), strict=False):
+        _draw(body, solid, _ORIGIN, f"{side}_{name}")
     # The contact plate is thicker, so that no shape can pass through it, and lies lower by the
     # radius of a ball, so that a vertex is on the surface of the palm when its ball touches. It is
     # wider, too: MuJoCo pushes a ball that is inside a box out through the nearest face, and for a
@@ -183,6 +184,13 @@ def _palm(
                 body, "geom", {"class": "touch"}, name=f"{side}_{end}_{name}", type="sphere",
                 size=numbers(TIP), pos=numbers(x, y, offset - TIP),
             )  # fmt: skip
+    if palm.heel_m > 0:
+        high = palm.heel_m / 2
+        ET.SubElement(
+            body, "geom", {"class": "touch"}, name=f"{side}_heel", type="box",
+            rgba=rgba(HUE[side], 0.0), size=numbers(deep / 2, wide + deep, high),
+            pos=numbers(out * (half + TIP + deep / 2), 0.0, offset + high),
+        )  # fmt: skip
     if palm.lip_height_m > 0:
         high = palm.lip_height_m / 2
         for name, y in (("starboard", -wide - LIP / 2), ("port", wide + LIP / 2)):

@@ -284,7 +284,9 @@ class MujocoWorld:
         self._tipped = _PITCHED + math.atan(highest / abs(at.axle - at.caster))
         radii = contact_radii(spec)
         self._offset = [palm.offset + r for palm, r in zip(spec.palms, radii, strict=True)]
-        self._reach = [palm.usable / 2 for palm in spec.palms]
+        # Outward, a palm with a heel ends there.
+        self._reach = [(palm.usable / 2, palm.length if palm.stops else palm.usable / 2)
+                       for palm in spec.palms]  # fmt: skip
         self._half_width = [self.scene.palm_of(side).width_m / 2 for side in SIDES]
         self._edges = edges_of(m, self.scene)
         self._width = spec.width
@@ -405,7 +407,7 @@ class MujocoWorld:
         of its weight."""
         if max(map(abs, self._pitches())) > self._tipped:
             return "robot tipped"
-        if any(abs(at) > reach for at, reach in zip(p, self._reach, strict=True)):
+        if any(not -low <= at <= high for at, (low, high) in zip(p, self._reach, strict=True)):
             return "off-palm"
         if any(abs(y) > half for y, half in zip(self.lateral, self._half_width, strict=True)):
             return "off-palm"

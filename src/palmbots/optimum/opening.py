@@ -32,7 +32,7 @@ from palmbots._core import solve_opening as _solve_opening
 from palmbots._util.arguments import one_of
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import refuse_rounded_contacts
+from palmbots.scene.spec import refuse_low_noses, refuse_rounded_contacts
 
 Speeds = Literal["corrections", "stopping"]
 SPEEDS: tuple[str, ...] = get_args(Speeds)
@@ -89,6 +89,7 @@ def refuse_unfit(scene: Scene) -> None:
             "robot.bias_m_s: the pair does not travel forwards; allowed: less bias than speed"
         )
     refuse_rounded_contacts(scene)
+    refuse_low_noses(scene)
     _refuse_outline(scene)
 
 

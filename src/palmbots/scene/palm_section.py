@@ -10,6 +10,7 @@ import palmbots._core as _core
 from palmbots._types import SIDES, Side
 from palmbots.scene.core_keys import key
 from palmbots.scene.fields import Extent, Size
+from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.scene.section import Section, as_given, override_of, values_of_side
 
 
@@ -30,7 +31,7 @@ class PalmParameters(Section):
     """Length along the direction of travel."""
     usable_m: float | None = key("palm.usable_m")
     """Length of the part in the middle on which a contact may be. Beyond it a contact counts as
-    off the palm. Not set: the whole length."""
+    off the palm. Not set: the whole length; outward up to the heel, if there is one."""
     width_m: Size = 0.07
     """Width across the direction of travel. A palm with lips is as wide as the object plus twice
     `lip_clearance_m` instead."""
@@ -42,6 +43,16 @@ class PalmParameters(Section):
     on curved paths."""
     pivot_offset_m: float = key("palm.pivot_offset_m")
     """Distance from the pivot to the palm's surface, along the palm's normal."""
+    thickness_m: float = key("palm.thickness_m")
+    """Thickness of the plate. 0: infinitely thin in the quasistatic world, and 6 mm thick where it
+    is drawn and in the MuJoCo world."""
+    nose_m: float | None = key("palm.nose_m")
+    """Thickness at the inner end, if a bevel on the lower side makes it less. Not set:
+    `thickness_m`."""
+    bevel_m: float = key("palm.bevel_m")
+    """Length of that bevel, from the inner end."""
+    heel_m: float = key("palm.heel_m")
+    """Height of a stop at the outer end, above the surface of the palm. 0: none."""
     friction: float = key("palm.friction")
     """Coulomb coefficient between palm and object."""
     friction_angle_deg: float | None = key("palm.friction_angle_deg")
@@ -53,6 +64,11 @@ class PalmParameters(Section):
     """Palm angle at all other times."""
     rate_deg_s: float = key("palm.rate_deg_s")
     """Angular speed of the palm."""
+
+    @property
+    def plate_m(self) -> float:
+        """Thickness of the plate where it is drawn and has mass."""
+        return self.thickness_m or PALM_THICKNESS
 
     @property
     def reach_m(self) -> float:

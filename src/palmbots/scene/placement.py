@@ -33,6 +33,7 @@ class Placement:
     pivot: Array  #: (n, 2 sides, 2) pivots of the palms
     palm_inner: Array  #: (n, 2 sides, 2) inward end of each palm's surface
     palm_outer: Array  #: (n, 2 sides, 2) outward end of each palm's surface
+    plate: Array  #: (n, 2 sides, 7, 2) corners of each palm's cross-section
     palm_turn: Array  #: (n, 2 sides) anticlockwise turn of each palm from level, radians
     contact: Array  #: (n, 2 sides, 2) contact points on the palms: the feet of the contact vertices
     origin: Array  #: (n, 2) origin of the object's frame: its left contact vertex
@@ -60,6 +61,7 @@ def place(
     separation, midpoint = np.asarray(separation, float), np.asarray(midpoint, float)
     angle, p, turn = np.asarray(palm, float), np.asarray(contact, float), np.asarray(turn, float)
     half = np.array([side.length / 2 for side in spec.palms])
+    corners = np.array([side.section for side in spec.palms])[..., None]  # (2 sides, 7, 2, 1)
     offset = np.array([side.offset for side in spec.palms])
 
     along = np.stack([_OUTWARD * np.cos(angle), np.sin(angle)], axis=-1)  # u
@@ -67,6 +69,7 @@ def place(
     pivot = np.zeros_like(along)
     pivot[..., 0] = midpoint[:, None] + _OUTWARD * separation[:, None] / 2
     foot = pivot + offset[:, None] * normal
+    plate = corners[:, :, 0] * along[:, :, None] + corners[:, :, 1] * normal[:, :, None]
 
     touched = foot + p[..., None] * along
     vertex = (
@@ -84,6 +87,7 @@ def place(
         pivot=pivot,
         palm_inner=foot - half[:, None] * along,
         palm_outer=foot + half[:, None] * along,
+        plate=pivot[:, :, None] + plate,
         palm_turn=_OUTWARD * angle,
         contact=touched,
         origin=vertex[:, 0],

@@ -6,6 +6,8 @@ assumed. The quasistatic mechanics uses none of them: it knows pivots and palms 
 world the scene section `mujoco` sets the wheels' radius and the place of the axle.
 """
 
+import palmbots._core as _core
+
 BODY_SIZE = 0.20
 """Edge of the cubic body."""
 BODY_GAP = 0.05
@@ -14,7 +16,8 @@ GROUND_CLEARANCE = 0.02
 """From the floor to the body."""
 PIVOT_HEIGHT = 0.25
 """From the floor to the palms' pivots, at least; clears the body at usual palm angles."""
-PALM_THICKNESS = 0.006
+PALM_THICKNESS: float = _core.thin_plate_thickness
+"""Of a palm whose `palm.thickness_m` is 0."""
 SHOULDER_INSET = 0.03
 """From the near and the upper face of the body to the shoulder, where the arm begins."""
 ARM_HALF_SPACING = 0.02

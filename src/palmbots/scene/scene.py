@@ -68,13 +68,16 @@ class Scene(Section):
     def palm_of(self, side: Side) -> PalmParameters:
         """The palm of one side: `palm` with the overrides of `palm.left` or `palm.right`.
 
-        A palm with lips is as wide as the lips require.
+        A palm with lips is as wide as the lips require. Of a palm with a heel, only the part is
+        usable on which no heel touches the object, unless `usable_m` is set.
         """
         palm = self.palm.of(side)
+        update: dict[str, float] = {}
         if palm.lip_height_m > 0:
-            wide = self.object.depth_m + 2 * palm.lip_clearance_m
-            return palm.model_copy(update={"width_m": wide})
-        return palm
+            update["width_m"] = self.object.depth_m + 2 * palm.lip_clearance_m
+        if palm.heel_m > 0 and palm.usable_m is None:
+            update["usable_m"] = _core.spec_of_scene(as_given(self)).palms[SIDES.index(side)].usable
+        return palm.model_copy(update=update) if update else palm
 
     def robot_of(self, side: Side) -> RobotParameters:
         """The robot of one side: `robot` with the overrides of `robot.left` or `robot.right`."""

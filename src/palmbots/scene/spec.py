@@ -10,6 +10,7 @@ spec to the last bit.
 import copyreg
 
 import palmbots._core as _core
+from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene
@@ -42,6 +43,30 @@ def refuse_rounded_contacts(scene: Scene) -> None:
             "but this analysis assumes that both are sharp; allowed: 0 there, or palmbots carry "
             "and drop-rate, which let it roll"
         )
+
+
+def refuse_low_noses(scene: Scene) -> None:
+    """Raise `SceneError` where the nose of a palm can touch a part of the object below the palms,
+    which only the world knows."""
+    lowest = min(height for _, _, height, _ in to_spec(scene, unrolled=True).outline)
+    thick = [scene.palm_of(side) for side in SIDES]
+    if lowest < 0 and any(palm.thickness_m > 0 and palm.nose_m != 0 for palm in thick):
+        raise SceneError(
+            f"palm.thickness_m: {show(thick[0].thickness_m)} gives the palms noses, which a part "
+            "of the object below its contact vertices can touch, but this analysis assumes thin "
+            "palms; allowed: 0 or nose_m = 0, or palmbots carry and drop-rate"
+        )
+
+
+def refuse_heels(scene: Scene) -> None:
+    """Raise `SceneError` for palms with a heel, of which a certificate says nothing."""
+    for side in SIDES:
+        heel = scene.palm_of(side).heel_m
+        if heel > 0:
+            raise SceneError(
+                f"palm.heel_m: {show(heel)} is a stop that the object may touch, of which a "
+                "certificate says nothing; allowed: 0 (the object may then leave the palm)"
+            )
 
 
 def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:

@@ -51,12 +51,10 @@ class FloorWorld:
     each palm begins on the floor beside the object.
 
     Args:
-        scene: the object, the palms (length, friction, offset of the pivots) and the slope of the
+        scene: the object, the palms (shape, friction, offset of the pivots) and the slope of the
             floor; the task and the robots of the scene do not matter.
         palms_deg: angles of the left and the right palm.
         gaps_m: horizontal distances of the left and the right palm from the object.
-        nose_m: thickness of the palms at their inner ends; 0: infinitely thin.
-        heel_m: height of the stop that rises from the outer ends of the palms; 0: none.
         floor_friction: friction coefficient between object and floor.
         overrides: scene keys to set.
 
@@ -72,8 +70,6 @@ class FloorWorld:
         *,
         palms_deg: tuple[float, float] = (15.0, 15.0),
         gaps_m: tuple[float, float] = (0.01, 0.01),
-        nose_m: float = 0.0,
-        heel_m: float = 0.0,
         floor_friction: float = 0.3,
         overrides: Overrides = None,
     ) -> None:
@@ -81,8 +77,6 @@ class FloorWorld:
         self._spec = spec = to_spec(chosen, unrolled=True)
         for name, value in (
             *(("gaps_m", gap) for gap in gaps_m),
-            ("nose_m", nose_m),
-            ("heel_m", heel_m),
             ("floor_friction", floor_friction),
         ):
             if not 0 <= value < math.inf:
@@ -90,9 +84,8 @@ class FloorWorld:
                     f"{name}: value is {show(value)}; allowed: a finite number, at least 0"
                 )
         angles = _angles(palms_deg)
-        self._nose_m = nose_m
         self._end = ""
-        self._world = _core.World(spec, floor_friction, (nose_m, nose_m), (heel_m, heel_m))
+        self._world = _core.World(spec, floor_friction)
         self._world.set_on_both(False)
         height = spec.com_height + max(contact_radii(spec))
         self._check_stands(height)
@@ -129,8 +122,7 @@ class FloorWorld:
 
     def _pivot_height(self, side: int, angle: float) -> float:
         """Height of the pivot of a palm whose inner end is on the floor."""
-        below = self._spec.palms[side].offset - self._nose_m
-        return self._half(side) * math.sin(angle) - below * math.cos(angle)
+        return self._spec.palms[side].lowest_pivot(angle)
 
     def move(
         self,

@@ -18,7 +18,7 @@ from palmbots._types import SIDES, Interval, Side
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import refuse_rounded_contacts, to_spec
+from palmbots.scene.spec import refuse_low_noses, refuse_rounded_contacts, to_spec
 from palmbots.stability.linear_conditions import Form, forms
 from palmbots.stability.reaction_region import implied_reach_m
 
@@ -181,6 +181,7 @@ def stability_problem(
             span it.
     """
     refuse_rounded_contacts(scene)
+    refuse_low_noses(scene)
     spec = to_spec(scene)
     region = region_of(scene, region_m)
     half = (0.5 * spec.palms[0].length, 0.5 * spec.palms[1].length)

@@ -18,7 +18,6 @@ from palmbots.scene.robot_dimensions import (
     BODY_GAP,
     BODY_SIZE,
     GROUND_CLEARANCE,
-    PALM_THICKNESS,
 )
 from palmbots.viz import solids
 from palmbots.viz.style import (
@@ -206,11 +205,7 @@ class _Brush:
 
     def palm(self, k: int, side: Side) -> None:
         """The plate, its upper face where the contact lies, and the pivot."""
-        inner = self._place.palm_inner[self._row, k]
-        outer = self._place.palm_outer[self._row, k]
-        turn = self._place.palm_turn[self._row, k]
-        down = PALM_THICKNESS * np.array([math.sin(turn), -math.cos(turn)])
-        self._draw.polygon(self._pixels(inner, outer, outer + down, inner + down), HUE[side])
+        self._draw.polygon(self._pixels(*self._place.plate[self._row, k]), HUE[side])
         self._disc(self._pixels(self._place.pivot[self._row, k])[0], 7, BACKGROUND, INK, 2)
 
     def contact(self, k: int, motion: int) -> None:

@@ -20,7 +20,6 @@ from palmbots.scene.robot_dimensions import (
     BODY_GAP,
     BODY_SIZE,
     GROUND_CLEARANCE,
-    PALM_THICKNESS,
     WHEEL_INSET,
     WHEEL_RADIUS,
     WHEEL_WIDTH,
@@ -139,11 +138,15 @@ def robot(side: Side, floor: float) -> list[Solid]:
     return [body(side, floor), *wheels, *arm(side, floor)]
 
 
-def plate(side: Side, palm: "PalmParameters") -> Solid:
-    """The palm in its own frame."""
-    size = (palm.length_m, palm.width_m, PALM_THICKNESS)
-    middle = (0.0, 0.0, palm.pivot_offset_m - PALM_THICKNESS / 2)
-    return Solid(f"{side}_palm", Box(size, middle), HUE[side])
+def plate(side: Side, palm: "PalmParameters") -> list[Solid]:
+    """The palm in its own frame: a plate without its bevel, and the heel if there is one."""
+    thick, top = palm.plate_m, palm.pivot_offset_m
+    boxes = [Box((palm.length_m, palm.width_m, thick), (0.0, 0.0, top - thick / 2))]
+    if palm.heel_m > 0:
+        high = palm.heel_m + thick
+        out = _outward(side) * (palm.length_m + thick) / 2
+        boxes.append(Box((thick, palm.width_m, high), (out, 0.0, top - thick + high / 2)))
+    return [Solid(f"{side}_palm", box, HUE[side]) for box in boxes]
 
 
 def solids(scene: "Scene", spec: "Spec") -> list[Solid]:
@@ -156,7 +159,7 @@ def solids(scene: "Scene", spec: "Spec") -> list[Solid]:
     marks = (Box((0.01, 4 * wide, 0.002), (x, 0.0, floor + 0.001)) for x in (0.0, travel))
     parts = [Solid(WORLD, ground, RULE), *(Solid(WORLD, mark, QUIET) for mark in marks)]
     for side in SIDES:
-        parts += [*robot(side, floor), plate(side, scene.palm_of(side))]
+        parts += [*robot(side, floor), *plate(side, scene.palm_of(side))]
     thing = Prism(tuple(spec.silhouette), scene.object.depth_m)
     return [*parts, Solid("object", thing, OBJECT)]
 

@@ -30,7 +30,12 @@ from palmbots._util.results import Result
 from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.scene.spec import refuse_curved, refuse_rounded_contacts
+from palmbots.scene.spec import (
+    refuse_curved,
+    refuse_heels,
+    refuse_low_noses,
+    refuse_rounded_contacts,
+)
 from palmbots.stability.certificates.box_from_scene import box_of
 from palmbots.stability.certificates.box_table import BoxTable
 from palmbots.stability.certificates.obligations import (
@@ -272,6 +277,8 @@ def certify(
     chosen = load_scene(scene, overrides)
     refuse_curved(chosen)
     refuse_rounded_contacts(chosen)
+    refuse_low_noses(chosen)
+    refuse_heels(chosen)
     box = box_of(
         chosen,
         common_friction=common_friction,

@@ -12,7 +12,6 @@ from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.contact_modes import CONTACT_MODES, ContactMode, contact_modes_batch
 from palmbots.scene.placement import Placement, place
-from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.stability.figures.canvas import MM, Array, View
 from palmbots.stability.problem import Pair, StabilityProblem
 from palmbots.viz.style import BACKGROUND, HATCH, HUE, INK, OBJECT, PALE, axis_label
@@ -127,11 +126,10 @@ def draw_bodies(view: View, state: State) -> None:
     view.line(*outline, outline[0], colour=INK, width=0.8)
     for side, name in enumerate(SIDES):
         inner, outer = state.point("palm_inner", side), state.point("palm_outer", side)
-        under = -MM * PALM_THICKNESS * state.normal(side)
         pivot, foot = state.point("pivot", side), 0.5 * (inner + outer)
-        plate = np.array([inner, outer, outer + under, inner + under])
+        plate = state.point("plate", side)
         view.fill(plate, fc=PALE[name], ec=HUE[name], lw=0.4, hatch=2 * HATCH[name])
-        view.avoid(inner + under, outer + under)
+        view.avoid(*plate)
         view.line(inner, outer, colour=HUE[name], width=1.6)
         view.line(pivot, foot, colour=HUE[name], width=1.2)
         view.axes.plot(*pivot, "o", ms=4, mfc=BACKGROUND, mec=HUE[name], zorder=4)

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from palmbots._types import SIDES
-from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.stability.figures.canvas import MM, Array, View, panel, sheet
 from palmbots.stability.figures.drawn_state import State, draw_bodies, draw_description, shown_area
 from palmbots.viz.style import HUE, styled
@@ -64,7 +63,8 @@ def _draw_palm_symbols(view: View, state: State) -> None:
         turn = -state.angles[side] if side == 0 else state.angles[side]
         view.arc(foot, 1.07 * half, start, start + turn, f"$\\theta_{letter}$", colour)
         p = MM * state.p[side]
-        depth, offset = MM * PALM_THICKNESS + 7 * view.point, MM * state.problem.offset[side]
+        thick = state.problem.spec.palms[side].plate_thickness
+        depth, offset = MM * thick + 7 * view.point, MM * state.problem.offset[side]
         if abs(depth - offset) < 7 * view.point:  # clear of the pivot
             depth = offset + 8 * view.point
         under = -depth * normal
