@@ -10,6 +10,7 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
+from contact_scripts import SHARP
 from palmbots.cli import main as cli
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.contact_points import Contact, touching
@@ -32,7 +33,7 @@ def found(scene: Any = "paper", **state: Any) -> list[tuple[str, str, float]]:
 VERTICES = [("left", "vertex", 0.0), ("right", "vertex", 0.0)]
 
 
-@pytest.mark.parametrize("name", pb.object_names())
+@pytest.mark.parametrize("name", SHARP)
 def test_nominal_state_has_two_vertex_contacts(name: str) -> None:
     for left, right in ((15, 15), (5, 15), (15, 5), (5, 5)):
         scene = {"object": name}
@@ -165,7 +166,7 @@ def are_inside(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
 
 
 def random_state(rng: np.random.Generator) -> tuple[Scene, dict]:
-    values = [{"object": name} for name in pb.object_names()] + [FOOTED, LIDDED]
+    values = [{"object": name} for name in SHARP] + [FOOTED, LIDDED]
     scene = pb.load_scene(values[int(rng.integers(len(values)))])
     offset = float(rng.choice([0.0, 0.01]))
     state = {

@@ -45,7 +45,7 @@ def test_value_holds_on_both_sides(key: str) -> None:
     base = pb.load_scene("paper", dict.fromkeys(sides, old) | NEEDED.get(key, {}))
     with pytest.raises(pb.SceneError, match=rf"^overrides: {key}: both sides override it; allowed"):
         pb.load_scene(base, {key: new})
-    everything = dict.fromkeys([key, *sides], new)
+    everything = dict.fromkeys([key, *sides], new) | NEEDED.get(key, {})
     assert pb.load_scene(base, everything) == pb.load_scene("paper", everything)
 
 

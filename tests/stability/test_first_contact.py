@@ -9,6 +9,7 @@ from scipy.optimize import nnls
 
 import palmbots as pb
 import palmbots._core as _core
+from contact_scripts import SHARP
 from palmbots.scene.spec import to_spec
 from palmbots.stability.first_contact import FirstTouch
 
@@ -23,7 +24,7 @@ LIPPED = {
     },
     "palm": {"shallow_deg": 1.0},
 }
-SCENES = [{"object": name} for name in pb.object_names()] + [LIPPED]
+SCENES = [{"object": name} for name in SHARP] + [LIPPED]
 
 
 def found(scene: dict) -> FirstTouch:

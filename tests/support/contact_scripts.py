@@ -15,14 +15,20 @@ import numpy as np
 import palmbots as pb
 import palmbots._core as _core
 from palmbots.scene.scene import load_scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import contact_radii, to_spec
 from rigid_body_oracle import SlowContacts
 
 POINTED = [[0, 0], [0.02, 0.02], [0.23, 0.02], [0.25, 0], [0.25, 0.16], [0, 0.16]]
 LID = [[0, 0], [0.25, 0], [0.25, 0.02], [0.35, 0.02], [0.35, 0.1], [-0.1, 0.1], [-0.1, 0.02], [0, 0.02]]  # fmt: skip  # noqa: E501
 KEEL = [[0, 0], [0.06, -0.01], [0.25, 0], [0.25, 0.1], [0, 0.1]]
+SHARP = [
+    name
+    for name in pb.object_names()
+    if not any(contact_radii(to_spec(load_scene({"object": name}))))
+]
+"""Built-in objects whose contact vertices are not rounded."""
 OBJECTS: list[dict[str, Any]] = [
-    *({"object": name} for name in pb.object_names()),
+    *({"object": name} for name in SHARP),
     {"object": {"vertices_m": POINTED, "contacts": [0, 3], "com_m": [0.125, 0.06]}},
     {"object": {"vertices_m": LID, "com_m": [0.125, 0.05]}},
     {"object": {"vertices_m": KEEL, "contacts": [0, 2], "com_m": [0.125, 0.05]}},

@@ -243,8 +243,9 @@ TO_AND_FRO = [(0.0, 15, 15, 0.0), (0.004, -5, -5, 0.0), (0.004, 25, 25, 0.0), (0
 
 def is_its_own_mirror_image(spec: _core.Spec) -> bool:
     """Whether left and right differ in the contact positions only."""
+    names = [name for name in dir(_core.PalmSpec) if not name.startswith("_")]
     left, right = (
-        [getattr(palm, name) for name in dir(palm) if not name.startswith("_")]
+        [value for name in names if not callable(value := getattr(palm, name))]
         for palm in spec.palms
     )
     alike = left == right and spec.com_left == spec.com_right
