@@ -138,7 +138,7 @@ void bind_spec(nb::module_& m) {
           nb::arg("angle"),
           "Height of the pivot [m] with the inner end of the palm on the floor, at an angle [rad].")
       .def_prop_ro("plate_thickness", &plate_thickness,
-                   "Thickness where it is drawn and has mass [m].")
+                   "Thickness of the plate where it is drawn and has mass [m].")
       .def_prop_ro(
           "section",
           [](const PalmSpec& p) {

@@ -52,7 +52,8 @@ void bind_world(nb::module_& m) {
             if (floor) model.surroundings = {true, *floor};
             new (self) W(model, configuration_of(spec, model));
           },
-          nb::arg("spec"), nb::arg("floor") = nb::none(), "floor: its friction; it is at height 0.")
+          nb::arg("spec"), nb::arg("floor") = nb::none(),
+          "floor: friction of a floor at height 0; None: no floor.")
       .def_prop_ro("contacts", [](const W& w) { return pair_of(w.configuration().contacts); })
       .def_prop_ro("separation", [](const W& w) { return w.configuration().separation; })
       .def_prop_ro("palms",

@@ -250,7 +250,7 @@ def test_changes_help_on_seeds_that_did_not_choose_them(
 
 WHY_NOT = [
     ({"robot.noise_m_s": 0}, "none of 1,000 carries fails, and there is no noise"),
-    ({"robot.noise_m_s": 1e-4}, "too few of 1,000 carries fail to compare changes, even with"),
+    ({"robot.noise_m_s": 1e-4}, "too few of 1,000 carries fail for a comparison of changes, even"),
     ({"object.mass_kg": 500}, "no stronger robots that were tried hold it (up to 10 times"),
 ]
 

@@ -61,7 +61,7 @@ def test_exception_in_watch_stops_the_batch() -> None:
 
 @pytest.fixture
 def as_after_make_carry(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """No module for lanes is built."""
+    """No batch module is built."""
     monkeypatch.setattr(batch, "batch_modules", lambda: ["_batch_that_is_not_built"])
     monkeypatch.setattr(batch, "_slow_ticks", 0.0)
     batch._module.cache_clear()

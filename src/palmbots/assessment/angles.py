@@ -29,7 +29,7 @@ pair may be best by luck."""
 
 @dataclass(frozen=True)
 class NoPair:
-    """Why no other pair of angles was tried by carries."""
+    """Why no carries with other pairs of angles were tried."""
 
     why: str
 
@@ -92,7 +92,7 @@ def try_angles(
     report(0.3)
     if not found:
         return NoPair(
-            f"none of {len(pairs)} pairs of angles is both allowed and keeps all properties, so no "
+            f"none of {len(pairs)} pairs of angles is allowed and keeps all properties, so no "
             "carry was tried with them"
         )
     failures = {}

@@ -131,7 +131,7 @@ class Assessment(Result):
         use = f"use {best.controller}: it fails in {failures(best)} of carries"
         doubts = []
         if self.load is not None and self.load.cause == "other":
-            doubts.append("it fails more often in MuJoCo, with a light object, too")
+            doubts.append("in MuJoCo it fails more often, also with a light object")
         doubts += [
             words
             for answer, words in (

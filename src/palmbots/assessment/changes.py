@@ -167,7 +167,7 @@ def try_changes(
         except PalmbotsError:  # the palms collide, or a value is beyond its limits
             continue
     if not judged or count is None:
-        why = "no change is both allowed and keeps all properties" if plans else _WEAK
+        why = "no change that was tried is allowed and keeps all properties" if plans else _WEAK
         return NoChange(why, is_for_load=is_heavy)
     ranked = sorted(judged, key=lambda k: judged[k])
     chosen, mujoco = ranked[0], None
@@ -212,9 +212,9 @@ _ALL_FAIL = "in MuJoCo every carry fails with each of the stronger robots that w
 def _unfailing(scene: Scene, count: int) -> str:
     """Why no changes can be compared in a scene that rarely fails, even with more noise."""
     if any(scene.robot_of(side).noise_m_s for side in SIDES):
-        most = f"up to {NOISE_FACTORS[-1]:g} times as much"
         return (
-            f"too few of {count:,} carries fail to compare changes, even with more noise ({most})"
+            f"too few of {count:,} carries fail for a comparison of changes, even with up to "
+            f"{NOISE_FACTORS[-1]:g} times the noise"
         )
     return (
         f"none of {count:,} carries fails, and there is no noise that could be raised to compare "

@@ -55,13 +55,14 @@ def try_friction(
 
 
 def hardest_to_hold(scene: Scene, friction: Interval) -> Scene:
-    """The scene with the highest friction of the interval, at which `load_limits` finds the
-    lightest heaviest object.
+    """The scene with the highest friction of the interval. There the heaviest object that
+    `load_limits` finds is lightest.
 
-    More friction permits more squeezes in every state, and lets more states be held. Each limit is
-    linear in the squeeze and must hold for all of them, except that wheels need load only with the
-    least one; but there, wheels that do not slip have load. No contact wedges: a scene refuses such
-    friction.
+    With more friction, more squeezes are possible in every state, and the object is held in more
+    states. Each limit is linear in the squeeze and must hold for all squeezes, with one exception:
+    that the wheels have load is required only at the least squeeze. Wheels that do not slip have
+    load, so the limit of traction implies this. No contact wedges: scenes with so much friction
+    are refused.
     """
     return _with_friction(scene, friction[1])
 

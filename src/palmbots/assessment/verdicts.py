@@ -143,7 +143,8 @@ def on_load(
     rough: FrictionTrial | None = None,
 ) -> Answer:
     """Whether the robots hold the weight: by statics, and in carries of the MuJoCo world. If the
-    friction is known only roughly, `limits` and `trial` are those with the highest value."""
+    friction is known only roughly, `limits` and `trial` are those with the highest
+    friction."""
     question, command = "Can these robots hold it?", f"palmbots load {name}"
     friction = limits.scene.palm_of("left").friction
     if rough is not None:
@@ -417,7 +418,7 @@ def on_radio(
         return Answer(question, "yes", text, command)
     held = [row.loss for row in takewhile(lambda row: any(map(suffices, row.counts)), trials)]
     names = ", ".join(one.controller for one in worst.counts)
-    text = f"even without losses too many carries fail with {names}"
+    text = f"even without losses, too many carries fail with {names}"
     if held:
         text = f"up to {100 * held[-1]:g} % lost" if held[-1] else "only if none is lost"
     return Answer(question, "partly" if len(held) > 1 else "no", text, command)

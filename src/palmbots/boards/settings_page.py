@@ -15,10 +15,10 @@ from palmbots.wire import MAX_EPOCH
 PERIODS_S = (0.005, 0.05)
 """Shortest and longest control period of a board."""
 WATCHDOGS_S = (0.1, 10.0)
-"""Limits of the time after which a silent processor is reset. An erase of a page of flash memory
-halts it for 88 ms; the wheels keep turning until the reset."""
+"""Shortest and longest time after which a processor that has halted is reset. An erase of a page of
+flash memory halts it for 88 ms; the wheels keep turning until the reset."""
 MOST_POWER = 255
-"""Full power of a motor board."""
+"""The speed that a motor board takes as full power; a number without a unit."""
 PAGE_ADDRESS = 0xF000
 PAGE_SIZE = 0x1000
 TABLE_SIZE = 3265
@@ -166,7 +166,7 @@ _LIMITS: dict[int, tuple[int, int]] = {
 """From the least to the most, for the places of the fields that a board cannot check itself."""
 _WHEEL_KIND = _ROLE + 12
 _WHEELS = (_us(PULSES_S), (-MOST_POWER, MOST_POWER))
-"""Pulses or speeds of the wheels, by their kind."""
+"""Limits of the pulses [us] or of the speeds of the wheels, by the kind of the wheels."""
 
 
 def _robot_limits(wheel_kind: int) -> dict[int, tuple[int, int]]:

@@ -13,8 +13,9 @@ from palmbots.scene.section import as_given
 
 
 def overrun_m(scene: Scene, controller: str | ControllerEntry) -> float:
-    """How far a contact can overrun the edge of the zero zone if the other one is in its zone [m];
-    0 without a controller. A robot of `silent` that stops to correct is not covered.
+    """How far [m] a contact can overrun the edge of its zero zone while the other contact is in its
+    zone; 0 without a controller. The limit does not cover `silent`, which may stop a robot during
+    a correction.
 
     With u the correction speed of a robot, T its control period and D the delay of the radio, a
     contact overruns by u T and the braking distance where one robot drives. Where both drive by

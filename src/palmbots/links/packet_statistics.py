@@ -205,7 +205,7 @@ class EndStatistics:
         return quantile(trips, 0.5) if trips else None
 
     def summary(self) -> EndTable:
-        """All of these as a table; what is not known is None."""
+        """All statistics of this end as a table; what is not known is None."""
 
         def known(trip_s: float) -> float | None:
             return None if math.isnan(trip_s) else trip_s

@@ -31,7 +31,7 @@ class ExtraContact:
     own: bool
     """Whether that edge begins or ends at the contact vertex of the palm."""
     on_heel: bool = False
-    """Whether the heel of the palm touches, which no switch feels."""
+    """Whether it is the heel of the palm that touches. No switch feels a heel."""
 
     def kind(self, palm: Any, obj: Any) -> Kind:
         """The kind, from the orientations of palm and object (nine numbers each)."""

@@ -86,7 +86,7 @@ class PalmContacts:
             if extra is not None and push > 0:
                 further.append(extra)
             if extra is not None and extra.on_heel:
-                continue  # its force is along the palm
+                continue  # the force of a heel acts along the palm
             sums[k][extra is None][0] += push
             sums[k][extra is None][1] += push * to_palm(k, places[i].tolist())[0]
             if not with_friction:

@@ -284,7 +284,8 @@ class MujocoWorld:
         self._tipped = _PITCHED + math.atan(highest / abs(at.axle - at.caster))
         radii = contact_radii(spec)
         self._offset = [palm.offset + r for palm, r in zip(spec.palms, radii, strict=True)]
-        # Outward, a palm with a heel ends there.
+        # Inward and outward. A heel keeps the object on the palm, so there is no limit outward
+        # unless `usable_m` is set.
         self._reach = [(palm.usable / 2, palm.length if palm.stops else palm.usable / 2)
                        for palm in spec.palms]  # fmt: skip
         self._half_width = [self.scene.palm_of(side).width_m / 2 for side in SIDES]

@@ -160,8 +160,8 @@ def overriding(scene: Section, key: str) -> tuple[str, ...]:
 
 
 def refuse_without_effect(scene: Section, changes: Mapping[str, Any], called: str) -> None:
-    """Raise `SceneError` for a change without effect: of a key without a side that both sides
-    override, unless `changes` also sets both overrides. `scene` has the changes already."""
+    """Raise `SceneError` for a change of a key without a side that both sides override, because
+    it has no effect, unless `changes` also sets both overrides. `scene` has the changes already."""
     given = merged({}, changes)
     for section in HOLDERS:
         if not isinstance(given.get(section), Mapping):
@@ -175,8 +175,8 @@ def refuse_without_effect(scene: Section, changes: Mapping[str, Any], called: st
 
 
 def has_no_effect(overriding: tuple[str, ...]) -> bool:
-    """Whether a key without a side has no effect: both robots have values of their own. That the
-    station may have none does not count, because it has a key of its own."""
+    """Whether a key without a side has no effect, because both robots have values of their own.
+    The station does not count: its value has a key of its own."""
     return set(SIDES) <= set(overriding)
 
 

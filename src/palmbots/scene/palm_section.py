@@ -31,7 +31,8 @@ class PalmParameters(Section):
     """Length along the direction of travel."""
     usable_m: float | None = key("palm.usable_m")
     """Length of the part in the middle on which a contact may be. Beyond it a contact counts as
-    off the palm. Not set: the whole length; outward up to the heel, if there is one."""
+    off the palm. Not set: the whole length. On a palm with a heel, not set: the part on which
+    the heel cannot touch the object; a contact may also be farther outward, up to the heel."""
     width_m: Size = 0.07
     """Width across the direction of travel. A palm with lips is as wide as the object plus twice
     `lip_clearance_m` instead."""
@@ -44,13 +45,13 @@ class PalmParameters(Section):
     pivot_offset_m: float = key("palm.pivot_offset_m")
     """Distance from the pivot to the palm's surface, along the palm's normal."""
     thickness_m: float = key("palm.thickness_m")
-    """Thickness of the plate. 0: infinitely thin in the quasistatic world, and 6 mm thick where it
-    is drawn and in the MuJoCo world."""
+    """Thickness of the plate. 0: infinitely thin in the quasistatic world, but 6 mm in pictures
+    and in the MuJoCo world."""
     nose_m: float | None = key("palm.nose_m")
-    """Thickness at the inner end, if a bevel on the lower side makes it less. Not set:
-    `thickness_m`."""
+    """Thickness at the inner end, where a bevel on the lower side can make the plate thinner. Not
+    set: `thickness_m`."""
     bevel_m: float = key("palm.bevel_m")
-    """Length of that bevel, from the inner end."""
+    """Length of the bevel, measured from the inner end."""
     heel_m: float = key("palm.heel_m")
     """Height of a stop at the outer end, above the surface of the palm. 0: none."""
     friction: float = key("palm.friction")

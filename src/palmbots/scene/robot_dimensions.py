@@ -17,7 +17,7 @@ GROUND_CLEARANCE = 0.02
 PIVOT_HEIGHT = 0.25
 """From the floor to the palms' pivots, at least; clears the body at usual palm angles."""
 PALM_THICKNESS: float = _core.thin_plate_thickness
-"""Of a palm whose `palm.thickness_m` is 0."""
+"""Of a palm whose `palm.thickness_m` is 0, in pictures and in the MuJoCo world."""
 SHOULDER_INSET = 0.03
 """From the near and the upper face of the body to the shoulder, where the arm begins."""
 ARM_HALF_SPACING = 0.02

@@ -68,8 +68,8 @@ class Scene(Section):
     def palm_of(self, side: Side) -> PalmParameters:
         """The palm of one side: `palm` with the overrides of `palm.left` or `palm.right`.
 
-        A palm with lips is as wide as the lips require. Of a palm with a heel, only the part is
-        usable on which no heel touches the object, unless `usable_m` is set.
+        A palm with lips is as wide as the lips require. If a palm has a heel and `usable_m` is not
+        set, its usable part is the part on which the heel cannot touch the object.
         """
         palm = self.palm.of(side)
         update: dict[str, float] = {}

@@ -46,26 +46,26 @@ def refuse_rounded_contacts(scene: Scene) -> None:
 
 
 def refuse_low_noses(scene: Scene) -> None:
-    """Raise `SceneError` where the nose of a palm can touch a part of the object below the palms,
-    which only the world knows."""
+    """Raise `SceneError` where the nose of a palm can touch a part of the object below the contact
+    vertices. Only worlds consider such a contact."""
     lowest = min(height for _, _, height, _ in to_spec(scene, unrolled=True).outline)
     thick = [scene.palm_of(side) for side in SIDES]
     if lowest < 0 and any(palm.thickness_m > 0 and palm.nose_m != 0 for palm in thick):
         raise SceneError(
             f"palm.thickness_m: {show(thick[0].thickness_m)} gives the palms noses, which a part "
             "of the object below its contact vertices can touch, but this analysis assumes thin "
-            "palms; allowed: 0 or nose_m = 0, or palmbots carry and drop-rate"
+            "palms; allowed: 0 or nose_m = 0; palmbots carry and drop-rate simulate noses"
         )
 
 
 def refuse_heels(scene: Scene) -> None:
-    """Raise `SceneError` for palms with a heel, of which a certificate says nothing."""
+    """Raise `SceneError` for palms with a heel, which no certificate covers."""
     for side in SIDES:
         heel = scene.palm_of(side).heel_m
         if heel > 0:
             raise SceneError(
-                f"palm.heel_m: {show(heel)} is a stop that the object may touch, of which a "
-                "certificate says nothing; allowed: 0 (the object may then leave the palm)"
+                f"palm.heel_m: {show(heel)} is a stop that the object may touch, but no "
+                "certificate covers this; allowed: 0 (the object may then leave the palm)"
             )
 
 

@@ -63,10 +63,10 @@ def have_equal_carries(scenes: Sequence[Scene]) -> bool:
 
 
 def without_effect(called: str, key: str, world: str) -> SceneError:
-    """The error for a key that is varied although carries do not depend on it."""
+    """The error for a key that is varied although no carry in this world depends on it."""
     return SceneError(
         f"{called} {key}: no carry of this scene in the {world} world depends on it; "
-        "allowed: other keys, or a world in which they do"
+        "allowed: other keys, or a world in which carries depend on it"
     )
 
 

@@ -113,7 +113,7 @@ def run_batch(
             valid rows.
 
     Warns:
-        SlowBuildWarning: no module for lanes is built, and more than a few seconds will pass.
+        SlowBuildWarning: no batch module is built, and more than a few seconds will pass.
     """
     entry = resolve(controller)
     index = np.ascontiguousarray(spec_index, np.uint32)

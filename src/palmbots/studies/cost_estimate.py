@@ -93,7 +93,7 @@ def estimate_cost(points: Points, layout: ChunkGrid, threads: int) -> Cost:
     """Measure a sample of a study, and extrapolate to all of it.
 
     Warns:
-        SlowBuildWarning: no module for lanes is built, and the study is large.
+        SlowBuildWarning: no batch module is built, and the study is large.
     """
     study = points.plan.study
     allowed = points.allowed_cells()

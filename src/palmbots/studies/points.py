@@ -109,7 +109,7 @@ def design_points(plan: Plan, on_progress: Callable[[float], None] = lambda _: N
     """The points of a plan. The scene at each of them is validated.
 
     Raises:
-        SceneError: the scene at a point is invalid; the message names the point. Or no carry
+        SceneError: the scene at a point is invalid (the message names the point), or no carry
             depends on one of the keys.
         PalmbotsError: there are too many points, or a package of the extra ``study`` is missing.
     """
@@ -151,13 +151,14 @@ def _scene(plan: Plan, values: tuple[tuple[Any, ...], ...], point: int) -> Scene
 
 
 def _is_without_effect(plan: Plan, values: tuple[tuple[Any, ...], ...], k: int) -> bool:
-    """Whether another value of the key with index `k` leaves the carries of every point the same,
-    as far as the changed scenes are valid."""
+    """Whether no carry depends on the key with index `k`: at every point, the next value of the key
+    gives the same carries. Points whose changed scene is invalid do not count."""
     levels = {repr(point[k]): point[k] for point in values}
     following = dict(zip(levels, [*levels.values()][1:], strict=False))
     compared = False
     for i, point in enumerate(values):
-        if repr(point[k]) not in following:  # the last value, which is the next one of others
+        # The last value has no next one; it is compared as the next one of the value before.
+        if repr(point[k]) not in following:
             continue
         changed = (*point[:k], following[repr(point[k])], *point[k + 1 :])
         try:
