@@ -97,7 +97,8 @@ def agreeing_value(given: str, name: str, keys: Keys, draw: random.Random) -> An
             value = draw.choice((2, 3)) * keys.get("control.period_s", 0.01)
         if name in ("palm.usable_m", "palm.nose_m"):  # at most another key
             name_of_most = name.replace("usable", "length").replace("nose", "thickness")
-            value = draw.random() * keys.get(name_of_most, ROWS[name_of_most]["default"])
+            most = keys.get(name_of_most, ROWS[name_of_most]["default"])
+            value = draw.uniform(ROWS[name]["least"], most)
         if name == "task.timeout_s":  # long enough for a carry
             value = draw.uniform(5, 12)
         if _agrees({**keys, given: value}):

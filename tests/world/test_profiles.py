@@ -62,6 +62,17 @@ def test_a_heel_stops_the_contact_where_it_touches(keys: dict[str, Any], steep_d
     assert world.contacts == pytest.approx((0.075 - ahead,) * 2, abs=1e-9)
 
 
+@pytest.mark.parametrize("keys", [{}, {"palm.heel_m": 0.012}])
+def test_inward_a_contact_may_be_on_the_whole_palm(keys: dict[str, Any]) -> None:
+    ends = [
+        world_of(keys | {"start.left_m": p, "start.right_m": p}).check() for p in (-0.0749, 0.02)
+    ]
+    assert ends == ["", ""]
+    world = world_of(keys)
+    assert opened(world, 0.2)[0] == "off-palm"
+    assert min(world.contacts) == pytest.approx(-0.075, abs=1e-9)
+
+
 def test_a_heel_inside_the_object_is_no_start() -> None:
     wide = {"object.vertices_m": [[0, 0], [0.25, 0], [0.25, 0.02], [0.4, 0.02], [0.4, 0.1],
                                   [-0.15, 0.1], [-0.15, 0.02], [0, 0.02]]}  # fmt: skip

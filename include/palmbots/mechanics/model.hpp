@@ -28,7 +28,7 @@ struct ModelParams {
 struct PalmProfile {
   double nose = 0.0;   // thickness at the inner end; 0: infinitely thin
   double heel = 0.0;   // height of the stop at the outer end, above the top face; 0: none
-  bool stops = false;  // whether a contact may be anywhere on the face, up to the heel
+  bool stops = false;  // whether only the inner end and the heel limit where a contact may be
   // The normal of the lower side at the inner end, in the frame of the palm.
   double under_along = 0.0;
   double under_across = -1.0;

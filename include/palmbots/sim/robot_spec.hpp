@@ -20,7 +20,7 @@ struct PalmSpec {
   double nose = unset;    // thickness at its inner end; unset: that of the plate
   double bevel = 0;       // length over which the plate narrows to the nose, on its lower side
   double heel = 0;        // height of the stop at the outer end, above the surface; 0: none
-  bool stops = false;     // whether a contact may be anywhere up to the heel
+  bool stops = false;     // whether a carry uses all of the palm up to the heel, not only `usable`
   double friction = 0.3;
   double shallow = 5 * radians_per_degree<double>;
   double steep = 15 * radians_per_degree<double>;
@@ -31,8 +31,8 @@ struct PalmSpec {
 
   constexpr double tip_thickness() const { return nose < thickness ? nose : thickness; }
 
-  // Height of the pivot over a level floor that the plate touches with its inner end, or where the
-  // bevel begins if that is lower [m].
+  // Height of the pivot over a level floor that the plate touches: with its inner end, or with the
+  // outer edge of the bevel if that is lower [m].
   constexpr double lowest_pivot(SinCos<double> angle) const {
     const double below =
         larger(tip_thickness() * angle.cos, thickness * angle.cos - bevel * angle.sin);

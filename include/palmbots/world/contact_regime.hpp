@@ -51,7 +51,7 @@ struct ContactShapes {
   Surfaces surfaces;
   PerSide<FeaturePair> own;  // each contact corner of the object on the face of its palm
   PerSide<double> reach;     // how far from the middle of the face that contact may be [m]
-  PerSide<bool> stops;       // outward it may be anywhere, up to the heel
+  PerSide<bool> stops;       // outward, only a heel limits that
   double size;               // of the object: the distance of its contact corners [m]
   double lopsided;           // > 0 or < 0: which way left and right differ; 0: mirror images
 };

@@ -75,8 +75,9 @@ ContactShapes shapes_of(const Model<Real>& model) {
                         {{model.object.com_left, model.object.com_right}, model.object.com_height});
   for (const std::size_t side : {left, right}) {
     const std::size_t own = model.outline.contact[side];
-    shapes.reach[side] = double(model.reach[side]);
-    shapes.stops[side] = model.profile[side].stops;
+    const bool stops = model.profile[side].stops;
+    shapes.reach[side] = double(stops ? model.half_length[side] : model.reach[side]);
+    shapes.stops[side] = stops;
     shapes.own[side] = {PairKind::corner_on_face, static_cast<std::uint8_t>(shapes.surfaces.count),
                         static_cast<std::uint8_t>(own)};
     add_palm(shapes.surfaces, side == left ? Carrier::left_palm : Carrier::right_palm,

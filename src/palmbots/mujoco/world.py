@@ -285,9 +285,11 @@ class MujocoWorld:
         radii = contact_radii(spec)
         self._offset = [palm.offset + r for palm, r in zip(spec.palms, radii, strict=True)]
         # Inward and outward. A heel keeps the object on the palm, so there is no limit outward
-        # unless `usable_m` is set.
-        self._reach = [(palm.usable / 2, palm.length if palm.stops else palm.usable / 2)
-                       for palm in spec.palms]  # fmt: skip
+        # Outward, only the heel ends a palm that has one.
+        self._reach = [
+            (palm.length / 2, palm.length) if palm.stops else (palm.usable / 2, palm.usable / 2)
+            for palm in spec.palms
+        ]
         self._half_width = [self.scene.palm_of(side).width_m / 2 for side in SIDES]
         self._edges = edges_of(m, self.scene)
         self._width = spec.width

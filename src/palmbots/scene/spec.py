@@ -49,10 +49,12 @@ def refuse_low_noses(scene: Scene) -> None:
     """Raise `SceneError` where the nose of a palm can touch a part of the object below the contact
     vertices. Only worlds consider such a contact."""
     lowest = min(height for _, _, height, _ in to_spec(scene, unrolled=True).outline)
-    thick = [scene.palm_of(side) for side in SIDES]
-    if lowest < 0 and any(palm.thickness_m > 0 and palm.nose_m != 0 for palm in thick):
+    thick = max(
+        (palm.thickness_m for palm in map(scene.palm_of, SIDES) if palm.nose_m != 0), default=0.0
+    )
+    if lowest < 0 and thick > 0:
         raise SceneError(
-            f"palm.thickness_m: {show(thick[0].thickness_m)} gives the palms noses, which a part "
+            f"palm.thickness_m: {show(thick)} gives the palms noses, which a part "
             "of the object below its contact vertices can touch, but this analysis assumes thin "
             "palms; allowed: 0 or nose_m = 0; palmbots carry and drop-rate simulate noses"
         )
