@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "palmbots/base/small_linear.hpp"
+#include "palmbots/mechanics/rounded_body.hpp"
 #include "palmbots/sim/robot_spec.hpp"
 
 namespace palmbots {

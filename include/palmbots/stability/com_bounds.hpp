@@ -109,12 +109,21 @@ struct ComInterval {
 
 namespace detail {
 
-// Roots of c[0] + c[1] x + c[2] x² strictly between the ends, appended to `found`.
+// Frictions, up to `count`.
 template <class Real>
-constexpr void add_roots(const Real (&c)[3], Interval<Real> within, Real (&found)[6], int& count) {
-  const auto add = [&](Real x) {
-    if (x > within.low && x < within.high) found[count++] = x;
-  };
+struct Frictions {
+  Real at[10] = {};
+  int count = 0;
+
+  constexpr void add(Real friction, Interval<Real> within) {
+    if (friction > within.low && friction < within.high) at[count++] = friction;
+  }
+};
+
+// Adds the roots of c[0] + c[1] x + c[2] x² strictly between the ends.
+template <class Real>
+constexpr void add_roots(const Real (&c)[3], Interval<Real> within, Frictions<Real>& found) {
+  const auto add = [&](Real x) { found.add(x, within); };
   const Real discriminant = c[1] * c[1] - Real(4) * c[0] * c[2];
   if (!(discriminant >= Real(0))) return;
   const Real root = std::sqrt(discriminant);
@@ -123,16 +132,16 @@ constexpr void add_roots(const Real (&c)[3], Interval<Real> within, Real (&found
   if (q != Real(0)) add(c[0] / q);
 }
 
-// The common frictions at which a comparison can be worst: where the bound N / S on ξ is extreme,
-// and where it changes sides. Both N and S are quadratic in μ.
+// The common frictions at which a comparison can be worst: where the bound N / S on ξ is extreme or
+// changes sides (both N and S are quadratic in μ), and on both sides of where an edge becomes
+// wedged, because a comparison with a wedged edge bounds nothing.
 template <class Real>
-constexpr int worst_frictions(const PerSide<PalmAngle<Real>>& palms, SlipDirection slide_left,
-                              SlipDirection slide_right, Interval<Real> friction, Real slope,
-                              Real dx, Real dy, Real (&found)[6]) {
-  int count = 0;
-  found[count++] = friction.low;
-  if (friction.low == friction.high) return count;
-  found[count++] = friction.high;
+constexpr Frictions<Real> worst_frictions(const PerSide<PalmAngle<Real>>& palms,
+                                          SlipDirection slide_left, SlipDirection slide_right,
+                                          Interval<Real> friction, Real slope, Real dx, Real dy) {
+  Frictions<Real> found{{friction.low}, 1};
+  if (friction.low == friction.high) return found;
+  found.at[found.count++] = friction.high;
   const Real p = slide_left == SlipDirection::up ? Real(1) : Real(-1);
   const Real q = slide_right == SlipDirection::up ? Real(1) : Real(-1);
   const Real ss = palms[left].sin * palms[right].sin;
@@ -151,9 +160,19 @@ constexpr int worst_frictions(const PerSide<PalmAngle<Real>>& palms, SlipDirecti
   }
   const Real flat[3] = {n[1] * s[0] - n[0] * s[1], Real(2) * (n[2] * s[0] - n[0] * s[2]),
                         n[2] * s[1] - n[1] * s[2]};
-  add_roots(flat, friction, found, count);
-  add_roots(s, friction, found, count);
-  return count;
+  add_roots(flat, friction, found);
+  add_roots(s, friction, found);
+  for (const std::size_t side : {left, right}) {
+    // `wedged` of mechanics/equilibrium.hpp is linear in μ.
+    const Real rise = mirrored(side, dy);
+    const Real grows = (side == left ? p : q) * (palms[side].sin * dx + palms[side].cos * rise);
+    if (grows == Real(0)) continue;
+    const Real begins = (palms[side].cos * dx - palms[side].sin * rise) / grows;
+    const Real apart = Real(64) * std::numeric_limits<Real>::epsilon();
+    found.add(begins * (Real(1) - apart), friction);
+    found.add(begins * (Real(1) + apart), friction);
+  }
+  return found;
 }
 
 }  // namespace detail
@@ -223,11 +242,10 @@ constexpr ComInterval<Real> com_interval(const Property& property, std::size_t s
     const BindingConstraint by = i == 0 ? BindingConstraint::first : BindingConstraint::second;
     if (friction.common) {
       const bool mirror = shallow == right;
-      Real worst[6] = {};
-      const int count = detail::worst_frictions(palms, mirror ? need.steep : need.shallow,
-                                                mirror ? need.shallow : need.steep,
-                                                friction.palms[left], slope, dx, dy, worst);
-      for (int k = 0; k < count; ++k) compare(need, by, {worst[k], worst[k]});
+      const auto worst = detail::worst_frictions(palms, mirror ? need.steep : need.shallow,
+                                                 mirror ? need.shallow : need.steep,
+                                                 friction.palms[left], slope, dx, dy);
+      for (int k = 0; k < worst.count; ++k) compare(need, by, {worst.at[k], worst.at[k]});
     } else {
       // The squeeze at an edge grows with its lean. An up edge leans more with more friction, a
       // down edge with less. The worst case has the edge that should be lower at its highest.

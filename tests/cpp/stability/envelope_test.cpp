@@ -119,6 +119,14 @@ void test_bounds_of_the_com() {
   }
 }
 
+int wedged_edges(const PerSide<PalmAngle<double>>& palms, double mu, ContactVector<double> v) {
+  int count = 0;
+  for (const std::size_t side : {left, right})
+    for (const SlipDirection slide : {SlipDirection::up, SlipDirection::down})
+      count += wedged(side, edge_of(palms[side], slide, mu), v.dx, v.dy) ? 1 : 0;
+  return count;
+}
+
 // A common friction that is not known exactly permits what each of its values permits.
 void test_common_friction() {
   std::mt19937 chance(4);
@@ -130,15 +138,6 @@ void test_common_friction() {
                                                       between(chance, -40 * degree, 80 * degree));
     const ContactVector<double> v = contact_vector_at(between(chance, -0.24, 0.24), 0.25);
     const Interval<double> range{between(chance, 0.01, 1.0), between(chance, 1.0, 5.0)};
-    bool is_wedged = false;  // only where no edge is: a wedged one bounds nothing
-    for (const std::size_t side : {left, right}) {
-      for (const SlipDirection slide : {SlipDirection::up, SlipDirection::down}) {
-        for (const double mu : {range.low, range.high}) {
-          is_wedged = is_wedged || wedged(side, edge_of(palms[side], slide, mu), v.dx, v.dy);
-        }
-      }
-    }
-    if (is_wedged) continue;
     const Friction<double> common{{{range, range}}, true};
     for (const Property& property : properties) {
       const ComInterval<double> found =
@@ -146,13 +145,27 @@ void test_common_friction() {
       double low = 0.0;
       double high = 1.0;
       double at_ends = 0.0;
-      for (int i = 0; i <= 400; ++i) {
-        const double mu = range.low + (range.high - range.low) * i / 400;
+      const auto take = [&](double mu, bool is_end) {
         const Friction<double> one{{{{mu, mu}, {mu, mu}}}, false};
         const auto part = com_interval(property, shallow, palms, one, 0.25, slope, v);
         low = std::max(low, part.low);
         high = std::min(high, part.high);
-        if (i == 0 || i == 400) at_ends = std::max(at_ends, part.low);
+        if (is_end) at_ends = std::max(at_ends, part.low);
+      };
+      const auto at = [&](int i) { return range.low + (range.high - range.low) * i / 400; };
+      for (int i = 0; i <= 400; ++i) {
+        take(at(i), i == 0 || i == 400);
+        // Both sides of where another number of edges is wedged.
+        double before = at(i);
+        double after = i < 400 ? at(i + 1) : before;
+        const int count = wedged_edges(palms, before, v);
+        if (count == wedged_edges(palms, after, v)) continue;
+        for (int halving = 0; halving < 60; ++halving) {
+          const double middle = 0.5 * (before + after);
+          (count == wedged_edges(palms, middle, v) ? before : after) = middle;
+        }
+        take(before, false);
+        take(after, false);
       }
       if (!(low < high)) continue;
       CHECK(near(found.low, low, 1e-5) && near(found.high, high, 1e-5));
