@@ -27,6 +27,7 @@ from palmbots._util.results import Result
 from palmbots.control.registry import ControllerLike, resolve, shipped_names
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.spec import takes_general_steps
 from palmbots.simulation.batch import (
     DELIVERED,
     DROPPED,
@@ -152,7 +153,9 @@ def _carries_of_a_second(prepared: Prepared) -> float:
 
 
 def _in_lanes(prepared: Prepared) -> bool:
-    return is_built() and can_run_in_lanes(prepared.controller, [prepared.spec])
+    spec = prepared.spec
+    is_fast = is_built() and not takes_general_steps(spec)
+    return is_fast and can_run_in_lanes(prepared.controller, [spec])
 
 
 def count_outcomes(

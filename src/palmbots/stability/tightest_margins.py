@@ -140,17 +140,24 @@ def _contact(analysis: Analysis, noise: float) -> RankedMargin:
     """How far a contact may move: to the end of its palm, or until a property fails."""
     scene = analysis.scene
     starts = (scene.start.left_m, scene.start.right_m)
-    reach = min(half - abs(p) for half, p in zip(analysis.problem.reach, starts, strict=True))
+    reach, k = min(
+        (half - abs(p), k)
+        for k, (half, p) in enumerate(zip(analysis.problem.reach, starts, strict=True))
+    )
     travels = [report.margins.travel_m for report in analysis.properties.values()]
     short = min([0.0, *(travel for travel in travels if travel is not None)])
     allowed = reach + short
-    end = "leaves its palm" if short == 0 else "makes a property fail"
+    has_heel = analysis.problem.spec.palms[k].stops
+    end = "gets near a heel" if has_heel else "leaves its palm"
+    if short != 0:
+        end = "makes a property fail"
     limit = f"a contact {end} after {millimetres(allowed)}"
     if allowed <= 0:
         limit = "a property fails wherever the contacts are"
     use = f"noise moves it by {millimetres(noise)} over the carry if no robot corrects it"
     is_part = any(scene.palm_of(side).usable_m for side in SIDES)
-    keys = ("palm.usable_m" if is_part else "palm.length_m", "robot.noise_m_s")
+    of_palm = "palm.usable_m" if is_part else "palm.length_m"
+    keys = ("palm.heel_m" if has_heel else of_palm, "robot.noise_m_s")
     return RankedMargin("contact", allowed, noise, "m", limit, use, keys)
 
 
