@@ -183,6 +183,8 @@ function drawPalm(
   c.fillStyle = sideColour(p, side);
   path(c, plate);
   c.fill();
+  c.lineWidth = 2; // a heel is thin
+  c.stroke();
   if (picture.zones) {
     const metres = length / view.scale;
     const share = (q: number) => Math.min(1, Math.max(0, 0.5 + q / metres));

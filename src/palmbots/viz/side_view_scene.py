@@ -205,7 +205,8 @@ class _Brush:
 
     def palm(self, k: int, side: Side) -> None:
         """The plate, its upper face where the contact lies, and the pivot."""
-        self._draw.polygon(self._pixels(*self._place.plate[self._row, k]), HUE[side])
+        # A heel is thin.
+        self._outlined(self._pixels(*self._place.plate[self._row, k]), HUE[side], HUE[side], 5)
         self._disc(self._pixels(self._place.pivot[self._row, k])[0], 7, BACKGROUND, INK, 2)
 
     def contact(self, k: int, motion: int) -> None:
