@@ -12,6 +12,7 @@ import palmbots._core as _core
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import FloorWorld, run_seeds
+from palmbots.simulation.batch import DROPPED
 
 HEEL = {"palm.thickness_m": 0.0015, "palm.nose_m": 0.0003, "palm.bevel_m": 0.008,
         "palm.heel_m": 0.012}  # fmt: skip
@@ -86,7 +87,7 @@ def test_a_carry_with_heels_survives_where_a_contact_would_leave_the_palm() -> N
         run_seeds(to_spec(load_scene("paper", noisy | keys)), "distributed", 0, 200)
         for keys in ({}, {"palm.heel_m": 0.012})
     )
-    dropped = [int(np.sum(found["outcome"] == 2)) for found in (without, with_heels)]
+    dropped = [int(np.sum(found["outcome"] == DROPPED)) for found in (without, with_heels)]
     assert dropped[1] < dropped[0]
 
 
@@ -109,7 +110,6 @@ def test_the_usable_part_is_that_on_which_the_heel_touches_nothing() -> None:
         for _ in range(300):
             p = [draw.choice([-1, 1, draw.uniform(-1, 1)]) * half for half in halves]
             angles = [draw.uniform(palm.shallow, palm.steep) for palm in spec.palms]
-            spec.start = (p[0], p[1])
             rise = [
                 x * math.sin(a) + palm.offset * math.cos(a)
                 for x, a, palm in zip(p, angles, spec.palms, strict=True)

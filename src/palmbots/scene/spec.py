@@ -33,8 +33,8 @@ def contact_radii(spec: _core.Spec) -> tuple[float, float]:
 
 
 def takes_general_steps(spec: _core.Spec) -> bool:
-    """Whether every step of the world is the general one, which takes some 25 times as long as
-    carries side by side: a contact vertex rolls, or a palm has a nose or a heel."""
+    """Whether every step of the world is the general one, which lanes do not speed up: a
+    contact vertex rolls, or a palm has a nose or a heel."""
     return any(contact_radii(spec)) or any(palm.nose > 0 or palm.heel > 0 for palm in spec.palms)
 
 
