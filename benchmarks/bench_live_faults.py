@@ -7,7 +7,7 @@
 Everything runs that the processes of `palmbots up` run: the core's program of each robot, packets
 and station. Only sockets and clocks are replaced, so the results are the same on every machine.
 Each run carries over 1 m with other seeds of the wheels' noise and of the radio. The faults are
-those of tests/fixtures/live_faults.toml, 2 s after the start.
+those of tests/support/live_faults.py, 2 s after the start.
 Writes benchmarks/results/live_faults.csv.
 
 The second table is the time from the operator's e-stop until both drivers get the command to stop.
@@ -16,9 +16,7 @@ The second table is the time from the operator's e-stop until both drivers get t
 import csv
 import sys
 import tempfile
-import tomllib
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -31,61 +29,64 @@ from palmbots.control.registry import shipped_names
 from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air, SimulatedPair
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
+from live_faults import FAULTS
+
 RESULTS = Path(__file__).parent / "results"
-TABLE = Path(__file__).parent.parent / "tests" / "fixtures" / "live_faults.toml"
 CONTROLLERS = shipped_names("robots")
 SCENE = {"task.distance_m": 1.0}
 BEGIN_TICKS = 200
 LIMIT_TICKS = 4000
 WATCH_TICKS = 1000
 E_STOPS = 200
+NAMES = [name for name, fault in FAULTS.items() if fault.whom != "world"]
+"""The world cannot fail here: it is part of this program."""
 
 
-def nothing(pair: SimulatedPair, whom: Any) -> None:
-    """The radio or a clock alone is bad."""
+class _Parts:
+    """What a fault does to a simulated pair. A station that is off or held up is not heard."""
 
+    def __init__(self, pair: SimulatedPair) -> None:
+        self._pair = pair
 
-def gone(pair: SimulatedPair, whom: str) -> None:
-    """Nothing from the station reaches a robot."""
-    pair.air.cut((whom, "left"), (whom, "right"))
+    def cut(self, *directions: tuple[str, str]) -> None:
+        self._pair.air.cut(*directions)
 
+    def kill(self, whom: Any) -> None:
+        if whom == "station":
+            self.suspend(whom)
+        else:
+            self._pair.power_off(whom)
 
-def connected(pair: SimulatedPair, whom: Any) -> None:
-    """All hear each other again."""
-    pair.air.cut()
+    def restart(self, whom: Any) -> None:
+        if whom == "station":
+            self.resume(whom)
+            self._pair.restart_station()
+        else:
+            self._pair.boot(whom)
 
+    def suspend(self, whom: Any) -> None:
+        if whom == "station":
+            self.cut((whom, "left"), (whom, "right"))
+        else:
+            self._pair.frozen.add(whom)
 
-Act = Callable[[SimulatedPair, Any], object]
-KINDS: dict[str, tuple[Act, Act]] = {
-    "radio": (nothing, nothing),
-    "clock": (nothing, nothing),
-    "cut": (lambda pair, whom: pair.air.cut(tuple(whom)), connected),
-    "robot-off": (SimulatedPair.power_off, SimulatedPair.boot),
-    "robot-held-up": (
-        lambda pair, whom: pair.frozen.add(whom),
-        lambda pair, whom: pair.frozen.discard(whom),
-    ),
-    "station-off": (gone, lambda pair, whom: (pair.air.cut(), pair.restart_station())),
-    "station-held-up": (gone, connected),
-}
-"""What begins a fault and what ends it. The world cannot fail here: it is part of this program."""
-FAULTS = {
-    name: fault
-    for name, fault in tomllib.loads(TABLE.read_text(encoding="utf-8")).items()
-    if fault["kind"] in KINDS
-}
+    def resume(self, whom: Any) -> None:
+        if whom == "station":
+            self.cut()
+        else:
+            self._pair.frozen.discard(whom)
 
 
 def outcome(controller: str, fault: str, seed: int) -> str:
     """How one run ends."""
     given = FAULTS[fault]
-    begin, end = KINDS[given["kind"]]
-    whom, lasts = given.get("whom"), round(100 * given.get("lasts_s", 0))
+    end_ticks = BEGIN_TICKS + round(100 * given.lasts_s)
     with tempfile.TemporaryDirectory() as folder:
-        air = Air(seed, **({"delay_ms": 20.0} | given.get("radio", {})))
+        air = Air(seed, **{"delay_ms": 20.0, **given.radio})
         pair = SimulatedPair(Path(folder), controller, air, UP, SCENE, seed=seed)
-        if "rate" in given:
-            pair.clock_rate[whom] = given["rate"]
+        pair.clock_rate |= given.clock_rate
+        parts = _Parts(pair)
         pair.run(50)
         pair.station.wish("arm")
         pair.run_until(("armed",))
@@ -95,9 +96,9 @@ def outcome(controller: str, fault: str, seed: int) -> str:
             if tick >= 0 or all(mode in ("carrying", "holding") for mode in pair.modes()):
                 tick += 1
                 if tick == BEGIN_TICKS:
-                    begin(pair, whom)
-                if tick == BEGIN_TICKS + lasts:
-                    end(pair, whom)
+                    given.begin(parts)
+                if tick == end_ticks:
+                    given.end(parts)
             pair.tick()
             if pair.stage.outcome == "dropped":
                 return "dropped" if tick > 0 else "dropped at the start"
@@ -131,7 +132,7 @@ def main() -> None:
     console = Console(highlight=False, soft_wrap=True)
     table = Table("fault", *CONTROLLERS, title=f"{runs} runs each")
     rows = []
-    for fault in track(FAULTS, console=Console(stderr=True)):
+    for fault in track(NAMES, console=Console(stderr=True)):
         cells = []
         for controller in CONTROLLERS:
             counts = Counter(outcome(controller, fault, seed) for seed in range(runs))

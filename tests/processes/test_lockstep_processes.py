@@ -15,11 +15,11 @@ import pytest
 import palmbots as pb
 from cxx import ROOT
 from json_output import read_json
-from live_faults import SIMULATED, faults_of, scene_with
+from live_faults import SIMULATED, scene_with
 from pair_programs import programs_of, started
 from waiting import wait_until
 
-EVERYTHING = scene_with(*faults_of(SIMULATED)) | {"radio.corruption": 0.05}
+EVERYTHING = scene_with(*SIMULATED) | {"radio.corruption": 0.05}
 OTHERS = {
     "radio.left.latency_s": 0.09, "radio.right.loss": 0.1, "radio.replay": 0.3,
     "faults.script": [

@@ -7,7 +7,7 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
-from live_faults import SIMULATED, faults_of, scene_with
+from live_faults import SIMULATED, scene_with
 from palmbots.control.registry import resolve
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.lockstep_world import ends_of, establish_sessions, remote
@@ -89,7 +89,7 @@ def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[An
     return inside, outside
 
 
-LIVE = {name: scene_with(name) for name in faults_of(SIMULATED)}
+LIVE = {name: scene_with(name) for name in SIMULATED}
 EVERYTHING = scene_with(*LIVE) | {"radio.corruption": 0.05}
 CASES = LIVE | {
     "everything": EVERYTHING,

@@ -23,8 +23,9 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from live_faults import FAULTS, Fault, faults_of
+from live_faults import FAULTS, Fault, Off, Parts
 from live_table import FILE
+from palmbots._types import SIDES
 from palmbots.control.registry import shipped_names
 from palmbots.pair.launcher import LiveCarryProcesses
 from waiting import locked
@@ -122,47 +123,44 @@ def _followed(
     """Wait for the carry, do the fault at a random time of it, and wait for its end."""
     give_up = time.monotonic() + LONGEST_S / rate + 30.0
     begun = False
-    begin, end = KINDS[fault.kind]
-    acts: list[tuple[float, Act]] = []
+    acts: list[tuple[float, Callable[[Parts], None]]] = []
     while carry.poll():
         now = time.monotonic()
         if now > give_up:
             return "hangs"
         if not begun and re.search(r"carrying|holding", said.read_text()):
             begun, at_s = True, now + chance.uniform(0.5, 7.0) / rate
-            acts = [(at_s, begin), (at_s + fault.lasts_s / rate, end)]
+            acts = [(at_s, fault.begin), (at_s + fault.lasts_s / rate, fault.end)]
         while acts and acts[0][0] <= now:
-            acts.pop(0)[1](carry, fault)
+            acts.pop(0)[1](_Parts(carry))
         time.sleep(POLL_S)
     return ""
 
 
-Act = Callable[[LiveCarryProcesses, Fault], None]
+class _Parts:
+    """What a fault does to the processes. What was killed, the carry starts again at once."""
 
+    def __init__(self, carry: LiveCarryProcesses) -> None:
+        self._carry = carry
 
-def _send(number: int) -> Act:
-    def send(carry: LiveCarryProcesses, fault: Fault) -> None:
+    def cut(self, *directions: tuple[str, str]) -> None:
+        self._carry.proxy.packets.cut(*directions)
+
+    def kill(self, whom: str) -> None:
+        self._send(whom, signal.SIGKILL)
+
+    def restart(self, whom: str) -> None:
+        pass
+
+    def suspend(self, whom: str) -> None:
+        self._send(whom, signal.SIGSTOP)
+
+    def resume(self, whom: str) -> None:
+        self._send(whom, signal.SIGCONT)
+
+    def _send(self, whom: str, signal_number: int) -> None:
         with contextlib.suppress(ProcessLookupError):
-            os.kill(carry.processes.number(fault.whom), number)
-
-    return send
-
-
-def _nothing(carry: LiveCarryProcesses, fault: Fault) -> None:
-    """The radio alone is bad, or a program is started again by the carry itself, at once."""
-
-
-_CUT: tuple[Act, Act] = (
-    lambda carry, fault: carry.proxy.packets.cut(tuple(fault.whom)),
-    lambda carry, _: carry.proxy.packets.cut(),
-)
-_OFF, _HELD_UP = (_send(signal.SIGKILL), _nothing), (_send(signal.SIGSTOP), _send(signal.SIGCONT))
-KINDS: dict[str, tuple[Act, Act]] = {
-    "radio": (_nothing, _nothing), "cut": _CUT, "robot-off": _OFF, "station-off": _OFF,
-    "world-off": _OFF, "robot-held-up": _HELD_UP, "station-held-up": _HELD_UP,
-    "world-held-up": _HELD_UP,
-}  # fmt: skip
-"""What begins a fault and what ends it. All processes have the clock of the machine."""
+            os.kill(self._carry.processes.number(whom), signal_number)
 
 
 def _world_outcome(printed: str, lines: str) -> str:
@@ -184,23 +182,23 @@ def keep(run: LiveRun) -> None:
         print(json.dumps(run.summary(), ensure_ascii=False), file=file)
 
 
+NAMES = [name for name, fault in FAULTS.items() if not fault.clock_rate]
+"""All processes have the clock of the machine."""
 REAL_TIME = ("stopped", "dropped, unavoidable")
 """How a carry may also end that could be delivered."""
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
-@pytest.mark.parametrize("name", faults_of(KINDS))
+@pytest.mark.parametrize("name", NAMES)
 def test_a_fault_at_a_random_time(name: str, controller: str, soak_seed: int) -> None:
     fault = FAULTS[name]
     allowed = {*fault.ends, *(REAL_TIME if "delivered" in fault.ends else ())}
-    if fault.kind == "station-off":  # it starts again at once
+    if isinstance(fault, Off) and fault.whom == "station":  # it starts again at once
         allowed |= {"delivered"}
     # A lost message may hang `distributed`, also until it drops. The partner of a `silent` robot
     # can only feel that it stands (docs/theory/sign-controllers.md), sometimes too late. The
     # operator reads why.
-    is_excused = controller == "distributed" or (
-        controller == "silent" and fault.kind.startswith("robot")
-    )
+    is_excused = controller == "distributed" or (controller == "silent" and fault.whom in SIDES)
     for number, rate in zip(range(RUNS), RATES, strict=True):
         run = run_live_carry(name, controller, soak_seed + number, rate)
         keep(run)

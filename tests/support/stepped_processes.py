@@ -23,6 +23,7 @@ from typing import Any, Self
 import palmbots as pb
 from json_output import read_json
 from pair_programs import new_pair, started
+from palmbots._types import Side
 from palmbots.links.impairment import ImpairedPackets, Impairment
 from palmbots.links.local_connection import Connection, ConnectionLost, listen
 from palmbots.pair.launcher import UP, free_addresses, own_file
@@ -74,13 +75,14 @@ class SteppedProcesses:
     def __init__(
         self, folder: Path, controller: str = "resilient", radio: Impairment | None = None,
         *, seed: int = 0, overrides: Mapping[str, Any] | None = None,
-        environment: Mapping[str, str] | None = None, clock_rate: Mapping[str, float] | None = None,
+        environment: Mapping[str, str] | None = None,
+        clock_rate: Mapping[Side, float] | None = None,
     ) -> None:  # fmt: skip
         self.folder, self.now_ns = folder, 0
         self._environment = {"PALMBOTS_STEPS": f"unix:{folder / 'steps'}", **(environment or {})}
         self.scene = pb.load_scene("paper", {"task.distance_m": 0.4} | dict(overrides or {}))
         (folder / "scene.toml").write_text(self.scene.to_toml())
-        self._clock_rate = dict(clock_rate or {})
+        self._clock_rate: dict[str, float] = {**(clock_rate or {})}
         self._stack = contextlib.ExitStack()
         self.address = f"unix:{folder / 'world'}"
         with free_addresses(len(ENDS)) as addresses:
@@ -180,6 +182,10 @@ class SteppedProcesses:
         self.programs[name].process.wait(WITHIN_S)
         self.spawn(name)
         self.let_in(name)
+
+    def cut(self, *links: tuple[str, str]) -> None:
+        """From now on lose everything on these links, and on no other."""
+        self.packets.cut(*links)
 
     def kill(self, name: str) -> None:
         """``kill -9``."""
