@@ -141,7 +141,8 @@ class StaticsOfState {
         for (const double dy : {rise.low, rise.high}) {
           band[k++] =
               com_interval(properties[number], shallow, palms, friction(), model_.object.width,
-                           model_.object.slope, contact_vector_at(dy, model_.object.width));
+                           model_.object.slope, contact_vector_at(dy, model_.object.width),
+                           contact_radii(model_.outline));
         }
       }
       bands.push_back(band);
@@ -181,7 +182,8 @@ class StaticsOfState {
         for (const double dy : {rise.low, rise.high}) {
           const ComInterval<double> band =
               com_interval(properties[number], shallow, palms, friction(), model_.object.width,
-                           model_.object.slope, contact_vector_at(dy, model_.object.width));
+                           model_.object.slope, contact_vector_at(dy, model_.object.width),
+                           contact_radii(model_.outline));
           const Interval<double> ends = band.com_x(model_.object.com_height);
           if (ends.low > permitted.low) {
             permitted.low = ends.low;
@@ -200,10 +202,7 @@ class StaticsOfState {
   }
 
   OperatingEnvelope<double> envelope(const Region<double>& contacts) const {
-    const double y = model_.object.com_height;
-    const double s = model_.object.slope;
-    return {model_.object.width, model_.offset, {y, y}, friction(), {s, s}, contacts, 0,
-            model_.clear};
+    return envelope_of(model_, contacts);
   }
 
   Region<double> whole_palms() const {

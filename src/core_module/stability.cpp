@@ -100,10 +100,15 @@ void bind_stability(nb::module_& m) {
           [](E* self, const Spec& spec, Numbers2 com_y, const Sides& friction, bool common,
              Numbers2 slope, const Sides& contacts, double beyond) {
             const Model<double> model = model_of<double>(spec);
-            new (self) E{spec.width,      model.offset,
-                         interval(com_y), {intervals(friction), common},
-                         interval(slope), intervals(contacts),
-                         beyond,          model.clear};
+            new (self) E{spec.width,
+                         model.offset,
+                         interval(com_y),
+                         {intervals(friction), common},
+                         interval(slope),
+                         intervals(contacts),
+                         beyond,
+                         model.clear,
+                         contact_radii(model.outline)};
           },
           nb::arg("spec"), nb::arg("com_y"), nb::arg("friction"), nb::arg("common"),
           nb::arg("slope"), nb::arg("contacts"), nb::arg("beyond"))
@@ -132,6 +137,15 @@ void bind_stability(nb::module_& m) {
             return clearance_margin(self, angles_of(angles));
           },
           nb::arg("angles"))
+      .def_prop_ro(
+          "clear",
+          [](const E& self) {
+            const auto ends = [&](std::size_t side) {
+              return Numbers2{self.clear[side].low, self.clear[side].high};
+            };
+            return Sides{ends(left), ends(right)};
+          },
+          "The tangents of the angles between a palm and the object that touch nothing.")
       .def(
           "map", &design_map, nb::arg("shallow"), nb::arg("steep"), nb::arg("com_x"),
           nb::arg("quantity"), nb::arg("most"), nb::arg("reach"),
@@ -141,17 +155,17 @@ void bind_stability(nb::module_& m) {
   m.def(
       "com_interval",
       [](int property, std::size_t shallow, double width, double slope, const Sides& friction,
-         bool common, std::array<double, 2> angles, double rise) {
+         bool common, std::array<double, 2> angles, double rise, std::array<double, 2> radius) {
         const PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(angles[left]),
                                                PalmAngle<double>::at(angles[right])};
         const ComInterval<double> bounds = com_interval<double>(
             property_of(property), side_of(shallow), palms, {intervals(friction), common}, width,
-            slope, contact_vector_at(rise, width));
+            slope, contact_vector_at(rise, width), {radius[left], radius[right]});
         return std::tuple(bounds.x, bounds.y, bounds.low, bounds.high,
                           static_cast<int>(bounds.low_by), static_cast<int>(bounds.high_by));
       },
       nb::arg("property"), nb::arg("shallow"), nb::arg("width"), nb::arg("slope"),
-      nb::arg("friction"), nb::arg("common"), nb::arg("angles"), nb::arg("rise"),
+      nb::arg("friction"), nb::arg("common"), nb::arg("angles"), nb::arg("rise"), nb::arg("radius"),
       "The permitted COMs (x, y, low, high, what binds at low, at high) at one height difference.");
   m.def(
       "rise_over",

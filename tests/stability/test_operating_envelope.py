@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import palmbots as pb
-from palmbots._types import SIDES, Side
-from palmbots.stability.problem import StabilityProblem, permitted, stability_problem
-from stability_oracle import STEEP_CASES, contacts, happens, uneven
+from palmbots._types import Side
+from palmbots.stability.problem import permitted, stability_problem
+from stability_oracle import STEEP_CASES, contacts, held_everywhere, uneven
 
 
 def test_interval_of_com_height_and_slope_is_as_bad_as_its_ends() -> None:
@@ -39,23 +39,6 @@ def test_interval_of_com_height_and_slope_is_as_bad_as_its_ends() -> None:
             decided[np.unravel_index(lows.argmax(), (2, 2))] += 1
             decided[np.unravel_index(highs.argmin(), (2, 2))] += 1
     assert decided.min() > 10
-
-
-def held_everywhere(at: StabilityProblem, x: float) -> bool:
-    """Whether ST–ST balances with this c_x at all angles and contacts that are passed through."""
-    every = True
-    for shallow in SIDES:
-        first, last = at.angles[SIDES.index(shallow)]
-        for turn in np.linspace(0, 1, 9):
-            palms = list(at.palms(shallow))
-            palms[SIDES.index(shallow)] = first + turn * (last - first)
-            for number in (1, 2):
-                grid = contacts(at, number, shallow)
-                every &= bool(happens(at, 0, shallow, (palms[0], palms[1]), grid, com_x=x).all())
-    for k in (0, 1):
-        palms = (at.angles[0][k], at.angles[1][k])
-        every &= bool(happens(at, 0, "left", palms, contacts(at, 0, "left"), com_x=x).all())
-    return every
 
 
 def test_property_zero_against_brute_force() -> None:

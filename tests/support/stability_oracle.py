@@ -34,20 +34,42 @@ def happens(
         "friction_right": at.friction[1],
         "slope": at.slope,
     } | changed
+    surface = [offset - radius for offset, radius in zip(at.offset, at.radius, strict=True)]
     found = pb.contact_modes_batch(
         theta_left=angles[0],
         theta_right=angles[1],
         p_left=p[0],
         p_right=p[1],
-        offset_left=at.offset[0],
-        offset_right=at.offset[1],
-        **given,
+        offset_left=surface[0],
+        offset_right=surface[1],
+        **(given | _touched(at, angles, p, given["com_x"], given["com_y"])),
     )
     if number == 0:
         return found.feasible[..., BOTH_STICK]
     if number == 1:
         return found.closing == CLOSING[shallow]
     return found.opening == OPENING[shallow]
+
+
+def _touched(
+    at: StabilityProblem,
+    angles: tuple[FloatArray, FloatArray],
+    p: tuple[NDArray[np.float64], NDArray[np.float64]],
+    x: FloatArray,
+    y: FloatArray,
+) -> dict[str, FloatArray]:
+    """Width and COM of the object with its contacts where its arcs touch the palms: points of the
+    complex plane, from the centre of the left arc. Nothing for sharp vertices."""
+    if not any(at.radius):
+        return {}
+    theta = [np.asarray(angle) for angle in angles]
+    normal = [np.exp(1j * (np.pi / 2 + turn)) for turn in (-theta[0], theta[1])]
+    heights = [p[i] * np.sin(theta[i]) + at.offset[i] * np.cos(theta[i]) for i in (0, 1)]
+    turned = np.exp(1j * np.arcsin((heights[1] - heights[0]) / at.width))
+    left = -at.radius[0] * normal[0]
+    span = at.width * turned - at.radius[1] * normal[1] - left
+    com = ((np.asarray(x) + 1j * np.asarray(y)) * turned - left) * np.conj(span) / np.abs(span)
+    return {"width": np.abs(span), "com_x": com.real, "com_y": com.imag}
 
 
 def contacts(
@@ -65,12 +87,37 @@ def contacts(
     return across, up
 
 
-def random_situation(rng: np.random.Generator) -> StabilityProblem:
+def held_everywhere(at: StabilityProblem, x: float) -> bool:
+    """Whether ST–ST balances with this c_x at all angles and contacts that are passed through."""
+    every = True
+    for shallow in SIDES:
+        first, last = at.angles[SIDES.index(shallow)]
+        for turn in np.linspace(0, 1, 9):
+            palms = list(at.palms(shallow))
+            palms[SIDES.index(shallow)] = first + turn * (last - first)
+            for number in (1, 2):
+                grid = contacts(at, number, shallow)
+                every &= bool(happens(at, 0, shallow, (palms[0], palms[1]), grid, com_x=x).all())
+    for k in (0, 1):
+        palms = (at.angles[0][k], at.angles[1][k])
+        every &= bool(happens(at, 0, "left", palms, contacts(at, 0, "left"), com_x=x).all())
+    return every
+
+
+def random_situation(rng: np.random.Generator, radius_m: float = 0.0) -> StabilityProblem:
+    """A scene with a box. Its contact vertices have radii up to `radius_m`."""
     half = rng.uniform(0.02, 0.08)
     shallow, steep = np.sort(rng.uniform(-5, 35, 2))
+    radii = [*rng.uniform(0, radius_m, 2), 0.0, 0.0] if radius_m else 0.0
     scene = load_scene(
         {
-            "object": {"com_m": [0.25 * rng.uniform(0.1, 0.9), rng.uniform(0.005, 0.15)]},
+            "object": {
+                "com_m": [
+                    radius_m + (0.25 - 2 * radius_m) * rng.uniform(0.1, 0.9),
+                    radius_m + (1 - radius_m / 0.15) * rng.uniform(0.005, 0.15),
+                ],
+                "edge_radius_m": radii,
+            },
             "palm": {
                 "length_m": 2 * half,
                 "shallow_deg": float(shallow),

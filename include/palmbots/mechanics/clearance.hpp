@@ -50,6 +50,13 @@ struct Outline {
   }
 };
 
+// Radii of the arcs that round the contact vertices [m].
+template <class Real>
+constexpr PerSide<Real> contact_radii(const Outline<Real>& outline) {
+  return {outline.vertices[outline.contact[left]].radius,
+          outline.vertices[outline.contact[right]].radius};
+}
+
 // The directions of a palm that touch nothing, however long the palm is: all vertices lie above its
 // line. The bounds are those of tan α, for |α| < 90°.
 template <class Real>
@@ -64,20 +71,34 @@ struct ClearCone {
 
 // The clear cone of one side's contact vertex. Empty (low > high) where another vertex lies below
 // that contact.
+//
+// Rounded contact vertices: the palm's line is the radius below the centre of the arc. Other rounded
+// vertices count as sharp: the edges beside them are the same, and the sharp ones contain the arcs.
 template <class Real>
 constexpr ClearCone<Real> clear_cone(const Outline<Real>& outline, std::size_t side) {
   constexpr Real inf = std::numeric_limits<Real>::infinity();
+  // How far a vertex may be below the centre's line along the palm.
+  const Real spare = contact_radii(outline)[side];
   ClearCone<Real> cone{-inf, inf};
   for (std::size_t i = 0; i < outline.count; ++i) {
     if (i == outline.contact[side]) continue;
     const Vertex<Real>& v = outline.vertices[i];
     const Real along = v.along[side];
+    const Real away = along < Real(0) ? -along : along;
+    const Real far = spare == Real(0) ? Real(1) : square_root(away * away + v.height * v.height);
+    if (away == Real(0) && !(v.height > -spare)) return {inf, -inf};
+    if (away == Real(0) || spare >= far) continue;
+    // Tangent of the vertex's direction, turned by the angle with the sine spare / far.
+    const Real sine = spare / far;
+    const Real cosine =
+        spare == Real(0) ? Real(1) : square_root((Real(1) - sine) * (Real(1) + sine));
+    const Real across = away * cosine - v.height * sine;
+    if (!(across > Real(0))) continue;
+    const Real bound = (v.height * cosine + away * sine) / across;
     if (along > Real(0)) {
-      if (-v.height / along > cone.low) cone.low = -v.height / along;
-    } else if (along < Real(0)) {
-      if (v.height / -along < cone.high) cone.high = v.height / -along;
-    } else if (!(v.height > Real(0))) {
-      return {inf, -inf};
+      if (-bound > cone.low) cone.low = -bound;
+    } else if (bound < cone.high) {
+      cone.high = bound;
     }
   }
   return cone;

@@ -23,6 +23,11 @@
 // This is `slip_order` of mechanics/equilibrium.hpp solved for the COM. It is linear in tan ϑ, so
 // over a region of contacts only the two extreme object angles matter.
 //
+// Rounded contact vertices: dx and dy lead from one centre of an arc to the other. An object acts
+// like a sharp one with its contacts where the arcs touch the palms, `radius` along the normals from
+// the centres. At given palm angles this only adds constants to dx, dy and ξ. Each comparison is
+// then linear in tan ϑ and 1 / cos ϑ.
+//
 // Uncertain friction: H at an edge grows with the edge's lean (while the COM is between the
 // contacts). So the worst pair of frictions of each comparison is known beforehand. Sources:
 // docs/theory/stability.md; paper, sections 2 and 3, equations (2)–(8), Figures 4–6.
@@ -178,18 +183,23 @@ constexpr Frictions<Real> worst_frictions(const PerSide<PalmAngle<Real>>& palms,
 }  // namespace detail
 
 // The COMs for which a property holds at these palm angles and this contact vector, with the palm
-// of the side `shallow` as the shallow one.
+// of the side `shallow` as the shallow one. `radius`: of the arcs that round the contact vertices
+// [m]; `contact_vector` and COM are then those from the centres.
 template <class Real>
 constexpr ComInterval<Real> com_interval(const Property& property, std::size_t shallow,
                                          const PerSide<PalmAngle<Real>>& palms,
                                          const Friction<Real>& friction, Real width, Real slope,
-                                         ContactVector<Real> contact_vector) {
+                                         ContactVector<Real> contact_vector,
+                                         const PerSide<Real>& radius = {}) {
   constexpr Real inf = std::numeric_limits<Real>::infinity();
-  const Real dx = contact_vector.dx;
-  const Real dy = contact_vector.dy;
+  const PerSide<Real> back{radius[left] * palms[left].sin, radius[right] * palms[right].sin};
+  const PerSide<Real> down{radius[left] * palms[left].cos, radius[right] * palms[right].cos};
+  // Between the points that touch the palms.
+  const Real dx = contact_vector.dx + (back[left] + back[right]);
+  const Real dy = contact_vector.dy + (down[left] - down[right]);
   const Real scale = slope == Real(0) ? Real(1) : Real(1) / std::sqrt(Real(1) + slope * slope);
-  ComInterval<Real> interval{(dx - slope * dy) * scale / width,
-                             -(dy + slope * dx) * scale / width,
+  ComInterval<Real> interval{(contact_vector.dx - slope * contact_vector.dy) * scale / width,
+                             -(contact_vector.dy + slope * contact_vector.dx) * scale / width,
                              Real(0),
                              (dx - slope * dy) * scale,
                              BindingConstraint::lift_right,
@@ -259,6 +269,10 @@ constexpr ComInterval<Real> com_interval(const Property& property, std::size_t s
       compare(need, by, mu);
     }
   }
+  // ξ counts from the centre of the left arc.
+  const Real centre = (back[left] - slope * down[left]) * scale;
+  interval.low -= centre;
+  interval.high -= centre;
   if (!possible) {
     interval.low = inf;
     interval.high = -inf;

@@ -28,7 +28,26 @@ struct OperatingEnvelope {
   Region<Real> contacts;
   Real beyond;                     // how far past p = 0 a correction continues [m]
   PerSide<ClearCone<Real>> clear;  // of the object's outline, for each palm
+  PerSide<Real> radius{};          // of the arcs that round the contact vertices [m]
+
+  constexpr bool is_rounded() const { return radius[left] > Real(0) || radius[right] > Real(0); }
 };
+
+// The envelope at exactly this model's friction, COM height and slope.
+template <class Real>
+OperatingEnvelope<Real> envelope_of(const Model<Real>& model, const Region<Real>& contacts) {
+  const auto just = [](Real x) { return Interval<Real>{x, x}; };
+  const Friction<Real> friction{{just(model.friction[left]), just(model.friction[right])}, false};
+  return {model.object.width,
+          model.offset,
+          just(model.object.com_height),
+          friction,
+          just(model.object.slope),
+          contacts,
+          Real(0),
+          model.clear,
+          contact_radii(model.outline)};
+}
 
 // The two angles between which each palm is switched.
 template <class Real>
@@ -41,6 +60,19 @@ namespace detail {
 
 inline constexpr int turn_steps = 8;  // number of angles at which a turning palm is evaluated
 
+// The factors by which to multiply radii at a height difference, so that the comparisons hold for
+// all height differences in an interval: with 1 / cos ϑ as a number of its own, which lies between
+// its extremes there, they are linear, and the corners decide.
+template <class Real>
+PerSide<Real> radius_factors(Interval<Real> rise, Real dy, Real width) {
+  const auto cosine = [&](Real z) { return contact_vector_at(z, width).dx / width; };
+  const Real low = cosine(rise.low);
+  const Real high = cosine(rise.high);
+  const bool level = rise.low < Real(0) && rise.high > Real(0);
+  const Real here = cosine(dy);
+  return {here / (level ? Real(1) : (low > high ? low : high)), here / (low < high ? low : high)};
+}
+
 // The c_x [m] that a property permits at two extreme height differences.
 template <class Real>
 Interval<Real> com_x_at(const OperatingEnvelope<Real>& envelope, const Property& property,
@@ -50,11 +82,15 @@ Interval<Real> com_x_at(const OperatingEnvelope<Real>& envelope, const Property&
                            std::numeric_limits<Real>::infinity()};
   for (const Real slope : {envelope.slope.low, envelope.slope.high}) {
     for (const Real dy : {rise.low, rise.high}) {
-      const ComInterval<Real> interval =
-          com_interval(property, shallow, palms, envelope.friction, envelope.width, slope,
-                       contact_vector_at(dy, envelope.width));
-      for (const Real com_y : {envelope.com_y.low, envelope.com_y.high}) {
-        permitted = intersect(permitted, interval.com_x(com_y));
+      for (const Real factor : radius_factors(rise, dy, envelope.width)) {
+        const ComInterval<Real> interval = com_interval(
+            property, shallow, palms, envelope.friction, envelope.width, slope,
+            contact_vector_at(dy, envelope.width),
+            PerSide<Real>{factor * envelope.radius[left], factor * envelope.radius[right]});
+        for (const Real com_y : {envelope.com_y.low, envelope.com_y.high}) {
+          permitted = intersect(permitted, interval.com_x(com_y));
+        }
+        if (!envelope.is_rounded()) break;
       }
     }
     if (envelope.slope.low == envelope.slope.high) break;
@@ -95,6 +131,7 @@ constexpr bool symmetric(const OperatingEnvelope<Real>& e, const PerSide<AnglePa
     return p.low == q.low && p.high == q.high;
   };
   return e.slope.low == Real(0) && e.slope.high == Real(0) && e.offset[left] == e.offset[right] &&
+         e.radius[left] == e.radius[right] &&
          same(e.friction.palms[left], e.friction.palms[right]) &&
          same(e.contacts[left], e.contacts[right]) &&
          angles[left].shallow.angle == angles[right].shallow.angle &&
@@ -164,7 +201,7 @@ Interval<Real> rise_at_any_angles(const OperatingEnvelope<Real>& envelope,
 // A sufficient test for the same: an interval that is never wider, and much faster to compute. The
 // squeeze at an edge grows with the palm's angle. So the worst case is the shallow palm's edges
 // against the steep one's, over all heights that any pair of angles reaches. For most angles this
-// test is enough.
+// test is enough. Not for rounded contact vertices, whose lever arms change with the angles.
 template <class Real>
 Interval<Real> com_x_held_surely(const OperatingEnvelope<Real>& envelope,
                                  const PerSide<AnglePair<Real>>& angles) {
@@ -198,8 +235,10 @@ Interval<Real> com_x_all(const OperatingEnvelope<Real>& envelope,
     }
     if (mirror) break;
   }
-  const Interval<Real> surely = intersect(permitted, com_x_held_surely(envelope, angles));
-  if (surely.low == permitted.low && surely.high == permitted.high) return permitted;
+  if (!envelope.is_rounded()) {
+    const Interval<Real> surely = intersect(permitted, com_x_held_surely(envelope, angles));
+    if (surely.low == permitted.low && surely.high == permitted.high) return permitted;
+  }
   return intersect(permitted, com_x_held(envelope, angles));
 }
 

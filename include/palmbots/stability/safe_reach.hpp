@@ -28,12 +28,7 @@ inline bool held_within(const Model<double>& model, const PerSide<AnglePair<doub
     if (extent * steep.cos < std::abs(model.offset[side]) * steep.sin) return false;
   }
   const Interval<double> both{-extent, extent};
-  const Interval<double> com_y{model.object.com_height, model.object.com_height};
-  const auto just = [](double x) { return Interval<double>{x, x}; };
-  const Friction<double> friction{{just(model.friction[left]), just(model.friction[right])}, false};
-  const OperatingEnvelope<double> envelope{
-      model.object.width,       model.offset, com_y, friction,
-      just(model.object.slope), {both, both}, 0,     model.clear};
+  const OperatingEnvelope<double> envelope = envelope_of(model, {both, both});
   const Interval<double> permitted = com_x_held_surely(envelope, angles);
   if (!(permitted.low <= model.object.com_left && model.object.com_left <= permitted.high))
     return false;
@@ -55,6 +50,9 @@ inline bool held_within(const Model<double>& model, const PerSide<AnglePair<doub
 // The safe reach at any angles between the given ones [m], reduced by one percent as a margin for
 // rounding. −1 if there is none.
 inline double safe_reach(const Model<double>& model, const PerSide<AnglePair<double>>& angles) {
+  for (const double radius : contact_radii(model.outline)) {
+    if (radius > 0) return -1;  // the world takes its general steps
+  }
   for (const AnglePair<double>& palm : angles) {
     // Squeezes and heights grow with the angle only from the horizontal on.
     if (!(palm.shallow.angle >= 0 && palm.shallow.angle < palm.steep.angle)) return -1;

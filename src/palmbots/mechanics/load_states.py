@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 import palmbots._core as _core
 from palmbots._types import SIDES, BySide, Side
+from palmbots.mechanics.acting_object import acting_object
 from palmbots.mechanics.contact_modes import contact_modes_batch
 from palmbots.scene.chassis import axle_out, chassis, wheel_kg
 from palmbots.scene.placement import floor_level
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import contact_radii
 
 Array = NDArray[np.float64]
 _Force: TypeAlias = tuple[Array, Array]  # of the object on a palm: down, outward
@@ -50,18 +50,9 @@ class LoadStates:
         # From the pivot, outward and up.
         self._arm_x = self._p * np.cos(self._theta) - offset * np.sin(self._theta)
         self._arm_z = self._p * np.sin(self._theta) + offset * np.cos(self._theta)
-        # The point at which a rounded vertex touches depends on the state. In each state the
-        # vertex acts like a sharp one at that point.
-        radius = np.array(contact_radii(spec))[:, np.newaxis]
-        down_x, down_z = radius * np.sin(self._theta), radius * np.cos(self._theta)
-        rise = np.diff(self._arm_z + down_z, axis=0)[0]  # between the centres of the arcs
-        reaches = np.abs(rise) < spec.width
-        run = np.sqrt(np.where(reaches, spec.width**2 - rise**2, 1.0))
-        dx, dy = run + down_x.sum(axis=0), self._arm_z[1] - self._arm_z[0]
-        x = (spec.com_left * run - spec.com_height * rise) / spec.width + down_x[0]
-        z = (spec.com_left * rise + spec.com_height * run) / spec.width + down_z[0]
-        width = np.hypot(dx, dy)
-        com_left, com_height = (x * dx + z * dy) / width, (z * dx - x * dy) / width
+        acting = acting_object(spec, self._theta, self._p)
+        dx, dy, width, reaches = acting.dx, acting.dy, acting.width, acting.reaches
+        com_left, com_height = acting.com_left, acting.com_height
         com_right = width - com_left
         squeeze = contact_modes_batch(
             width=width, com_x=com_left, com_y=com_height,

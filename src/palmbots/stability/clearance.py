@@ -62,10 +62,11 @@ class Clearance(Result):
     rotation_margin: ClosestState
     """How far a palm or the object may turn until the outline touches a palm [rad]; negative: it
     touches, and how far it would have to turn back. For palms of any length where those are
-    clear."""
+    clear, or where a contact vertex is rounded."""
     length_margin: ClosestState | None
     """How much longer the palms may be at either end [m]; negative: the outline touches, and how
-    much shorter they would have to be. None: palms of any length are clear."""
+    much shorter they would have to be. None: palms of any length are clear, or a contact vertex is
+    rounded."""
 
     @derived
     def touches(self) -> bool:
@@ -76,8 +77,10 @@ class Clearance(Result):
         """Whether the outline clears both palms, and where they touch first."""
         turn = f"{abs(math.degrees(self.rotation_margin.margin)):.2f}°"
         ends = self.length_margin
-        if ends is None:
+        if ends is None and not self.touches:
             yield f"clearance {turn}, for palms of any length"
+        elif ends is None:
+            yield Line(bad("the outline TOUCHES a palm"), f", by {turn}, if that is long enough")
         elif not self.touches:
             yield f"clearance {turn}, or {millimetres(ends.margin)} at the ends of the palms"
         else:
@@ -99,7 +102,8 @@ def outline_clearance(problem: StabilityProblem) -> Clearance:
     """The smallest margins of clearance over the whole operating region."""
     low, high = _region(problem)
     views = [_View(problem, side) for side in (0, 1)]
-    if problem.envelope().clearance(problem.angles) > 0:
+    # The length of the palms is not considered where a contact vertex is rounded.
+    if any(problem.radius) or problem.envelope().clearance(problem.angles) > 0:
         corners = _corners(low, high)
         candidates = [(view, view.endless(corners)) for view in views]
         view, margins = min(candidates, key=lambda pair: float(pair[1].min()))
@@ -146,7 +150,7 @@ class _View:
     def __init__(self, problem: StabilityProblem, side: int) -> None:
         self.problem, self.side = problem, side
         outline = np.array([(vertex[side], vertex[2]) for vertex in problem.spec.outline])
-        own = int(np.flatnonzero((outline == 0).all(axis=1))[0])
+        own = (0, problem.spec.contact_right)[side]
         points = np.roll(outline, -own, axis=0)
         starts, ends = points[1:-1], points[2:]  # without the two edges at the contact vertex
         # Outward of the contact, the edges are mirrored through the contact vertex.
@@ -213,8 +217,8 @@ class _View:
     def endless(self, states: Array) -> Array:
         """How far palms of any length may turn."""
         alpha, _ = self._turned(states, states)
-        far = np.full(len(states), np.inf)
-        return np.minimum(self._own_room(alpha), self._excluded(alpha, far, far)[0].min(axis=1))
+        low, high = np.arctan(self.problem.envelope().clear[self.side])
+        return np.minimum(alpha - low, high - alpha)
 
     def turn(self, alpha: Array, spread: Array, inward: Array, outward: Array) -> Array:
         """Lower bound of how far a palm may turn, for all α within a spread."""

@@ -36,7 +36,9 @@ def design_lines(design: "Design") -> Iterator[Item]:
     rows.append(("  reaction", times, "in case (d), in case (a) with the partner's help"))
     yield Table(rows)
     certificate = design.certificate
-    if certificate.verdict == "holds":
+    if certificate is None:
+        yield warn_word("no certificate: none covers rounded contact vertices")
+    elif certificate.verdict == "holds":
         yield f"certified under these conditions: {', '.join(certificate.claims)}"
         if missing := [claim for claim in BOTH_TURN if claim not in certificate.claims]:
             yield f"not certified for palms that turn at the same time: {', '.join(missing)}"

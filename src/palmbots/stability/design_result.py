@@ -77,7 +77,8 @@ class Design(Result):
     shallow_deg: float
     steep_deg: float
     tolerance: float
-    """Of `quantity`, to either side, in its unit (`QUANTITIES`); the certificate proves it."""
+    """Of `quantity`, to either side, in its unit (`QUANTITIES`); the certificate, if there is one,
+    proves it."""
     clearance_deg: float
     """How far the object or a palm may turn until an edge lies on a palm."""
     friction: Interval | None
@@ -96,7 +97,8 @@ class Design(Result):
     own: OwnAngles
     paper_tolerance: float | None
     """The tolerance of 5° and 15° under the same conditions; None: that pair does not qualify."""
-    certificate: Certificate
+    certificate: Certificate | None
+    """None: a contact vertex is rounded, which no certificate covers."""
     map: xr.Dataset = field(metadata=NOT_IN_JSON)
     """Tolerance and clearance over all pairs of angles; about σ* of those that were tried."""
     designed_scene: Scene
@@ -132,7 +134,7 @@ class Design(Result):
     @property
     def is_certified(self) -> bool:
         """Whether the certificate proves the tolerance."""
-        return self.certificate.holds
+        return self.certificate is not None and self.certificate.holds
 
     @property
     def angle_keys(self) -> dict[str, float]:

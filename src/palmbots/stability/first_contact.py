@@ -20,7 +20,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.mechanics.contact_points import Contact, Motions, touching
 from palmbots.mechanics.state import PalmState, placed
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import contact_radii, to_spec
 from palmbots.stability.clearance import ClosestState
 from palmbots.stability.problem import Pair
 
@@ -70,10 +70,13 @@ class FirstTouch:
 
 
 def first_touch(scene: Scene, closest: ClosestState) -> FirstTouch | None:
-    """The nearest state with a further contact, found by turning one palm; None: there is none."""
+    """The nearest state with a further contact, found by turning one palm; None: there is none, or
+    a contact vertex is rounded."""
     side = SIDES.index(closest.side)
     farthest = 1.5 * abs(closest.margin) + math.radians(1)
     spec = to_spec(scene)
+    if any(contact_radii(spec)):
+        return None
 
     def state(turn: float) -> PalmState:
         degrees = [math.degrees(angle) for angle in closest.angles_rad]

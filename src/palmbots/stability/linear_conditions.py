@@ -2,7 +2,9 @@
 """The conditions of a property on the object's angle: linear forms in (dx, dy).
 
 (dx, dy) is the vector from the left contact to the right one. At given palm angles, frictions, COM
-and slope every condition of a property is P dx + Q dy ≥ 0. It bounds tan ϑ = dy / dx on one side,
+and slope every condition of a property is P dx + Q dy + K ≥ 0. K is 0 for sharp contact vertices;
+with rounded ones dx and dy lead from one centre of an arc to the other, and K is what the arcs
+change. With K = 0 the condition bounds tan ϑ = dy / dx on one side,
 at k = w tan ϑ / √(1 + tan² ϑ) in the paper's z (k_B and k_D of equations 6 to 8). The formulas use
 only + − ×, so each form is a polynomial of degree at most two in friction, COM or slope, and a
 condition begins or ceases to hold at its roots. An array in place of a number gives the forms at
@@ -10,6 +12,7 @@ several values. Source: docs/theory/mechanics.md and stability.md.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -51,16 +54,19 @@ def text_of(number: int, name: str) -> str:
 
 @dataclass(frozen=True)
 class Form:
-    """P dx + Q dy ≥ 0; the condition is void where one of the forms `void` is negative."""
+    """P dx + Q dy + K ≥ 0; the condition is void where one of the forms `void`, written as their
+    (P, Q, K), is negative."""
 
     name: str
     p: Any
     q: Any
-    void: tuple[tuple[Any, Any], ...] = ()
+    k: Any = 0.0
+    void: tuple[tuple[Any, Any, Any], ...] = ()
 
-    def at(self, dx: float, dy: float) -> Any:
-        """The form's value at a span."""
-        return self.p * dx + self.q * dy
+    def values(self, dx: float, dy: float, weight: float = 1.0) -> Iterator[Any]:
+        """The values of the form and of its `void` at a span, with K multiplied by a weight."""
+        for p, q, k in ((self.p, self.q, self.k), *self.void):
+            yield p * dx + q * dy + k * weight
 
 
 def _edge(angle: float, slide: int, mu: Any) -> tuple[Any, Any]:
@@ -77,6 +83,7 @@ def forms(
     friction: tuple[Any, Any],
     com: tuple[Any, Any],
     slope: Any,
+    radius: tuple[float, float] = (0.0, 0.0),
 ) -> list[Form]:
     """All conditions of a property with this palm shallow; pairs are (left, right).
 
@@ -88,19 +95,26 @@ def forms(
         friction: coefficients.
         com: (c_x, c_y) [m].
         slope: s, the horizontal specific force towards -x.
+        radius: of the arcs that round the contact vertices [m].
     """
     x, y = com
     s, w = slope, width
     is_left = shallow == "left"
+    # From the centres of the arcs to the points that touch the palms, outward and down.
+    back = [r * math.sin(angle) for r, angle in zip(radius, angles, strict=True)]
+    down = [r * math.cos(angle) for r, angle in zip(radius, angles, strict=True)]
+    wider, higher = back[0] + back[1], down[0] - down[1]
+    left_arm, right_arm = back[0] - s * down[0], back[1] + s * down[1]
     conditions = [
-        Form("lift_left", (w - x) + s * y, y - s * (w - x)),
-        Form("lift_right", x - s * y, (s * x + y) * -1.0),
+        Form("lift_left", (w - x) + s * y, y - s * (w - x), w * right_arm),
+        Form("lift_right", x - s * y, (s * x + y) * -1.0, w * left_arm),
     ]
 
-    def wedge(edge: tuple[Any, Any], side: int) -> tuple[Any, Any]:
+    def wedge(edge: tuple[Any, Any], side: int) -> tuple[Any, Any, Any]:
         """The form that is > 0 where the edge bounds a squeeze."""
         lateral, vertical = edge
-        return vertical, (lateral * -1.0 if side == 0 else lateral)
+        across = lateral * -1.0 if side == 0 else lateral
+        return vertical, across, vertical * wider + across * higher
 
     for name, (shallow_slide, steep_slide, shallow_first) in zip(
         ("first", "second"), NEEDS[number], strict=True
@@ -112,9 +126,10 @@ def forms(
         # > 0 where the squeeze at the left edge is the higher one
         p = (a + b) * (s * y - x) + w * (a - s * c)
         q = (a + b) * (s * x + y) + w * (d - s * b)
+        k = w * (wider * (a - s * c) + higher * (d - s * b) - (a + b) * left_arm)
         sign = 1.0 if shallow_first != is_left else -1.0
         void = (wedge(left, 0), wedge(right, 1))
-        conditions.append(Form(name, p * sign, q * sign, void))
+        conditions.append(Form(name, p * sign, q * sign, k * sign, void))
     sliding = SLIDING_EDGES.get(number)
     if sliding is not None:
         side = SIDES.index(shallow) if sliding[0] == "shallow" else 1 - SIDES.index(shallow)
@@ -130,8 +145,13 @@ def failing(form: Form, width: float) -> tuple[float, float] | None:
     A form fails where it is negative and not void. Ends that do not exist are ±width.
     """
     low, high = -math.inf, math.inf  # of tan ϑ
-    for p, q in ((-form.p, -form.q), *form.void):  # all > 0 where it fails
-        if q > 0:
+    for p, q, k in ((-form.p, -form.q, -form.k), *form.void):  # all > 0 where it fails
+        if k != 0:
+            ends = _tangents(p * width, q * width, k)
+            if ends is None:
+                return None
+            low, high = max(low, ends[0]), min(high, ends[1])
+        elif q > 0:
             low = max(low, -p / q)
         elif q < 0:
             high = min(high, -p / q)
@@ -146,3 +166,30 @@ def failing(form: Form, width: float) -> tuple[float, float] | None:
         return width * slope / math.sqrt(1 + slope * slope)
 
     return height(low), height(high)
+
+
+def _tangents(p: float, q: float, k: float) -> tuple[float, float] | None:
+    """The interval of tan ϑ, for |ϑ| < 90°, where p cos ϑ + q sin ϑ + k > 0; None: nowhere.
+
+    If it is positive on both sides of a gap, the interval contains the gap.
+    """
+    far = math.hypot(p, q)
+    if k <= -far:
+        return None
+    if k >= far:
+        return -math.inf, math.inf
+    middle, half = math.atan2(q, p), math.acos(-k / far)
+    turns = [middle + turn for turn in (-half, half)]
+    quarter = 0.5 * math.pi
+    pieces = [
+        (max(turns[0] + shift, -quarter), min(turns[1] + shift, quarter))
+        for shift in (-2 * math.pi, 0.0, 2 * math.pi)
+    ]
+    found = [piece for piece in pieces if piece[0] < piece[1]]
+    if not found:
+        return None
+    low, high = min(a for a, _ in found), max(b for _, b in found)
+    return (
+        math.tan(low) if low > -quarter else -math.inf,
+        math.tan(high) if high < quarter else math.inf,
+    )

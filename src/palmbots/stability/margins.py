@@ -20,7 +20,7 @@ from palmbots.stability.interval_sets import (
     real_roots,
     where,
 )
-from palmbots.stability.linear_conditions import Form, failing
+from palmbots.stability.linear_conditions import failing
 from palmbots.stability.problem import Pair, StabilityProblem, permitted
 
 _MOST_FRICTION = 100.0
@@ -115,22 +115,15 @@ def com_x_range(problem: StabilityProblem) -> Interval | None:
     return intersection(permitted(envelope, n, shallow, problem.angles) for n, shallow in _BOTH)
 
 
-def _all_forms(problem: StabilityProblem, **changed: Any) -> Iterator[tuple[Form, float, float]]:
-    """Every form of both properties, with the two extreme vectors (dx, dy) for each."""
-    for number, shallow in _BOTH:
-        pose = problem.pose(number, shallow)
-        for form in problem.forms(number, shallow, pose.angles, **changed):
-            for dy in pose.rise:
-                yield form, math.sqrt((problem.width - dy) * (problem.width + dy)), dy
-
-
 def _changes(problem: StabilityProblem, **changed: Any) -> list[float]:
     """The values of the varied quantity at which a condition begins or ceases to hold."""
     changes: list[float] = []
-    for form, dx, dy in _all_forms(problem, **changed):
-        changes += real_roots(form.at(dx, dy))
-        for p, q in form.void:
-            changes += real_roots(p * dx + q * dy)
+    for number, shallow in _BOTH:
+        pose = problem.pose(number, shallow)
+        for form in problem.forms(number, shallow, pose.angles, **changed):
+            for span in problem.spans(pose.rise):
+                for value in form.values(*span):
+                    changes += real_roots(value)
     return changes
 
 
@@ -206,9 +199,9 @@ def wedging(problem: StabilityProblem) -> Wedging:
         ):
             for index, side in enumerate(SIDES):
                 # As seen from this palm, the line to the other contact rises by ±z.
-                rise = pose.rise[1] if index == 0 else -pose.rise[0]
-                across = math.sqrt((problem.width - rise) * (problem.width + rise))
-                friction = math.tan(math.atan2(across, rise) - pose.angles[index])
+                dx, dy = problem.touching(pose.angles, pose.rise[1 - index])
+                rise = dy if index == 0 else -dy
+                friction = math.tan(math.atan2(dx, rise) - pose.angles[index])
                 if 0 < friction < best[0]:
                     names = dict(zip(problem.angles[index], ("shallow", "steep"), strict=True))
                     best = (friction, side, names.get(pose.angles[index], "turning"))

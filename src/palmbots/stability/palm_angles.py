@@ -159,7 +159,8 @@ def design(
         radians = np.radians(limits.angles_deg())
         implied = reaction(chosen, *np.meshgrid(radians, radians, indexing="ij"))
         problem = problem.with_(beyond=implied.beyond_m)
-    require("flint", "certify")  # of the certificate: missed before the work, not after it
+    if not any(problem.radius):
+        require("flint", "certify")  # of the certificate: missed before the work, not after it
     found = evaluate(problem, quantity, limits, uncertainty, implied)
     report(0.05)
 
@@ -179,9 +180,11 @@ def design(
         reach = float(found.reach_m[row, column])
         answer = answer.with_(contacts=((-reach, reach), (-reach, reach)))
     interval = _friction_interval(answer, uncertainty.friction)
-    certificate, tolerance = certify_tolerance(
-        chosen, answer, quantity, float(found.tolerance[row, column]), pair_deg, uncertainty
-    )
+    certificate, tolerance = None, float(found.tolerance[row, column])
+    if not any(problem.radius):
+        certificate, tolerance = certify_tolerance(
+            chosen, answer, quantity, tolerance, pair_deg, uncertainty
+        )
     own_tolerance = None
     if own_deg is not None:
         at_own = reaction(chosen, *np.radians(own_deg)) if is_implied else None

@@ -18,7 +18,7 @@ from palmbots._types import SIDES, Interval, Side
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import refuse_low_noses, refuse_rounded_contacts, to_spec
+from palmbots.scene.spec import contact_radii, refuse_low_noses, to_spec
 from palmbots.stability.linear_conditions import Form, forms
 from palmbots.stability.reaction_region import implied_reach_m
 
@@ -49,6 +49,10 @@ class StabilityProblem:
     friction: Pair
     slope: float
     offset: Pair
+    """Of the contact vertices from the pivots, along the normals of the palms: of the surfaces, and
+    of the centres of arcs that round the vertices."""
+    radius: Pair
+    """Of these arcs; 0: the vertex is sharp."""
     half_length: Pair
     reach: Pair
     """How far from p = 0 a contact may be: half of the usable length."""
@@ -107,8 +111,31 @@ class StabilityProblem:
             "friction": self.friction,
             "com": self.com,
             "slope": self.slope,
+            "radius": self.radius,
         }
         return forms(number, shallow, width=self.width, angles=angles, **(given | changed))
+
+    def spans(self, rise: Pair) -> Iterator[tuple[float, float, float]]:
+        """The vectors (dx, dy) at the extreme height differences, each with the weights of K
+        (`Form`) with which a form holds for all height differences between them.
+
+        With 1 / cos ϑ as a number of its own a form is linear, and the corners decide.
+        """
+        run = [math.sqrt((self.width - dy) * (self.width + dy)) for dy in rise]
+        longest = self.width if rise[0] < 0 < rise[1] else max(run)
+        for dx, dy in zip(run, rise, strict=True):
+            for other in (longest, min(run)) if any(self.radius) else (dx,):
+                yield dx, dy, dx / other
+
+    def touching(self, angles: Pair, rise: float) -> Pair:
+        """The vector (dx, dy) between the points that touch the palms, at a height difference."""
+        (left, right), radius = angles, self.radius
+        return (
+            math.sqrt((self.width - rise) * (self.width + rise))
+            + radius[0] * math.sin(left)
+            + radius[1] * math.sin(right),
+            rise + radius[0] * math.cos(left) - radius[1] * math.cos(right),
+        )
 
     def envelope(
         self,
@@ -180,9 +207,9 @@ def stability_problem(
         PalmbotsError: the region is not on the palms or does not contain 0, or the object cannot
             span it.
     """
-    refuse_rounded_contacts(scene)
     refuse_low_noses(scene)
     spec = to_spec(scene)
+    radius = contact_radii(spec)
     region = region_of(scene, region_m)
     half = (0.5 * spec.palms[0].length, 0.5 * spec.palms[1].length)
     reach = (0.5 * spec.palms[0].usable, 0.5 * spec.palms[1].usable)
@@ -203,7 +230,8 @@ def stability_problem(
         com=(spec.com_left, spec.com_height),
         friction=(palms[0].friction, palms[1].friction),
         slope=spec.slope,
-        offset=(palms[0].offset, palms[1].offset),
+        offset=(palms[0].offset + radius[0], palms[1].offset + radius[1]),
+        radius=radius,
         half_length=half,
         reach=reach,
         angles=((palms[0].shallow, palms[0].steep), (palms[1].shallow, palms[1].steep)),

@@ -17,22 +17,25 @@ PalmFrameVector<double> vector_of(const Object& object, double angle) {
   return {object.width * std::cos(angle), object.width * std::sin(angle)};
 }
 
-// The clear cone contains a palm's direction if all other vertices lie above the palm's line.
+// The clear cone contains a palm's direction if all other vertices lie above the palm's line, which
+// passes below the centre of the arc if the contact vertex is rounded.
 void clear_cone_against_every_vertex() {
   std::mt19937 chance(1);
   int clear = 0;
   for (int again = 0; again < 20'000; ++again) {
     const Object object = outlines::random_object(chance);
-    const Outline<double> outline = outlines::outline_of<double>(object);
+    Outline<double> outline = outlines::outline_of<double>(object);
     const double angle = outlines::between(chance, -3.1, 3.1);
     const std::size_t side = chance() % 2;
+    const double radius = again % 2 == 0 ? 0.0 : outlines::between(chance, 0.0, 0.1);
+    outline.vertices[outline.contact[side]].radius = radius;
     const Polygon seen = outlines::seen_from(object, side, angle);
     double lowest = 1e9;
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (i != outline.contact[side]) lowest = std::min(lowest, seen[i].y);
     }
-    if (std::abs(lowest) < unclear || std::abs(std::cos(angle)) < 1e-3) continue;
-    const bool wanted = std::cos(angle) > 0 && lowest > 0;
+    if (std::abs(lowest + radius) < unclear || std::abs(std::cos(angle)) < 1e-3) continue;
+    const bool wanted = std::cos(angle) > 0 && lowest > -radius;
     CHECK(clear_cone(outline, side).contains(vector_of(object, angle)) == wanted);
     clear += wanted;
   }

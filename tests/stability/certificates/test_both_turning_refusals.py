@@ -228,4 +228,5 @@ def test_design_certifies_what_holds_at_its_angles(
     assert written["claims"] == [*ONE_TURNS, "clearance turning", "no jam"]
     assert checked(written, tmp_path).valid
     found = pb.design("paper", maximize="region", controller=None, resolution_deg=1.0)
+    assert found.certificate is not None
     assert found.certificate.data["claims"] == [*ONE_TURNS, *BOTH_TURN]

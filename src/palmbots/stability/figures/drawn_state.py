@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
+from palmbots.mechanics.acting_object import acting_object
 from palmbots.mechanics.contact_modes import CONTACT_MODES, ContactMode, contact_modes_batch
 from palmbots.scene.placement import Placement, place
 from palmbots.stability.figures.canvas import MM, Array, View
@@ -49,6 +50,10 @@ class State:
         lean = self.angles[side] + slide * math.atan(self.problem.friction[side])
         return np.array([(1, -1)[side] * math.sin(lean), math.cos(lean)])
 
+    def vertex(self, side: int) -> Array:
+        """A contact vertex, or the centre of the arc that rounds it, in mm."""
+        return self.point("contact", side) + MM * self.problem.radius[side] * self.normal(side)
+
     @property
     def upward(self) -> Array:
         """Opposite to the effective gravity: weight and horizontal force together."""
@@ -78,18 +83,19 @@ def state_of(problem: StabilityProblem, p_m: Pair) -> State:
     span = math.sqrt((problem.width - rise) * (problem.width + rise))
     separation = span - float(np.array(p_m) @ cos - np.array(problem.offset) @ sin)
     turn = math.asin(rise / problem.width)
+    acting = acting_object(problem.spec, angles, p_m)
     modes = contact_modes_batch(
-        width=problem.width,
-        com_x=problem.com[0],
-        com_y=problem.com[1],
+        width=float(acting.width),
+        com_x=float(acting.com_left),
+        com_y=float(acting.com_height),
         theta_left=angles[0],
         theta_right=angles[1],
         p_left=p_m[0],
         p_right=p_m[1],
         friction_left=problem.friction[0],
         friction_right=problem.friction[1],
-        offset_left=problem.offset[0],
-        offset_right=problem.offset[1],
+        offset_left=problem.spec.palms[0].offset,
+        offset_right=problem.spec.palms[1].offset,
         slope=problem.slope,
     )
     closing = int(modes.closing)

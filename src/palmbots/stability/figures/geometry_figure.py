@@ -40,7 +40,7 @@ def figure2(state: State) -> Figure:
 def _top(state: State, beyond: float) -> Array:
     """The vector from the line of contacts, at right angles, to just above the object."""
     way = np.array([-math.sin(state.turn), math.cos(state.turn)])
-    left = state.point("contact", 0)
+    left = state.vertex(0)
     return way * (float(((state.point("outline") - left) @ way).max()) + beyond)
 
 
@@ -63,8 +63,8 @@ def _draw_palm_symbols(view: View, state: State) -> None:
         turn = -state.angles[side] if side == 0 else state.angles[side]
         view.arc(foot, 1.07 * half, start, start + turn, f"$\\theta_{letter}$", colour)
         p = MM * state.p[side]
-        thick = state.problem.spec.palms[side].plate_thickness
-        depth, offset = MM * thick + 7 * view.point, MM * state.problem.offset[side]
+        palm = state.problem.spec.palms[side]
+        depth, offset = MM * palm.plate_thickness + 7 * view.point, MM * palm.offset
         if abs(depth - offset) < 7 * view.point:  # clear of the pivot
             depth = offset + 8 * view.point
         under = -depth * normal
@@ -87,7 +87,7 @@ def _draw_object_symbols(view: View, state: State) -> None:
     """The symbols w, c_x, c_y and ϑ, and the names of the bodies."""
     cos, sin = math.cos(state.turn), math.sin(state.turn)
     ex, ey = np.array([cos, sin]), np.array([-sin, cos])
-    left, right = state.point("contact")
+    left, right = state.vertex(0), state.vertex(1)
     com, width = state.point("com"), MM * state.problem.width
     top = _top(state, 12 * view.point)
     for corner in (left, right):

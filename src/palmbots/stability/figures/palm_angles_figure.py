@@ -149,7 +149,8 @@ def write_design(
     *,
     on_warning: Callable[[str], None] | None = None,
 ) -> list[Path]:
-    """Write a design: its figure, the scene with the designed angles, and the certificate.
+    """Write a design: its figure, the scene with the designed angles, and the certificate, if there
+    is one.
 
     Args:
         result: the design.
@@ -162,4 +163,6 @@ def write_design(
     write_figure(figure, palm_angles(result))
     write_whole(scene, result.designed_scene.to_toml())
     proof = place / "design.json"
+    if result.certificate is None:
+        return [figure, scene]
     return [figure, scene, *write_certificate(result.certificate, proof, on_warning=on_warning)]

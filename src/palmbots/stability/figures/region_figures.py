@@ -199,7 +199,7 @@ def _com_limits(
     pose = problem.pose(number, shallow)
     left, right = problem.friction
     friction = ((left, left), (right, right))
-    for rise in pose.rise:
+    for _, rise, weight in problem.spans(pose.rise):
         x, y, low, high, _, _ = _core.com_interval(
             number,
             SIDES.index(shallow),
@@ -209,6 +209,7 @@ def _com_limits(
             False,
             pose.angles,
             rise,
+            (weight * problem.radius[0], weight * problem.radius[1]),
         )
         normal = np.array([x, y])
         yield normal, high

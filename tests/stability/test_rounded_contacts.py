@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The analysis of objects whose contact vertices are rounded, against brute force."""
+
+import math
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots._types import Side
+from palmbots.stability.clearance import outline_clearance
+from palmbots.stability.margins import friction_ranges, slope_range
+from palmbots.stability.problem import StabilityProblem, permitted, stability_problem
+from stability_oracle import STEEP_CASES, contacts, happens, held_everywhere, random_situation
+
+RADIUS_M = 0.03
+# The analysis takes 1 / cos ϑ at its worst between the extreme object angles, so it may permit a
+# little less than brute force.
+COM_LOST_M = 1e-3
+INSIDE_M = 1e-7
+
+
+def holds_everywhere(at: StabilityProblem, number: int, shallow: Side, **changed: float) -> bool:
+    grid = contacts(at, number, shallow, n=15)
+    return bool(happens(at, number, shallow, at.palms(shallow), grid, **changed).all())
+
+
+def sharp(at: StabilityProblem) -> StabilityProblem:
+    """With sharp contact vertices at the centres of the arcs."""
+    return at.with_(radius=(0.0, 0.0))
+
+
+@pytest.mark.parametrize(("number", "shallow"), STEEP_CASES)
+def test_permitted_com_against_brute_force(number: int, shallow: Side) -> None:
+    rng = np.random.default_rng(31)
+    compared = differs = 0
+    for _ in range(150):
+        at = random_situation(rng, RADIUS_M)
+        low, high = permitted(at.envelope(), number, shallow, at.angles)
+        if high - low < 4 * INSIDE_M:
+            continue
+        compared += 1
+        inside = (low + INSIDE_M, 0.5 * (low + high), high - INSIDE_M)
+        outside = (low - COM_LOST_M, high + COM_LOST_M)
+        assert all(holds_everywhere(at, number, shallow, com_x=x) for x in inside), at
+        assert not any(holds_everywhere(at, number, shallow, com_x=x) for x in outside), at
+        differs += not all(holds_everywhere(sharp(at), number, shallow, com_x=x) for x in inside)
+        differs += any(holds_everywhere(sharp(at), number, shallow, com_x=x) for x in outside)
+    assert compared > 30 and differs > 20
+
+
+def test_property_zero_against_brute_force() -> None:
+    rng = np.random.default_rng(32)
+    held = 0
+    for _ in range(60):
+        at = random_situation(rng, RADIUS_M)
+        at = at.with_(friction=(at.friction[0] * rng.uniform(0.05, 0.6), at.friction[1]))
+        low, high = permitted(at.envelope(), 0, "left", at.angles)
+        if high - low < 4 * INSIDE_M:
+            continue
+        held += 1
+        assert all(held_everywhere(at, x) for x in (low + INSIDE_M, high - INSIDE_M)), at
+        assert not any(held_everywhere(at, x) for x in (low - COM_LOST_M, high + COM_LOST_M)), at
+    assert held > 10
+
+
+def test_ranges_against_brute_force() -> None:
+    """What a range contains holds everywhere, and it ends where something fails."""
+    rng = np.random.default_rng(33)
+    ends = 0
+    for _ in range(150):
+        at = random_situation(rng, 0.02)
+
+        def holds(at: StabilityProblem = at, **changed: float) -> bool:
+            return all(holds_everywhere(at, n, shallow, **changed) for n, shallow in STEEP_CASES)
+
+        for low, high in friction_ranges(at):
+            for mu, wanted in (
+                (low + 1e-6, True),
+                (high - 1e-6, True),
+                (1.05 * high + 2e-2, False),
+            ):
+                if low < mu < 100 and high - low > 1e-5:
+                    assert holds(friction_left=mu, friction_right=mu) == wanted, (at, mu)
+                    ends += not wanted
+        slopes = slope_range(at)
+        if slopes is not None:
+            sign = at.spec.direction
+            for s, wanted in ((slopes[0] + 1e-6, True), (slopes[1] + 1e-2, False)):
+                assert holds(slope=sign * s) == wanted, (at, s)
+                ends += not wanted
+    assert ends > 20
+
+
+@pytest.mark.parametrize("name", ["bottle", "carton"])
+def test_clearance_against_the_points_of_the_outline(name: str) -> None:
+    """A palm's line, turned by less than the margin either way, is below all points; by more, it
+    is not. Where the margin is negative, turning by more one way puts it below all points."""
+    at = stability_problem(pb.load_scene("paper", {"object": name}))
+    closest = outline_clearance(at).rotation_margin
+    side = ("left", "right").index(closest.side)
+    outward = (-1, 1)[side]
+    rise = [
+        p * math.sin(angle) + offset * math.cos(angle)
+        for p, angle, offset in zip(closest.contacts_m, closest.angles_rad, at.offset, strict=True)
+    ]
+    turned = math.asin((rise[1] - rise[0]) / at.width)
+    points = np.array([complex(*point) for point in at.spec.silhouette])
+    points = (points - (at.width if side else 0.0)) * np.exp(1j * turned)  # from the centre
+    is_clear = closest.margin > 0
+    for off, touches in ((0.999, not is_clear), (1.001, is_clear)):
+        deepest = []
+        for turn in (-off * closest.margin, off * closest.margin):
+            along = outward * np.exp(outward * 1j * (closest.angles_rad[side] + turn))
+            deepest.append(float(np.min((points * np.conj(along)).imag * outward)))
+        deep = min(deepest) if is_clear else max(deepest)
+        assert (deep < -at.radius[side] - 1e-9) == touches
+
+
+def test_rounded_objects_are_analysed_and_designed_for() -> None:
+    found = pb.analyze("paper", overrides={"object": "carton"})
+    assert found.holds and "for palms of any length" in str(found)
+    best = pb.design("paper", maximize="com", controller=None, overrides={"object": "carton"})
+    assert best.certificate is None and not best.is_certified
+    assert "none covers rounded contact vertices" in str(best)
+    assert pb.analyze("paper", overrides={"object": "carton"} | best.angle_keys).holds
