@@ -3,6 +3,7 @@
 // at one instant.
 #pragma once
 
+#include "palmbots/mechanics/acting_object.hpp"
 #include "palmbots/mechanics/clearance.hpp"
 #include "palmbots/mechanics/contact_detection.hpp"
 #include "palmbots/mechanics/contact_modes.hpp"

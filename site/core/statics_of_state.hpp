@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "palmbots/mechanics/acting_object.hpp"
 #include "palmbots/mechanics/contact_modes.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/mechanics/sliding.hpp"
@@ -63,8 +64,27 @@ class StaticsOfState {
 
   Contacts<double> contacts(const Pose& at) const {
     const Statics<double> statics = Statics<double>::at(model_, at.configuration.palms);
-    const ContactVector<double> v = contact_vector(at.configuration, model_.offset);
-    return {model_.moments, statics.cones, v.dx, v.dy};
+    const ActingObject<double> acting = acting_at(at.configuration);
+    const ContactVector<double>& v = acting.contact_vector;
+    return {Moments<double>::of(acting.object), statics.cones, v.dx, v.dy};
+  }
+
+  // Why the object is not held. With rounded contact vertices the palms count as infinitely long.
+  DropReason reason(const Configuration<double>& at) const {
+    const Statics<double> statics = Statics<double>::at(model_, at.palms);
+    const ContactVector<double> v = contact_vector(at, model_.offset);
+    if (!is_rounded()) return drop_reason(model_, statics, at.palms, at.contacts, v);
+    for (const std::size_t side : {left, right}) {
+      if (!model_.clear[side].contains(palm_frame_vector(v, side, at.palms[side])))
+        return DropReason::flush;
+    }
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    const ActingObject<double> acting = acting_at(at);
+    Model<double> model = model_;
+    model.object = acting.object;
+    model.moments = Moments<double>::of(acting.object);
+    model.clear = {ClearCone<double>{-inf, inf}, ClearCone<double>{-inf, inf}};
+    return drop_reason(model, statics, at.palms, at.contacts, acting.contact_vector);
   }
 
   // Appends: reaches (0 or 1), drop reason, squeezes I_L and I_R (low, high each), nine times whether
@@ -78,7 +98,7 @@ class StaticsOfState {
     const Statics<double> statics = Statics<double>::at(model_, at.configuration.palms);
     const ContactVector<double> v{here.dx, here.dy};
     out.push_back(reaches ? 1 : 0);
-    out.push_back(double(drop_reason(model_, statics, at.configuration.palms, state.p, v)));
+    out.push_back(double(reason(at.configuration)));
     PerSide<bool> is_wedged{};
     for (const std::size_t side : {left, right}) {
       const Interval<double> all = squeeze(here.moments, side, here.cones[side], v.dx, v.dy);
@@ -94,7 +114,7 @@ class StaticsOfState {
     out.push_back(detail::index_of(selected_mode(here, SlipDirection::down)));
     const PerSide<PalmAngle<double>>& palms = at.configuration.palms;
     out.push_back(friction_margin<double>(
-        model_.moments,
+        here.moments,
         {SinCos<double>{palms[left].sin, palms[left].cos},
          SinCos<double>{palms[right].sin, palms[right].cos}},
         {std::atan(model_.friction[left]), std::atan(model_.friction[right])}, v.dx, v.dy));
@@ -213,6 +233,15 @@ class StaticsOfState {
   const Model<double>& model() const { return model_; }
 
  private:
+  bool is_rounded() const {
+    const PerSide<double> radius = contact_radii(model_.outline);
+    return radius[left] > 0 || radius[right] > 0;
+  }
+  ActingObject<double> acting_at(const Configuration<double>& at) const {
+    return acting_object(model_.object, contact_radii(model_.outline), at.palms,
+                         contact_vector(at, model_.offset));
+  }
+
   Friction<double> friction() const {
     const auto just = [](double x) { return Interval<double>{x, x}; };
     return {{just(model_.friction[left]), just(model_.friction[right])}, false};

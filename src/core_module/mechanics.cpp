@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contact modes of many states at once.
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <limits>
+
 #include "bindings.hpp"
+#include "palmbots/mechanics/acting_object.hpp"
 #include "palmbots/mechanics/contact_modes.hpp"
 
 namespace palmbots::bindings {
@@ -13,6 +18,8 @@ namespace {
 
 // A number per state: either one array element each, or one for all.
 using Column = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 struct Reader {
   const double* data;
@@ -61,6 +68,36 @@ auto numpy(std::vector<T>&& values) {
   return nb::ndarray<nb::numpy, T, nb::ndim<1>>(kept->data(), {kept->size()}, owner_of(kept));
 }
 
+nb::tuple acting_objects(const Spec& spec, const PerSide<Column>& angles,
+                         const PerSide<Column>& places) {
+  const std::size_t n = angles[left].size();
+  for (const Column& column : {angles[right], places[left], places[right]}) {
+    if (column.size() != n) throw std::invalid_argument("acting_objects: n numbers of each kind");
+  }
+  const Model<double> model = model_of<double>(spec);
+  std::array<std::vector<double>, 6> out;
+  for (auto& column : out) column.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    Configuration<double> at{};
+    for (const std::size_t side : {left, right}) {
+      at.palms[side] = PalmAngle<double>::at(angles[side].data()[i]);
+      at.contacts[side] = places[side].data()[i];
+    }
+    const double rise = contact_vector(at, model.offset).dy;
+    const double run = std::sqrt((model.object.width - rise) * (model.object.width + rise));
+    const ActingObject<double> acting =
+        acting_object(model.object, contact_radii(model.outline), at.palms, {run, rise});
+    const ObjectParams<double>& object = acting.object;
+    const double numbers[] = {
+        acting.contact_vector.dx, acting.contact_vector.dy, object.width,
+        object.com_left,          object.com_right,         object.com_height};
+    for (std::size_t k = 0; k < out.size(); ++k) out[k][i] = run > 0 ? numbers[k] : nan;
+  }
+  return nb::make_tuple(numpy(std::move(out[0])), numpy(std::move(out[1])),
+                        numpy(std::move(out[2])), numpy(std::move(out[3])),
+                        numpy(std::move(out[4])), numpy(std::move(out[5])));
+}
+
 nb::tuple modes(const std::vector<Column>& columns, std::size_t n) {
   if (columns.size() != 13) throw std::invalid_argument("modes: 13 columns");
   Reader in[13];
@@ -104,6 +141,20 @@ nb::tuple modes(const std::vector<Column>& columns, std::size_t n) {
 }  // namespace
 
 void bind_mechanics(nb::module_& m) {
+  m.def(
+      "acting_objects", &acting_objects, nb::arg("spec"), nb::arg("angles"), nb::arg("places"),
+      "For n states: vectors (x, y) between the points that touch the palms, their distances, and "
+      "the COM from the left and the right one and above their line [m]; nan: out of reach.");
+  m.def(
+      "clear_cones",
+      [](const Spec& spec) {
+        const PerSide<ClearCone<double>> clear = model_of<double>(spec).clear;
+        return std::array{std::pair(clear[left].low, clear[left].high),
+                          std::pair(clear[right].low, clear[right].high)};
+      },
+      nb::arg("spec"),
+      "The tangents of the angles between a palm and the object at which they touch only at the "
+      "contact vertex, however long the palm is.");
   m.def("modes", &modes, nb::arg("columns"), nb::arg("n"),
         "For n states: ends of I_L and I_R, bits of the feasible modes, and the bits of the modes "
         "on closing and opening (-1: not held, -2: jammed).");

@@ -137,15 +137,6 @@ void bind_stability(nb::module_& m) {
             return clearance_margin(self, angles_of(angles));
           },
           nb::arg("angles"))
-      .def_prop_ro(
-          "clear",
-          [](const E& self) {
-            const auto ends = [&](std::size_t side) {
-              return Numbers2{self.clear[side].low, self.clear[side].high};
-            };
-            return Sides{ends(left), ends(right)};
-          },
-          "The tangents of the angles between a palm and the object that touch nothing.")
       .def(
           "map", &design_map, nb::arg("shallow"), nb::arg("steep"), nb::arg("com_x"),
           nb::arg("quantity"), nb::arg("most"), nb::arg("reach"),

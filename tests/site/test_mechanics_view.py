@@ -5,6 +5,7 @@ import base64
 import io
 import math
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -75,6 +76,24 @@ def test_mechanics_names_the_modes(
     printed = run_json(runner(capsys), command_of(page))
     assert printed["closing"] == (list(found.closing) if found.closing else None)
     assert printed["p_left_m"] == state[2] / 1000
+
+
+def test_rounded_contact_vertices_act_where_they_touch(open_page: Open) -> None:
+    radii = [0.03, 0.01, 0, 0]
+    page = open_page(hash_of("mechanics", object__edge_radius_m=radii))
+    state: dict[str, Any] = {
+        "p_left_m": -0.02,
+        "p_right_m": 0.05,
+        "theta_left_deg": 9,
+        "theta_right_deg": 17,
+    }
+    for name, value in zip(("p-left", "p-right", "theta-left", "theta-right"), state, strict=True):
+        page.locator(f"#{name}").fill(f"{state[value] * (1000 if value[0] == 'p' else 1):g}")
+    found = pb.contact_modes(**state, overrides={"object.edge_radius_m": radii})
+    assert_sentences(page, found)
+    expect(page.locator("#margin-words")).to_have_text(margin_sentence(found.margin_rad))
+    sharp = pb.contact_modes(**state)
+    assert sharp.squeeze.left != pytest.approx(found.squeeze.left, rel=0.01)
 
 
 def drag_handle(page: Page, name: str, dx: float, dy: float) -> None:

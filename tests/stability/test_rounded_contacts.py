@@ -11,7 +11,14 @@ from palmbots._types import Side
 from palmbots.stability.clearance import outline_clearance
 from palmbots.stability.margins import friction_ranges, slope_range
 from palmbots.stability.problem import StabilityProblem, permitted, stability_problem
-from stability_oracle import STEEP_CASES, contacts, happens, held_everywhere, random_situation
+from stability_oracle import (
+    STEEP_CASES,
+    contacts,
+    happens,
+    held_everywhere,
+    random_situation,
+    touched,
+)
 
 RADIUS_M = 0.03
 # The analysis takes 1 / cos ϑ at its worst between the extreme object angles, so it may permit a
@@ -90,6 +97,27 @@ def test_ranges_against_brute_force() -> None:
                 assert holds(slope=sign * s) == wanted, (at, s)
                 ends += not wanted
     assert ends > 20
+
+
+def test_contact_modes_are_those_of_a_sharp_object_at_the_touching_points() -> None:
+    keys = {"object.edge_radius_m": [0.03, 0.01, 0, 0]}
+    at = stability_problem(pb.load_scene("paper", keys))
+    angles, p = (math.radians(9), math.radians(17)), (np.array(-0.02), np.array(0.05))
+    found = pb.contact_modes(
+        p_left_m=-0.02, p_right_m=0.05, theta_left_deg=9, theta_right_deg=17, overrides=keys
+    )
+    sharp = pb.contact_modes_batch(
+        **touched(at, angles, p, *at.com), theta_left=angles[0], theta_right=angles[1],
+        p_left=p[0], p_right=p[1], friction_left=0.3, friction_right=0.3,
+    )  # fmt: skip
+    assert found.squeeze.values() == pytest.approx([pytest.approx(i) for i in sharp.squeeze])
+    for contact, centre, radius in zip(found.contacts, (0.0, at.width), at.radius, strict=True):
+        arm = complex(*contact.point_m) - centre
+        assert abs(arm) == pytest.approx(radius)
+        outward = -1 if contact.side == "left" else 1
+        theta = angles[contact.side == "right"]
+        turned = math.radians(found.object_deg)
+        assert np.angle(arm) == pytest.approx(outward * theta - turned - math.pi / 2)
 
 
 @pytest.mark.parametrize("name", ["bottle", "carton"])

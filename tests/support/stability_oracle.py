@@ -42,7 +42,7 @@ def happens(
         p_right=p[1],
         offset_left=surface[0],
         offset_right=surface[1],
-        **(given | _touched(at, angles, p, given["com_x"], given["com_y"])),
+        **(given | touched(at, angles, p, given["com_x"], given["com_y"])),
     )
     if number == 0:
         return found.feasible[..., BOTH_STICK]
@@ -51,7 +51,7 @@ def happens(
     return found.opening == OPENING[shallow]
 
 
-def _touched(
+def touched(
     at: StabilityProblem,
     angles: tuple[FloatArray, FloatArray],
     p: tuple[NDArray[np.float64], NDArray[np.float64]],

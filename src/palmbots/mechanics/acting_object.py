@@ -12,17 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import palmbots._core as _core
-from palmbots.scene.spec import contact_radii
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class ActingObject:
-    """Lengths in metres, one number for each state."""
+    """Lengths in metres, one number for each state; nan: the object cannot span the contacts."""
 
-    reaches: NDArray[np.bool_]
-    """Whether the object can span the contacts; where not, the other numbers mean nothing."""
     dx: Array
     """From the left touching point to the right one, level."""
     dy: Array
@@ -31,33 +28,18 @@ class ActingObject:
     """Between the touching points."""
     com_left: Array
     """The COM from the left touching point, along the line to the right one."""
+    com_right: Array
     com_height: Array
     """The COM above that line."""
 
 
 def acting_object(spec: _core.Spec, theta: ArrayLike, p: ArrayLike) -> ActingObject:
-    """The object in states with these palm angles [rad] and contact coordinates [m].
+    """The object in n states with these palm angles [rad] and contact coordinates [m].
 
     Args:
         spec: the scene.
-        theta: (2, n) or (2,), left and right.
+        theta: (2, n), left and right.
         p: likewise.
     """
-    theta, p = np.asarray(theta, float), np.asarray(p, float)
-    column = (2, *(1,) * (theta.ndim - 1))
-    radius = np.reshape(contact_radii(spec), column)
-    offset = np.reshape([palm.offset for palm in spec.palms], column)
-    height = p * np.sin(theta) + offset * np.cos(theta)
-    # From the touching points to the centres of the arcs.
-    back, up = radius * np.sin(theta), radius * np.cos(theta)
-    rise = (height + up)[1] - (height + up)[0]  # between the centres
-    reaches = np.abs(rise) < spec.width
-    run = np.sqrt(np.where(reaches, (spec.width - rise) * (spec.width + rise), 1.0))
-    dx, dy = run + back.sum(axis=0), height[1] - height[0]
-    x = (spec.com_left * run - spec.com_height * rise) / spec.width + back[0]
-    z = (spec.com_left * rise + spec.com_height * run) / spec.width + up[0]
-    width = np.hypot(dx, dy)
-    return ActingObject(
-        reaches, dx, dy, width,
-        (x * dx + z * dy) / width, (z * dx - x * dy) / width,
-    )  # fmt: skip
+    angles, places = (np.ascontiguousarray(given, float) for given in (theta, p))
+    return ActingObject(*_core.acting_objects(spec, tuple(angles), tuple(places)))

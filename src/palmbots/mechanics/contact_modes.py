@@ -25,6 +25,7 @@ from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.mechanics._state_arguments import with_state_arguments
+from palmbots.mechanics.acting_object import acting_object
 from palmbots.mechanics.array_arguments import FloatArray, columns_of
 from palmbots.mechanics.contact_points import CODE_OF, Contact, Motions, touching
 from palmbots.mechanics.state import palm_state
@@ -250,16 +251,18 @@ def contact_modes(
     Raises:
         SceneError: the scene cannot be read or is invalid.
         PalmbotsError: a coordinate is beyond its palm, an angle is not between -80° and 80°, the
-            object cannot span the two contacts, or a palm would lie inside it.
+            object cannot span the two contacts, a palm would lie inside it, or a contact vertex is
+            rounded and the object may touch a palm elsewhere.
     """
     state = palm_state(scene, p_left_m, p_right_m, theta_left_deg, theta_right_deg, overrides)
     touched = touching(state)
     spec = state.spec
+    acting = acting_object(spec, np.transpose([state.theta_rad]), np.transpose([state.p_m]))
     numbers = [
-        spec.width,
-        spec.com_left,
-        spec.com_right,
-        spec.com_height,
+        float(acting.width[0]),
+        float(acting.com_left[0]),
+        float(acting.com_right[0]),
+        float(acting.com_height[0]),
         spec.slope,
         spec.palms[0].offset,
         spec.palms[1].offset,

@@ -11,6 +11,8 @@ contact leaves the palm). The core has the mechanics (`mechanics/contact_detecti
 
 from __future__ import annotations
 
+import cmath
+import math
 from dataclasses import dataclass
 from typing import Literal, cast
 
@@ -20,6 +22,7 @@ from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.state import PalmState, palm_state
 from palmbots.scene.scene import SceneLike
+from palmbots.scene.spec import contact_radii
 
 Kind = Literal["vertex", "flush", "tip"]
 Motions = tuple[str, ...]
@@ -103,8 +106,11 @@ def touching(state: PalmState) -> Touching:
     """The contacts of a state.
 
     Raises:
-        PalmbotsError: a palm lies in the object, or there are more than 8 contacts.
+        PalmbotsError: a palm lies in the object, there are more than 8 contacts, or a contact
+            vertex is rounded and the object may touch a palm elsewhere.
     """
+    if any(contact_radii(state.spec)):
+        return _on_arcs(state)
     points, count, sunk, pivots = _core.contacts(state.spec, state.theta_rad, state.p_m)
     near = _core.contact_tolerance * state.spec.width
     for i, side in enumerate(SIDES):
@@ -123,6 +129,26 @@ def touching(state: PalmState) -> Touching:
         for kind, place, x, y, support in points
     )
     return Touching(contacts, state.spec.slope, tuple(p[4] for p in points), pivots)
+
+
+def _on_arcs(state: PalmState) -> Touching:
+    """Rounded contact vertices alone; palms count as infinitely long."""
+    spec, turn = state.spec, state.object_rad
+    points: list[Contact] = []
+    for i, side in enumerate(SIDES):
+        theta = state.theta_rad[i]
+        low, high = _core.clear_cones(spec)[i]
+        if not low < math.tan(theta + (turn if i == 0 else -turn)) < high:
+            raise PalmbotsError(
+                f"theta_{side}_deg: value is {show(state.theta_deg[i])}, at which the object may "
+                f"touch the {side} palm elsewhere; allowed, with rounded contact vertices: angles "
+                "at which the rest of the object is above the line of the palm"
+            )
+        down = contact_radii(spec)[i] * cmath.rect(1, (-0.5 * math.pi) + (-1, 1)[i] * theta - turn)
+        points.append(
+            Contact(side, "vertex", state.p_m[i], (i * spec.width + down.real, down.imag))
+        )
+    return Touching(tuple(points), spec.slope, (), ((0.0, 0.0), (0.0, 0.0)))
 
 
 def contacts(
@@ -151,7 +177,8 @@ def contacts(
     Raises:
         SceneError: the scene cannot be read or is invalid.
         PalmbotsError: a coordinate is beyond its palm, an angle is not between -80° and 80°, the
-            object cannot span the two contacts, or a palm would lie inside it.
+            object cannot span the two contacts, a palm would lie inside it, or a contact vertex is
+            rounded and the object may touch a palm elsewhere.
     """
     state = palm_state(scene, p_left_m, p_right_m, theta_left_deg, theta_right_deg, overrides)
     return list(touching(state).contacts)

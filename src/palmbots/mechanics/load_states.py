@@ -51,9 +51,10 @@ class LoadStates:
         self._arm_x = self._p * np.cos(self._theta) - offset * np.sin(self._theta)
         self._arm_z = self._p * np.sin(self._theta) + offset * np.cos(self._theta)
         acting = acting_object(spec, self._theta, self._p)
-        dx, dy, width, reaches = acting.dx, acting.dy, acting.width, acting.reaches
-        com_left, com_height = acting.com_left, acting.com_height
-        com_right = width - com_left
+        reaches = np.isfinite(acting.dx)
+        dx, dy, width, com_left, com_right, com_height = (
+            np.where(reaches, one, 1.0) for one in vars(acting).values()
+        )
         squeeze = contact_modes_batch(
             width=width, com_x=com_left, com_y=com_height,
             theta_left=t_l, theta_right=t_r, p_left=p_l, p_right=p_r,

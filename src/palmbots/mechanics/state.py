@@ -13,7 +13,7 @@ from palmbots._types import SIDES, Overrides
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.scene.spec import refuse_rounded_contacts, to_spec
+from palmbots.scene.spec import contact_radii, to_spec
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,6 @@ def palm_state(
 ) -> PalmState:
     """The state with these contacts and angles; as for `palmbots.contact_modes`."""
     chosen = load_scene(scene, overrides)
-    refuse_rounded_contacts(chosen)
     degrees = [
         float(chosen.palm_of(side).steep_deg if angle is None else angle)
         for side, angle in zip(SIDES, (theta_left_deg, theta_right_deg), strict=True)
@@ -67,7 +66,8 @@ def placed(
             )
     angles = [math.radians(d) for d in degrees]
     height = [
-        p[i] * math.sin(angles[i]) + spec.palms[i].offset * math.cos(angles[i]) for i in (0, 1)
+        p[i] * math.sin(angles[i]) + (spec.palms[i].offset + radius) * math.cos(angles[i])
+        for i, radius in enumerate(contact_radii(spec))
     ]
     rise = (height[1] - height[0]) / spec.width
     if not abs(rise) < 1:

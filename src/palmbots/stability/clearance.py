@@ -25,6 +25,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+import palmbots._core as _core
 from palmbots._types import SIDES, Side
 from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Line, bad
@@ -217,7 +218,7 @@ class _View:
     def endless(self, states: Array) -> Array:
         """How far palms of any length may turn."""
         alpha, _ = self._turned(states, states)
-        low, high = np.arctan(self.problem.envelope().clear[self.side])
+        low, high = np.arctan(_core.clear_cones(self.problem.spec)[self.side])
         return np.minimum(alpha - low, high - alpha)
 
     def turn(self, alpha: Array, spread: Array, inward: Array, outward: Array) -> Array:

@@ -83,11 +83,11 @@ def state_of(problem: StabilityProblem, p_m: Pair) -> State:
     span = math.sqrt((problem.width - rise) * (problem.width + rise))
     separation = span - float(np.array(p_m) @ cos - np.array(problem.offset) @ sin)
     turn = math.asin(rise / problem.width)
-    acting = acting_object(problem.spec, angles, p_m)
+    acting = acting_object(problem.spec, np.transpose([angles]), np.transpose([p_m]))
     modes = contact_modes_batch(
-        width=float(acting.width),
-        com_x=float(acting.com_left),
-        com_y=float(acting.com_height),
+        width=acting.width[0],
+        com_x=acting.com_left[0],
+        com_y=acting.com_height[0],
         theta_left=angles[0],
         theta_right=angles[1],
         p_left=p_m[0],
