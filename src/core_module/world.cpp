@@ -141,6 +141,10 @@ void bind_world(nb::module_& m) {
             return std::pair(place(left), place(right));
           },
           "Where each palm is touched [m]; None: nowhere.");
+  m.def(
+      "takes_general_steps",
+      [](const Spec& spec) { return takes_general_steps(model_of<double>(spec)); }, nb::arg("spec"),
+      "Whether every step of a carry is the general one, which lanes do not speed up.");
 }
 
 }  // namespace palmbots::bindings

@@ -86,7 +86,6 @@ def test_carries_that_may_last_long_are_fewer() -> None:
     assert default_carries(prepare(scene)) == pytest.approx(1000 * 50 / 500, abs=1)
     assert default_carries(prepare(pb.load_scene("paper", {"task.timeout_s": 1e5}))) == 20
     # Where every step is the general one, carries side by side are no faster than one by one.
-    assert default_carries(prepare(pb.load_scene("plate"))) == 200
     assert default_carries(prepare(pb.load_scene("paper", {"object": "carton"}))) == 200
 
 

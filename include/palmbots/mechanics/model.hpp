@@ -33,7 +33,9 @@ struct PalmProfile {
   double under_along = 0.0;
   double under_across = -1.0;
 
-  constexpr bool is_plain() const { return nose == 0.0 && heel == 0.0; }
+  // Whether nose or heel may touch the object while both contacts are within the reach of the model
+  // and the palms at angles of the scene.
+  bool touches_within_reach = false;
 };
 
 // What stands still around object and palms.

@@ -28,6 +28,18 @@ inline PalmProfile profile_of(const PalmSpec& palm) {
   return profile;
 }
 
+// Whether a nose or a heel may touch the object although both contacts are within reach: a nose
+// touches only what hangs below the contact vertices, a heel that stops the contacts only what is
+// beyond the reach (`clear_of_heel`).
+inline bool touches_within_reach(const Spec& spec, std::size_t side) {
+  const PalmSpec& palm = spec.palms[side];
+  bool hangs = false;
+  for (std::size_t i = 0; i < spec.outline.count; ++i)
+    hangs = hangs || spec.outline.vertices[i].height < -1e-9 * spec.width;
+  const bool is_clear = palm.stops && palm.usable > least_usable && !may_go_limp(spec);
+  return (palm.nose > 0 && hangs) || (palm.heel > 0 && !is_clear);
+}
+
 // The model of object, palms and friction.
 template <class Real>
 Model<Real> model_of(const Spec& spec) {
@@ -50,6 +62,7 @@ Model<Real> model_of(const Spec& spec) {
     model.reach[side] = Real(spec.palms[side].reach());
     model.friction[side] = Real(spec.palms[side].friction);
     model.profile[side] = profile_of(spec.palms[side]);
+    model.profile[side].touches_within_reach = touches_within_reach(spec, side);
   }
   model.safe_reach = Real(spec.safe_reach);
   return model;

@@ -12,6 +12,8 @@
 
 namespace palmbots {
 
+inline constexpr double least_usable = 0.001;  // length of the usable part of a palm [m]
+
 struct PalmSpec {
   double length = 0.15;
   double usable = unset;  // of the length; unset: all of it
@@ -41,7 +43,7 @@ struct PalmSpec {
 };
 inline constexpr Key palm_keys[] = {
     number<&PalmSpec::length>("length_m", Unit::m, 0.001, 10),
-    number<&PalmSpec::usable>("usable_m", Unit::m, 0.001, 10),
+    number<&PalmSpec::usable>("usable_m", Unit::m, least_usable, 10),
     number<&PalmSpec::offset>("pivot_offset_m", Unit::m, -1, 1),
     number<&PalmSpec::thickness>("thickness_m", Unit::m, 0, 0.1),
     number<&PalmSpec::nose>("nose_m", Unit::m, 0, 0.1),

@@ -172,18 +172,17 @@ inline double clear_of_heel(const Spec& spec, std::size_t side) {
   const SinCos<double> at = sin_cos(steepest);
   apart += reach * at.sin + farthest * (1 - at.cos);
   const double lean = apart / spec.width;  // at most, as a sine
-  constexpr double least = 0.001;          // as the least of palm.usable_m
-  if (!(lean < 1)) return least;
+  if (!(lean < 1)) return least_usable;
   const double tan_lean = lean / std::sqrt(1 - lean * lean);
   const double tan_palm = at.sin / at.cos;
-  if (!(tan_lean * tan_palm < 1)) return least;
+  if (!(tan_lean * tan_palm < 1)) return least_usable;
   const double tan_most = (tan_lean + tan_palm) / (1 - tan_lean * tan_palm);
   double overhang = 0;
   for (std::size_t i = 0; i < spec.outline.count; ++i)
     overhang = larger(overhang, -spec.outline.vertices[i].along[side]);
   const PalmSpec& palm = spec.palms[side];
   const double taken = overhang * std::sqrt(1 + tan_most * tan_most) + palm.heel * tan_most;
-  return larger(least, palm.length - 2 * taken);
+  return larger(least_usable, palm.length - 2 * taken);
 }
 
 // The spec of a scene that passes all checks.

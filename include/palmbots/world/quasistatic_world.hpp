@@ -28,6 +28,17 @@ namespace palmbots {
 template <class Real>
 inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
 
+// Whether the steps for two vertices never suffice: a rounded contact vertex rolls, and a nose or a
+// heel may touch the object.
+template <class Real>
+bool takes_general_steps(const Model<Real>& model) {
+  for (const std::size_t side : {left, right}) {
+    if (contact_radii(model.outline)[side] > Real(0) || model.profile[side].touches_within_reach)
+      return true;
+  }
+  return false;
+}
+
 // The world of one carry.
 template <class Real>
 class World {
@@ -117,6 +128,7 @@ class World {
     const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
     const DropReason reason =
         drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
+    if (reason == DropReason::off_palm && may_leave_reach()) return check_all();
     if (!adds_contact(reason)) return reason;
     const DropReason found = check_all();
     return adds_contact(found) ? reason : found;
@@ -181,15 +193,14 @@ class World {
     return last_;
   }
 
-  // Whether the steps for two vertices do not suffice: a rounded contact vertex rolls, and a nose or
-  // a heel may touch the object anywhere.
-  bool is_general() const {
-    for (const std::size_t side : {left, right}) {
-      const std::size_t own = model_.outline.contact[side];
-      if (model_.outline.vertices[own].radius > Real(0) || !model_.profile[side].is_plain())
-        return true;
-    }
-    return false;
+  bool is_general() const { return takes_general_steps(model_); }
+
+  // Whether a heel stops the contacts, beyond the part of the palm on which the heel touches nothing.
+  bool may_leave_reach() const { return model_.profile[left].stops || model_.profile[right].stops; }
+  bool is_beyond_reach() const {
+    const PerSide<Real>& places = state_.configuration.contacts;
+    return !(within(places[left], model_.reach[left]) &&
+             within(places[right], model_.reach[right]));
   }
 
   // Why all contacts together do not hold the object.
@@ -272,7 +283,9 @@ class World {
     if (!posed_) {
       const bool alone = model_.surroundings.none() && by[left].y == by[right].y && !is_general();
       if (alone) total = GeneralStep<Real>{model_, state_, Real(widens), goals}.run();
-      if (alone && !adds_contact(total.reason)) {
+      const bool goes_on =
+          adds_contact(total.reason) || (total.reason == DropReason::off_palm && may_leave_reach());
+      if (alone && !goes_on) {
         carry_on(by, double(total.fraction));
         return total;
       }
@@ -293,7 +306,7 @@ class World {
     carry_on(by, done.fraction);
     place_vertices(step, done.fraction);
     if (on_vertices && !is_general() && model_.surroundings.none() &&
-        height_[left] == height_[right]) {
+        height_[left] == height_[right] && !(may_leave_reach() && is_beyond_reach())) {
       regime_ = {};
       posed_ = false;
     }

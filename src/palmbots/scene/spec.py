@@ -32,12 +32,6 @@ def contact_radii(spec: _core.Spec) -> tuple[float, float]:
     return outline[0][3], outline[spec.contact_right][3]
 
 
-def takes_general_steps(spec: _core.Spec) -> bool:
-    """Whether every step of the world is the general one, which lanes do not speed up: a
-    contact vertex rolls, or a palm has a nose or a heel."""
-    return any(contact_radii(spec)) or any(palm.nose > 0 or palm.heel > 0 for palm in spec.palms)
-
-
 def refuse_rounded_contacts(scene: Scene) -> None:
     """Raise `SceneError` for contact vertices that roll, which only the world knows.
 

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import palmbots._core as _core
 from palmbots._types import Interval, Overrides
 from palmbots._util.arguments import whole_number
 from palmbots._util.confidence_intervals import rate_interval, rate_text
@@ -27,7 +28,6 @@ from palmbots._util.results import Result
 from palmbots.control.registry import ControllerLike, resolve, shipped_names
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.scene.spec import takes_general_steps
 from palmbots.simulation.batch import (
     DELIVERED,
     DROPPED,
@@ -154,7 +154,7 @@ def _carries_of_a_second(prepared: Prepared) -> float:
 
 def _in_lanes(prepared: Prepared) -> bool:
     spec = prepared.spec
-    is_fast = is_built() and not takes_general_steps(spec)
+    is_fast = is_built() and not _core.takes_general_steps(spec)
     return is_fast and can_run_in_lanes(prepared.controller, [spec])
 
 
