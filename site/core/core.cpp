@@ -13,6 +13,7 @@
 #include "palmbots/base/wilson.hpp"
 #include "palmbots/sim/problem_text.hpp"
 #include "palmbots/sim/scene_warnings.hpp"
+#include "palmbots/sim/team_registry.hpp"
 #include "palmbots/stability/tolerance.hpp"
 #include "recorded_carry.hpp"
 #include "statics_of_state.hpp"
@@ -49,17 +50,14 @@ const double* give(const std::vector<double>& numbers) {
   return numbers.data();
 }
 
-// Calls visit(make) with what makes the team of a controller: one of the registry by its number, or
-// after them the rows of a policy.
-template <class Visit>
-void with_controller(std::uint32_t number, Visit&& visit) {
-  if (number >= policy_controller) {
-    visit([](const Spec& spec, std::uint64_t seed) {
-      return RowPolicyTeam(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed), policy);
-    });
-    return;
+// The team of a controller: one of the registry by its number, or after them the rows of a policy.
+page::PageTeam team_of(std::uint32_t controller, std::uint64_t seed) {
+  if (controller >= policy_controller) {
+    return page::PageTeam(
+        RowPolicyTeam(channel_of(scene), seed, leader_of(scene), Faults::of(scene, seed), policy));
   }
-  visit_team(controller_infos[number].name, [&](auto make) { visit(make); });
+  return visit_team(controller_infos[controller].name,
+                    [&](auto make) { return page::PageTeam(make(scene, seed)); });
 }
 
 PerSide<AnglePair<double>> scene_angles() {
@@ -174,10 +172,8 @@ PAGE_EXPORT(timing) const double* timing(std::uint32_t controller) {
 PAGE_EXPORT(run) const double* run(std::uint32_t controller, double seed) {
   const bool stops_in_silence =
       controller < policy_controller && controller_infos[controller].stops_in_silence;
-  with_controller(controller, [&](auto make) {
-    const auto whole = static_cast<std::uint64_t>(seed);
-    carry = page::record(scene, whole, make(scene, whole), forks, stops_in_silence);
-  });
+  const auto whole = static_cast<std::uint64_t>(seed);
+  carry = page::record(scene, whole, team_of(controller, whole), forks, stops_in_silence);
   return give(carry.metrics);
 }
 PAGE_EXPORT(rows) const double* rows() { return give(carry.rows); }
@@ -219,12 +215,10 @@ PAGE_EXPORT(places) const double* places() {
 PAGE_EXPORT(clear_tally) void clear_tally() { tally = {}; }
 PAGE_EXPORT(add_to_tally)
 const double* add_to_tally(std::uint32_t controller, double first, std::uint32_t n) {
-  with_controller(controller, [&](auto make) {
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const auto seed = static_cast<std::uint64_t>(first) + i;
-      tally.add(scene, seed, make(scene, seed));
-    }
-  });
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const auto seed = static_cast<std::uint64_t>(first) + i;
+    tally.add(scene, seed, team_of(controller, seed));
+  }
   const double each = tally.carries > 0 ? tally.carries : 1;
   answer = {tally.carries,
             tally.dropped,

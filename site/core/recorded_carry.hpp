@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "page_team.hpp"
 #include "palmbots/sim/carry_warnings.hpp"
 #include "palmbots/sim/recorder.hpp"
-#include "palmbots/sim/team_registry.hpp"
 
 namespace palmbots::page {
 
@@ -48,8 +48,8 @@ class PageRecorder : public TraceRecorder {
   template <class Carry>
   void after(const Carry& carry) {
     TraceRecorder::after(carry);
-    if constexpr (requires { carry.team().packets(tick_); }) {
-      if (stores_) store(carry.team().packets(tick_), carry.spec().period);
+    if (stores_) {
+      if (const auto sent = carry.team().packets(tick_)) store(*sent, carry.spec().period);
     }
     ++tick_;
   }
@@ -58,11 +58,10 @@ class PageRecorder : public TraceRecorder {
  private:
   // A report's content: sign + 1, + 3 if the palm is shallow, + 6 if it has reached its angle. A
   // command's: 1 if the palm is to be shallow, + 2 × the move.
-  template <class Packets>
-  void store(const Packets& sent, double period) {
+  void store(const StationPackets& sent, double period) {
     for (std::uint32_t link = 0; link < sent.arrivals.size(); ++link) {
       const std::uint32_t arrival = sent.arrivals[link];
-      if (arrival == Packets::not_sent) continue;
+      if (arrival == StationPackets::not_sent) continue;
       const bool is_report = link < 2;
       const std::size_t robot = link % 2;
       const auto& report = sent.reports[robot];
@@ -88,6 +87,8 @@ class PageRecorder : public TraceRecorder {
   Numbers packets_;
 };
 
+using PageCarry = Carry<double, PageTeam, PageRecorder>;
+
 namespace detail {
 
 inline void append_row(const Row& row, double time, Numbers& out) {
@@ -102,8 +103,7 @@ inline void append_row(const Row& row, double time, Numbers& out) {
   out.insert(out.end(), {row.lift[left], row.lift[right]});
 }
 
-template <class Carry>
-void append_metrics(const Carry& carry, Numbers& out) {
+inline void append_metrics(const PageCarry& carry, Numbers& out) {
   const Metrics& m = carry.metrics();
   const double period = carry.spec().period;
   const std::uint64_t hash = carry.recorder().hash();
@@ -117,8 +117,7 @@ void append_metrics(const Carry& carry, Numbers& out) {
                          double(hash & 0xFFFFFFFFU)});
 }
 
-template <class Carry>
-std::string warning_lines(const Carry& carry, bool stops_in_silence) {
+inline std::string warning_lines(const PageCarry& carry, bool stops_in_silence) {
   const auto& team = carry.team();
   const PerSide<MessageKind> awaits{team.awaits(left), team.awaits(right)};
   const PerSide<bool> stopped{carry.commands()[left].stop, carry.commands()[right].stop};
@@ -133,10 +132,9 @@ std::string warning_lines(const Carry& carry, bool stops_in_silence) {
 }  // namespace detail
 
 // Runs one carry to its end. `stops_in_silence`: of the controller (ControllerInfo).
-template <class Team>
-RecordedCarry record(const Spec& spec, std::uint64_t seed, Team team,
-                     const std::vector<Fork>& forks, bool stops_in_silence) {
-  Carry<double, Team, PageRecorder> carry(spec, seed, std::move(team), PageRecorder(true));
+inline RecordedCarry record(const Spec& spec, std::uint64_t seed, PageTeam team,
+                            const std::vector<Fork>& forks, bool stops_in_silence) {
+  PageCarry carry(spec, seed, std::move(team), PageRecorder(true));
   carry.run(forks);
   RecordedCarry kept;
   const Metrics& m = carry.metrics();
@@ -186,9 +184,8 @@ struct Tally {
   double messages_per_m = 0;
   double corrections = 0;
 
-  template <class Team>
-  void add(const Spec& spec, std::uint64_t seed, Team team) {
-    Carry<double, Team, PageRecorder> carry(spec, seed, std::move(team), PageRecorder(false));
+  void add(const Spec& spec, std::uint64_t seed, PageTeam team) {
+    PageCarry carry(spec, seed, std::move(team), PageRecorder(false));
     carry.run();
     const Metrics& m = carry.metrics();
     carries += 1;

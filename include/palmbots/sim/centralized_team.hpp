@@ -55,6 +55,15 @@ inline CorrectionActivity activity_of_station(const RowPolicy& station, std::siz
   return {static_cast<char>('0' + station.current()), robot, CorrectionActivity::nobody, sense};
 }
 
+// What is sent in one tick, for a recorder.
+struct StationPackets {
+  static constexpr std::uint32_t not_sent = ~0U;
+  std::array<std::uint32_t, 4> arrivals;  // ticks, by link (LinkTotals); 0: lost
+  PerSide<Centralized::Report> reports;
+  PerSide<Command> commands;
+  PerSide<bool> hellos;  // the station answers a packet without a session, and commands nothing
+};
+
 // Station, robots and the links between them. A Station provides step(reports) →
 // Centralized::Output, current() and activity_of_station().
 template <class Station>
@@ -81,7 +90,7 @@ class StationTeam {
     due_ = tick + 1;
     const Moment before = now_;
     const bool lost = faults_.any() && faults_.station_lost(tick);
-    arrivals_.fill(Packets::not_sent);
+    arrivals_.fill(StationPackets::not_sent);
     PerSide<bool> runs{true, true};
     bool all_accepted = true;
     for (const std::size_t side : {left, right}) {
@@ -135,19 +144,10 @@ class StationTeam {
     due_ = tick;
   }
 
-  // What is sent in one tick, for a recorder.
-  struct Packets {
-    static constexpr std::uint32_t not_sent = ~0U;
-    std::array<std::uint32_t, 4> arrivals;  // ticks, by link (LinkTotals); 0: lost
-    PerSide<Centralized::Report> reports;
-    PerSide<Command> commands;
-    PerSide<bool> hellos;  // the station answers a packet without a session, and commands nothing
-  };
-
   // The packets of this tick, the last one that has begun. In a tick without a step, the packets of
   // the last step are repeated.
-  Packets packets(std::uint32_t tick) const {
-    Packets sent{arrivals_, now_.said, {}, hellos_};
+  StationPackets packets(std::uint32_t tick) const {
+    StationPackets sent{arrivals_, now_.said, {}, hellos_};
     for (const std::size_t side : {left, right})
       sent.commands[side] = now_.station_output.command[side];
     if (tick >= due_) sent.arrivals.fill(tick + travel_);
@@ -236,7 +236,7 @@ class StationTeam {
   std::uint32_t changed_ = 0;  // the last tick that differed from the one before
   std::uint32_t due_ = 0;      // the tick after the last step
   bool judges_;
-  std::array<std::uint32_t, 4> arrivals_{};  // of the packets of the last step (Packets)
+  std::array<std::uint32_t, 4> arrivals_{};  // of the packets of the last step (StationPackets)
   PerSide<bool> hellos_{};
   PerSide<SessionEnd> robot_ends_;
   PerSide<SessionEnd> station_ends_;

@@ -13,8 +13,10 @@ struct NoController {
   static constexpr bool expects_turns = false;
 
   template <class Log>
-  PerSide<Command> step(std::uint32_t, const PerSide<RobotObservation>&, Log&&) {
-    return {{{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
+  const PerSide<Command>& step(std::uint32_t, const PerSide<RobotObservation>&, Log&&) {
+    static constexpr PerSide<Command> resting{
+        {{Palm::steep, Move::hold}, {Palm::steep, Move::hold}}};
+    return resting;
   }
   void fork(std::uint64_t) {}
   void close(std::uint32_t) {}

@@ -26,7 +26,7 @@ class RobotPair {
       : spec_(spec), seed_(seed), faults_(Faults::of(spec, seed)), team_(std::move(team)) {
     robots_ = robots_of<Real>(spec, seed);
     for (const std::size_t side : {left, right}) {
-      full_move_[side] = Real(spec.robots[side].correction * (AnyTeam::half_moves ? 0.5 : 1.0));
+      full_move_[side] = Real(spec.robots[side].correction * (team_.half_moves ? 0.5 : 1.0));
       nominal_[side] = Real(spec.direction * spec.robots[side].speed);
     }
     tactile_ = tactile_of<Real>(spec);
@@ -182,7 +182,7 @@ class RobotPair {
   [[gnu::noinline]] void obey(const PerSide<Command>& commands) {
     for (const std::size_t side : {left, right}) {
       const bool turns = commands[side].palm != commands_[side].palm;
-      if (AnyTeam::expects_turns && turns) sensed_[side].palm_at_target = false;
+      if (team_.expects_turns && turns) sensed_[side].palm_at_target = false;
     }
     commands_ = commands;
     for (const std::size_t side : {left, right}) {

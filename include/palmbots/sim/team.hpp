@@ -42,10 +42,10 @@ concept Team =
     requires(T team, const T& known, std::uint32_t tick, const PerSide<RobotObservation>& sensed,
              void (*log)(const SentMessage&), std::uint64_t seed, std::size_t side) {
       // True if both robots move, at half the correction speed each.
-      { T::half_moves } -> std::convertible_to<bool>;
+      { known.half_moves } -> std::convertible_to<bool>;
       // True if the team assumes that a palm it has just commanded is not yet at its target in the
       // next tick. In that case only a palm that *is* at its target wakes the controllers.
-      { T::expects_turns } -> std::convertible_to<bool>;
+      { known.expects_turns } -> std::convertible_to<bool>;
       { known.link_totals } -> std::convertible_to<LinkTotals>;
       // One tick: turns observations into commands. `log` is called for every message that is sent.
       { team.step(tick, sensed, log) } -> std::convertible_to<PerSide<Command>>;
