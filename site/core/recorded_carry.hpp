@@ -40,18 +40,25 @@ struct RecordedCarry {
 };
 
 // A TraceRecorder that also stores the packets of a team with a station, of which one goes over each
-// link in each tick.
+// link in each tick. One that stores nothing takes no time: many carries are only counted.
 class PageRecorder : public TraceRecorder {
  public:
-  explicit PageRecorder(bool stores_rows) : TraceRecorder(stores_rows), stores_(stores_rows) {}
+  explicit PageRecorder(bool stores) : TraceRecorder(stores), stores_(stores) {}
 
   template <class Carry>
+  void before(const Carry& carry, const PerSide<RobotObservation>& sensed) {
+    if (stores_) TraceRecorder::before(carry, sensed);
+  }
+  template <class Carry>
   void after(const Carry& carry) {
+    if (!stores_) return;
     TraceRecorder::after(carry);
-    if (stores_) {
-      if (const auto sent = carry.team().packets(tick_)) store(*sent, carry.spec().period);
-    }
+    if (const auto sent = carry.team().packets(tick_)) store(*sent, carry.spec().period);
     ++tick_;
+  }
+  template <class Carry>
+  void end(const Carry& carry) {
+    if (stores_) TraceRecorder::end(carry);
   }
   Numbers take_packets() { return std::move(packets_); }
 
