@@ -63,7 +63,12 @@ def test_keys_takes_a_part_or_a_pattern(here: Run) -> None:
 
     assert names("latency") == ["radio.latency_s"]
     assert names("start.*_m") == ["start.left_m", "start.right_m"]
-    assert names("NOISE") == ["robot.noise_m_s", "robot.noise_tau_s", "robot.standing_noise_m_s"]
+    assert names("NOISE") == [
+        "robot.noise_m_s",
+        "robot.noise_tau_s",
+        "robot.standing_noise_m_s",
+        "robot.white_noise_m_per_sqrt_s",
+    ]
 
 
 def test_controllers_lists_those_of_the_help(here: Run) -> None:

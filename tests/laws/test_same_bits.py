@@ -81,6 +81,7 @@ SPECIAL: list[dict[str, Any]] = [
     {"radio.replay": 0.3, "radio.jitter_s": 0.02, "radio.left.latency_s": 0.09},
     {"robot.left.period_s": 0.03, "robot.right.period_s": 0.02},
     {"robot.noise_m_s": 0.04, "robot.standing_noise_m_s": 0.01},
+    {"robot.gain_sd": 0.1, "robot.left.gain": 0.95, "robot.right.white_noise_m_per_sqrt_s": 0.01},
     {"faults.random_reboots": 2, "faults.script": [
         {"kind": "stuck", "robot": "left", "at_s": 2.0, "duration_s": 1.0, "stuck_at": "+"},
         {"kind": "freeze", "robot": "left", "at_s": 8.0, "duration_s": 0.6},

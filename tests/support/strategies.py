@@ -123,6 +123,9 @@ def _robot(draw: st.DrawFn) -> dict[str, float]:
         "max_speed_m_s": speed + draw(numbers(0, 0.1)),
         "noise_m_s": draw(st.just(0.0) | numbers(0, 0.04)),
         "noise_tau_s": draw(numbers(0.05, 5)),
+        "gain": draw(st.just(1.0) | numbers(0.9, 1.1)),
+        "gain_sd": draw(st.just(0.0) | numbers(0, 0.1)),
+        "white_noise_m_per_sqrt_s": draw(st.just(0.0) | numbers(0, 0.02)),
         "standing_noise_m_s": draw(st.just(0.0) | numbers(0, 0.04)),
         "bias_m_s": draw(st.just(0.0) | numbers(-0.01, 0.01)),
     }

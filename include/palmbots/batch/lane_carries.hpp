@@ -79,7 +79,7 @@ class LaneCarries {
     PerSide<V> until;
     PerSide<LaneMask<Real, n>> palm_at_target;
     std::uint32_t has_false_readings = 0;  // lanes whose readings may be false
-    std::uint32_t is_jolted = 0;           // lanes whose carry has bumps or pushes
+    std::uint32_t is_jolted = 0;           // lanes whose carry has bumps, or biases that change
     std::uint32_t shaken = 0;              // lanes with a bump in this tick
     LaneRandomInputs<n> random{};
     PerSide<std::array<V, block_ticks>> noise;
@@ -133,7 +133,7 @@ class LaneCarries {
     }
     pack.has_false_readings = (pack.has_false_readings & ~(1U << l)) | (one.reads_truly() ? 0U : 1U)
                                                                            << l;
-    const bool jolts = Bumps::any(one.spec_) || Pushes::any(one.spec_);
+    const bool jolts = Bumps::any(one.spec_) || Pushes::any(one.spec_) || SpeedErrors::has_white(one.spec_);
     pack.is_jolted = (pack.is_jolted & ~(1U << l)) | (jolts ? 1U : 0U) << l;
     // The least Real that is not less than the distance.
     auto goal = Real(one.spec_.distance);
@@ -269,13 +269,14 @@ class LaneCarries {
     done(lane.index, *lane.carry);
   }
 
-  // Applies the pushes and the bumps of a tick, before anything else.
+  // Applies the biases and the bumps of a tick, before anything else.
   template <class Done>
   [[gnu::noinline]] void apply_jolts(Pack& pack, std::uint64_t tick, Done& done) {
     for_each_bit(pack.busy & pack.is_jolted, [&](int l) {
       One& one = follow(pack, l, tick);
+      const PerSide<Real> biases = one.biases(one.tick_);
       for (const std::size_t side : {left, right})
-        pack.robots.wheels[side].bias.raw[l] = one.pushed_bias(one.tick_, side);
+        pack.robots.wheels[side].bias.raw[l] = biases[side];
       const double midpoint = pack.robots.midpoint.raw[l];
       const double together = pack.robots.inertia.together.raw[l];
       if (!one.bumps_.due(one.spec_, one.tick_, midpoint, together)) return;

@@ -8,26 +8,28 @@
 namespace palmbots {
 
 // The wheels. They approach the commanded speed at a finite acceleration and within a speed limit.
-// The actual speed is that plus a constant calibration error and Ornstein–Uhlenbeck noise, dn = −n
-// dt/τ + σ √(2/τ) dW, sampled exactly once per tick. Speeds are along the direction of travel.
+// The actual speed is the gain times that, plus a calibration error and Ornstein–Uhlenbeck noise,
+// dn = −n dt/τ + σ √(2/τ) dW, sampled exactly once per tick. Target, step and `speed` are multiplied
+// by the gain already, so that a tick need not. Speeds are along the direction of travel.
 template <class Real>
 struct Wheels {
-  Real gain;             // largest change of speed in a tick [m/s]
-  Real limit;            // largest speed [m/s]
-  Real bias;             // calibration error [m/s]
+  Real ramp;             // largest change of speed in a tick, times the gain [m/s]
+  Real limit;            // largest commanded speed [m/s]
+  Real bias;             // calibration error, with all that changes it from tick to tick [m/s]
   Real memory;           // e^(−T/τ)
   Real drive;            // σ √(1 − memory²) [m/s]
   Real creep = Real(0);  // share of the noise that is left while the brakes hold wheels that stand
-  Real speed = Real(0);
+  Real gain = Real(1);   // actual speed per commanded speed [1]
+  Real speed = Real(0);  // reached, times the gain [m/s]
   Real noise = Real(0);
 
   // The commanded speed, limited to what the wheels can do [m/s].
   constexpr Real within_limit(Real wanted) const { return clamp(wanted, -limit, limit); }
 
-  // The actual speed [m/s] over the next tick, towards a target within the limit. `random` has mean
-  // 0 and variance 1.
+  // The actual speed [m/s] over the next tick, towards a target: a speed within the limit, times the
+  // gain. `random` has mean 0 and variance 1.
   constexpr Real step(Real target, Real random) {
-    speed = clamp(target, speed - gain, speed + gain);
+    speed = clamp(target, speed - ramp, speed + ramp);
     noise = memory * noise + drive * random;
     return speed + (bias + noise);
   }
@@ -84,7 +86,7 @@ template <class Real>
 struct Robots {
   PerSide<Wheels<Real>> wheels;
   PerSide<Wrist<Real>> wrists;
-  PerSide<Real> goal_speed;  // within the limit, along the direction of travel [m/s]
+  PerSide<Real> goal_speed;  // within the limit, times the gain, along the direction of travel [m/s]
   PerSide<Real> goal_angle;  // [rad]
   PerSide<Real> brakes;      // 1: commanded to stop; wheels at zero speed are held
   Real travel_sense;         // ±1: the direction of travel along x

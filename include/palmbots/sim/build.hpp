@@ -13,6 +13,7 @@
 #include "palmbots/sim/radio_channel.hpp"
 #include "palmbots/sim/random_streams.hpp"
 #include "palmbots/sim/spec.hpp"
+#include "palmbots/sim/speed_errors.hpp"
 #include "palmbots/stability/safe_reach.hpp"
 
 namespace palmbots {
@@ -98,18 +99,19 @@ Real memory_of(double period, double lag) {
   return lag > 0 ? exp_minus(Real(period / lag)) : Real(0);
 }
 
-// The wheels of a robot; `period` is the control period [s].
+// The wheels of a robot; `period` is the control period [s], `gain` that of this carry.
 template <class Real>
-Wheels<Real> wheels_of(const RobotSpec& robot, double period) {
+Wheels<Real> wheels_of(const RobotSpec& robot, double period, double gain) {
   const Real memory = memory_of<Real>(period, robot.noise_tau);
   const Real drive = Real(robot.noise) * std::sqrt(Real(1) - memory * memory);
   const double creep = robot.noise > 0 ? smaller(1.0, robot.standing_noise / robot.noise) : 0;
-  return {Real(robot.acceleration * period),
+  return {Real(gain * (robot.acceleration * period)),
           Real(robot.max_speed),
           Real(robot.bias),
           memory,
           drive,
-          Real(creep)};
+          Real(creep),
+          Real(gain)};
 }
 
 // The palm motor; `period` is the control period [s].
@@ -129,9 +131,6 @@ InertiaFilter<Real> inertia_of(const Spec& spec) {
   return inertia;
 }
 
-// The side of the robot that leads, that is the front one in the direction of travel.
-inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
-
 // Both robots at rest, before they start.
 template <class Real>
 Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
@@ -142,7 +141,7 @@ Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
   // The noise is stationary: its first value already has its long-term spread.
   const Words words = draw(seed, ~0U, Stream::noise);
   for (const std::size_t side : {left, right}) {
-    robots.wheels[side] = wheels_of<Real>(spec.robots[side], spec.period);
+    robots.wheels[side] = wheels_of<Real>(spec.robots[side], spec.period, SpeedErrors::gain(spec, seed, side));
     robots.wrists[side] = wrist_of<Real>(spec.palms[side], spec.period);
     robots.wheels[side].noise =
         Real(spec.robots[side].noise) * unit_noise<Real>(words[side == leader_of(spec) ? 0 : 1]);
@@ -229,22 +228,38 @@ inline double fastest_gain(const Spec& spec, std::uint32_t side, double sense = 
   return most;
 }
 
-// What a contact may have moved beyond its zero zone when a fault occurs [m], along the floor: the
-// robots drift apart until its correction begins, and with different accelerations they come to
-// rest in different ways from the nominal speed. Biases add up; noise counts with one standard
-// deviation of both robots together.
-inline double off_zone_reach(const Spec& spec, double delay_s, double speed) {
-  double biases = 0;
-  double variance = 0;
+// The time until a correction begins, at most [s].
+inline double longest_reaction(const Spec& spec, double delay_s) {
   double turning = 0;  // the longer turn of a palm [s]
-  for (const RobotSpec& robot : spec.robots) {
-    biases += std::abs(robot.bias);
-    variance += robot.noise * robot.noise;
-  }
   for (const PalmSpec& palm : spec.palms) {
     turning = larger(turning, std::abs(palm.steep - palm.shallow) / palm.rate);
   }
-  const double reaction = spec.longest_period() + 2 * (delay_s + spec.beacon) + turning;
+  return spec.longest_period() + 2 * (delay_s + spec.beacon) + turning;
+}
+
+// The error of a robot's speed that does not change in a carry, and the variance of the errors that
+// are random, on average over a time of at least `reaction` [m/s, m²/s²].
+inline double lasting_error(const RobotSpec& robot) {
+  return std::abs(robot.bias) + std::abs(robot.gain - 1) * robot.speed;
+}
+inline double random_variance(const RobotSpec& robot, double reaction) {
+  const double of_gain = robot.gain_sd * robot.speed;
+  return robot.noise * robot.noise + of_gain * of_gain +
+         robot.white_noise * robot.white_noise / reaction;
+}
+
+// What a contact may have moved beyond its zero zone when a fault occurs [m], along the floor: the
+// robots drift apart until its correction begins, and with different accelerations they come to
+// rest in different ways from the nominal speed. Lasting errors add up; random ones count with one
+// standard deviation of both robots together.
+inline double off_zone_reach(const Spec& spec, double delay_s, double speed) {
+  const double reaction = longest_reaction(spec, delay_s);
+  double biases = 0;
+  double variance = 0;
+  for (const RobotSpec& robot : spec.robots) {
+    biases += lasting_error(robot);
+    variance += random_variance(robot, reaction);
+  }
   const double unequal =
       std::abs(1 / spec.robots[left].acceleration - 1 / spec.robots[right].acceleration);
   return (biases + std::sqrt(variance)) * reaction + 0.5 * speed * speed * unequal;
@@ -258,8 +273,10 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
   double fast = 1;
   double slow = 1;
   double speed = 0;
-  double error = 0;  // of one robot's speed: bias and one standard deviation of the noise
+  double error = 0;  // of one robot's speed: what lasts, and one standard deviation of the rest
   double stride = 1;
+  const auto delay = double(channel_of(spec).longest());
+  const double reaction = detail::longest_reaction(spec, delay * spec.period);
   for (const RobotSpec& robot : spec.robots) {
     braking = larger(braking, std::ceil(robot.correction / (robot.acceleration * spec.period)));
     const auto side = static_cast<std::uint32_t>(&robot - spec.robots);
@@ -268,7 +285,8 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
     slow = smaller(slow, drift - detail::fastest_gain(spec, side, -1));
     speed = larger(speed, robot.speed);
     stride = larger(stride, double(robot.stride));
-    error = larger(error, std::abs(robot.bias) + robot.noise);
+    error = larger(error, detail::lasting_error(robot) +
+                              std::sqrt(detail::random_variance(robot, reaction)));
   }
   double flattest = 1;  // cosine of the steepest palm
   double half = spec.palms[left].reach();
@@ -276,7 +294,6 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
     flattest = smaller(flattest, sin_cos(palm.steep).cos);
     half = smaller(half, palm.reach());
   }
-  const auto delay = double(channel_of(spec).longest());
   return ResilientTiming::of({
       .period = spec.period,
       .beacon = spec.beacon,

@@ -85,7 +85,7 @@ class Carry : public RobotPair<Real, Team> {
     const std::uint32_t k = tick_ % block_ticks;
     if (k == 0) next_block();
     statistics_.add(world_.touched());
-    push();
+    change_biases();
     this->let_palms_fall();
     const Actuation<Real> act =
         actuate(robots_, world_.configuration().palms, {noise_[left][k], noise_[right][k]});
@@ -122,7 +122,7 @@ class Carry : public RobotPair<Real, Team> {
 
   using Base::collect, Base::drop, Base::faults_, Base::finish_tick, Base::goal_speed, Base::leader;
   using Base::metrics_, Base::robots_, Base::seed_, Base::sensed_, Base::spec_, Base::tactile_;
-  using Base::next_push_, Base::notice, Base::push, Base::pushed_bias, Base::rank;
+  using Base::biases, Base::change_biases, Base::notice, Base::rank;
   using Base::read, Base::reads_truly, Base::statistics_, Base::team_, Base::tick_,
       Base::next_decision_tick_;
 

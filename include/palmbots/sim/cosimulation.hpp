@@ -104,7 +104,7 @@ class CoSimulation : public RobotPair<double, Team> {
     if (tick_ % block_ticks == 0) collect();
     const PerSide<double> random = noise();
     statistics_.add(observation_.touched);
-    push();
+    change_biases();
     this->let_palms_fall();
     const Actuation<double> act = actuate(robots_, set_points_, random);
     for (const std::size_t side : {left, right}) set_points_[side].angle = act.angles[side];
@@ -127,7 +127,7 @@ class CoSimulation : public RobotPair<double, Team> {
   const ObservedWorld& world() const { return world_; }
 
  private:
-  using Base::collect, Base::drop, Base::finish_tick, Base::notice, Base::push, Base::rank;
+  using Base::collect, Base::drop, Base::finish_tick, Base::notice, Base::change_biases, Base::rank;
   using Base::metrics_, Base::robots_, Base::seed_, Base::statistics_, Base::think, Base::tick_;
   using Base::read;
 

@@ -18,6 +18,8 @@ struct Stream {
     fault = 5,
     corruption = 6,
     replay = 7,
+    gain = 8,
+    white_noise = 9,
   };
 };
 

@@ -14,6 +14,7 @@
 #include "palmbots/sim/metrics.hpp"
 #include "palmbots/sim/pushes.hpp"
 #include "palmbots/sim/random_streams.hpp"
+#include "palmbots/sim/speed_errors.hpp"
 #include "palmbots/sim/team.hpp"
 
 namespace palmbots {
@@ -31,7 +32,7 @@ class RobotPair {
     }
     tactile_ = tactile_of<Real>(spec);
     metrics_.settle_ticks = settle_ticks();
-    next_push_ = Pushes::next_change(spec_, 0);
+    next_bias_change_ = next_bias_change(0);
     obey(commands_);
   }
 
@@ -74,9 +75,10 @@ class RobotPair {
     return signs;
   }
 
-  // The set point of the wheel speed, along the direction of travel [m/s].
+  // The set point of the wheel speed, times the gain, along the direction of travel [m/s].
   Real goal_speed(std::size_t side, Command command) const {
-    return robots_.wheels[side].within_limit(robots_.travel_sense * wanted(side, command));
+    const Wheels<Real>& wheels = robots_.wheels[side];
+    return wheels.gain * wheels.within_limit(robots_.travel_sense * wanted(side, command));
   }
 
   // True if the readings depend only on the zones in which the palms are touched.
@@ -111,21 +113,26 @@ class RobotPair {
     return are_new;
   }
 
-  // The calibration error of a robot's wheels in a tick, with what pushes it, along the direction of
-  // travel [m/s].
-  Real pushed_bias(std::uint32_t tick, std::size_t side) const {
-    const Real added = outward<Real>(side) * Real(Pushes::speed(spec_, tick, side));
-    return Real(spec_.robots[side].bias) + robots_.travel_sense * added;
+  // The calibration error of both robots' wheels in a tick, with what pushes them and the white part
+  // of the noise, along the direction of travel [m/s].
+  PerSide<Real> biases(std::uint32_t tick) const {
+    const PerSide<double> white = SpeedErrors::white(spec_, seed_, tick);
+    PerSide<Real> found{};
+    for (const std::size_t side : {left, right}) {
+      const Real added = outward<Real>(side) * Real(Pushes::speed(spec_, tick, side));
+      found[side] =
+          Real(spec_.robots[side].bias) + robots_.travel_sense * added + Real(white[side]);
+    }
+    return found;
   }
 
-  // To be called in every tick, before the wheels move: begins and ends the pushes.
-  [[gnu::always_inline]] void push() {
-    if (tick_ < next_push_) [[likely]]
+  // To be called in every tick, before the wheels move.
+  [[gnu::always_inline]] void change_biases() {
+    if (tick_ < next_bias_change_) [[likely]]
       return;
-    for (const std::size_t side : {left, right}) {
-      robots_.wheels[side].bias = pushed_bias(tick_, side);
-    }
-    next_push_ = Pushes::next_change(spec_, tick_ + 1);
+    const PerSide<Real> now = biases(tick_);
+    for (const std::size_t side : {left, right}) robots_.wheels[side].bias = now[side];
+    next_bias_change_ = next_bias_change(tick_ + 1);
   }
 
   // Without power a servo lets its palm fall. To be called in each tick before the palms turn.
@@ -171,6 +178,11 @@ class RobotPair {
   }
 
  private:
+  // The first tick from `tick` on in which a bias may change.
+  std::uint32_t next_bias_change(std::uint32_t tick) const {
+    return SpeedErrors::has_white(spec_) ? tick : Pushes::next_change(spec_, tick);
+  }
+
   void close() {
     collect();
     team_.close(tick_);
@@ -216,7 +228,7 @@ class RobotPair {
       0;  // the next tick at which the team is stepped regardless of the observations
   ContactStatistics<Real> statistics_{};
   std::uint32_t tick_ = 0;
-  std::uint32_t next_push_ = 0;  // the next tick at which a push begins or ends
+  std::uint32_t next_bias_change_ = 0;  // the next tick in which a bias may change
   Metrics metrics_;
 
  private:

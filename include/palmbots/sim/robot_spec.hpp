@@ -62,9 +62,12 @@ struct RobotSpec {
   double correction = 0.03;
   double acceleration = 0.5;  // [m/s²]
   double max_speed = 0.2;
+  double gain = 1;            // actual speed per commanded speed, on average over carries
+  double gain_sd = 0;         // standard deviation of the gain between carries
   double noise = 0.01;        // stationary standard deviation
   double noise_tau = 0.5;     // correlation time of the noise
   double standing_noise = 0;  // the part of the noise that a robot at rest keeps, as `noise`
+  double white_noise = 0;     // standard deviation of the displacement after 1 s [m/√s]
   double bias = 0;
   double clock_drift = 0;    // share by which its clock runs too fast
   std::uint64_t stride = 1;  // ticks of the carry between two steps of its program
@@ -74,9 +77,12 @@ inline constexpr Key robot_keys[] = {
     number<&RobotSpec::correction>("correction_m_s", Unit::m_s, 0, 10),
     number<&RobotSpec::acceleration>("acceleration_m_s2", Unit::m_s2, 0.001, 1000),
     number<&RobotSpec::max_speed>("max_speed_m_s", Unit::m_s, 0, 10),
+    number<&RobotSpec::gain>("gain", Unit::none, 0.5, 2),
+    number<&RobotSpec::gain_sd>("gain_sd", Unit::none, 0, 0.1),
     number<&RobotSpec::noise>("noise_m_s", Unit::m_s, 0, 1),
     number<&RobotSpec::noise_tau>("noise_tau_s", Unit::s, 0.001, 1000),
     number<&RobotSpec::standing_noise>("standing_noise_m_s", Unit::m_s, 0, 1),
+    number<&RobotSpec::white_noise>("white_noise_m_per_sqrt_s", Unit::m_per_sqrt_s, 0, 1),
     number<&RobotSpec::bias>("bias_m_s", Unit::m_s, -1, 1),
     number<&RobotSpec::clock_drift>("clock_ppm", Unit::parts_per_million, -100000, 100000),
     source_number("period_s", Unit::s, 0.0001, 1),

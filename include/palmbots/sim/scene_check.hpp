@@ -239,7 +239,9 @@ inline void check_ridges(const SceneValues& scene, Problems& problems) {
 inline void check_time(const SceneValues& scene, Problems& problems) {
   const double period = scene.of<"control.period_s">();
   const double limit = time_limit_of(scene);
-  const auto speed_of = [&](std::size_t side) { return scene.of<"robot.speed_m_s">(own(side)); };
+  const auto speed_of = [&](std::size_t side) {
+    return scene.of<"robot.gain">(own(side)) * scene.of<"robot.speed_m_s">(own(side));
+  };
   const std::size_t slower = speed_of(right) < speed_of(left) ? right : left;
   const std::size_t place = place_of<"robot.speed_m_s">(scene, slower);
   if (std::isinf(limit)) {

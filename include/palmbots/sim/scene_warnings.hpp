@@ -76,7 +76,7 @@ inline double overrun_of(const Spec& spec, const ControllerInfo& controller) {
     const double speed = fraction * robot.correction;
     const double drop = robot.acceleration * spec.period;
     const double steps = std::max(0.0, std::ceil(speed / drop) - 1);
-    return spec.period * (steps * speed - drop * steps * (steps + 1) / 2);
+    return robot.gain * spec.period * (steps * speed - drop * steps * (steps + 1) / 2);
   };
   const double step = spec.longest_period();
   // Messages arrive in whole periods, at least one.
@@ -84,12 +84,13 @@ inline double overrun_of(const Spec& spec, const ControllerInfo& controller) {
   const double delay = spec.period * std::max(1.0, periods);
   double distance = 0;
   for (const RobotSpec& robot : spec.robots) {
+    const double correction = robot.gain * robot.correction;
     if (by_station) {  // each robot drives half of a correction
-      distance += 0.5 * robot.correction * (2 * delay + step) + braking(robot, 0.5);
+      distance += 0.5 * correction * (2 * delay + step) + braking(robot, 0.5);
     } else if (controller.drives_by_both_signs) {
-      distance += robot.correction * (delay + step) + braking(robot, 1);
+      distance += correction * (delay + step) + braking(robot, 1);
     } else {
-      distance = std::max(distance, robot.correction * step + braking(robot, 1));
+      distance = std::max(distance, correction * step + braking(robot, 1));
     }
   }
   // Along the palm a contact moves a little farther than the robots do.

@@ -52,6 +52,9 @@ struct Spec : ObjectSpec,
   }
 };
 
+// The side of the robot that leads, that is the front one in the direction of travel.
+inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
+
 // True if a palm may go limp. Carries side by side (batch/lane_carries.hpp) do not provide for that.
 inline bool may_go_limp(const Spec& spec) {
   for (std::size_t i = 0; i < spec.fault_count; ++i) {

@@ -149,7 +149,7 @@ inline double time_limit_of(const SceneValues& scene) {
   double speedup = 0;
   for (const std::size_t side : {left, right}) {
     const double own_speed = scene.of<"robot.speed_m_s">(own(side));
-    speed = smaller(speed, own_speed);
+    speed = smaller(speed, scene.of<"robot.gain">(own(side)) * own_speed);
     speedup = larger(speedup, own_speed / scene.of<"robot.acceleration_m_s2">(own(side)));
   }
   return default_time_limit(scene.of<"task.distance_m">(), speed, speedup);

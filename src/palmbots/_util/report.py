@@ -163,6 +163,7 @@ def _cell(kind: str, text: str) -> str:
 # What a name ends in, the factor to the unit in which people read it, and that unit; longer ends
 # come first.
 _UNITS = (
+    ("_m_per_sqrt_s", 100.0, " cm/√s"),
     ("_m_s2", 1.0, " m/s²"),
     ("_m_s", 100.0, " cm/s"),
     ("_per_m", 1.0, " per m"),

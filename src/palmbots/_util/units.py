@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Units of scene keys, from the suffix of their names: ``radio.latency_s`` is in seconds."""
 
-_UNITS = {"s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "deg_s": "°/s", "kg": "kg"}
+_UNITS = {
+    "s": "s", "m": "m", "deg": "°", "m_s": "m/s", "m_s2": "m/s²", "m_per_sqrt_s": "m/√s",
+    "deg_s": "°/s", "kg": "kg",
+}  # fmt: skip
 
 
 def unit_of(key: str) -> str | None:
@@ -17,7 +20,7 @@ def name_of(key: str) -> str:
 def _split(key: str) -> tuple[str, str | None]:
     name, bracket, index = key.partition("[")
     words = name.replace(".", " ").split("_")
-    for size in (2, 1):
+    for size in (4, 2, 1):
         unit = _UNITS.get("_".join(words[-size:]))
         if unit is not None and len(words) > size:
             return " ".join(words[:-size]) + (f" {bracket}{index}" if bracket else ""), unit

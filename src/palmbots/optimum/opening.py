@@ -78,6 +78,13 @@ def refuse_unfit(scene: Scene) -> None:
             "robots that drive; allowed: other faults"
         )
     left, right = scene.robot_of("left"), scene.robot_of("right")
+    for key, usual in (("gain", 1.0), ("gain_sd", 0.0), ("white_noise_m_per_sqrt_s", 0.0)):
+        for robot in (left, right):
+            if (value := getattr(robot, key)) != usual:
+                raise SceneError(
+                    f"robot.{key}: value is {value:g}, and the bound does not cover it; "
+                    f"allowed: {usual:g}"
+                )
     differ = left.noise_tau_s != right.noise_tau_s
     if differ and left.noise_m_s > 0 and right.noise_m_s > 0:
         raise SceneError(

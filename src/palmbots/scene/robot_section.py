@@ -9,7 +9,12 @@ from palmbots.scene.section import Section, override_of, values_of_side
 
 
 class RobotParameters(Section):
-    """One robot: speeds, noise and clock."""
+    """One robot: speeds, errors of the speed, and clock.
+
+    It moves at the commanded speed times the gain, plus bias and noise. The noise has a part with a
+    correlation time and a white part. All errors end while the robot stands with its brakes on,
+    except for standing_noise_m_s.
+    """
 
     speed_m_s: float = key("robot.speed_m_s")
     """Nominal speed, in the direction of travel."""
@@ -19,6 +24,10 @@ class RobotParameters(Section):
     """Acceleration limit."""
     max_speed_m_s: float = key("robot.max_speed_m_s")
     """Limit of the commanded speed, in both directions."""
+    gain: float = key("robot.gain")
+    """Actual speed per commanded speed, as from a wrong wheel radius, on average over carries."""
+    gain_sd: float = key("robot.gain_sd")
+    """Standard deviation of the gain: it is drawn once for each carry and robot."""
     noise_m_s: float = key("robot.noise_m_s")
     """Standard deviation of the speed error (an Ornstein-Uhlenbeck process)."""
     noise_tau_s: float = key("robot.noise_tau_s")
@@ -26,6 +35,9 @@ class RobotParameters(Section):
     standing_noise_m_s: float = key("robot.standing_noise_m_s")
     """What is left of the speed error while the robot stands with its brakes on, as a standard
     deviation; a value above noise_m_s counts as noise_m_s. 0: brakes hold. > 0: wheels creep."""
+    white_noise_m_per_sqrt_s: float = key("robot.white_noise_m_per_sqrt_s")
+    """White part of the speed error, as the standard deviation of the displacement that it causes in
+    1 s; in t seconds it is √t times that."""
     bias_m_s: float = key("robot.bias_m_s")
     """Constant speed error, as from wrong calibration. > 0: faster in the direction of travel."""
     clock_ppm: float = key("robot.clock_ppm")

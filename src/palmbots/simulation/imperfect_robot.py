@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Motors and sensors of one simulated robot with imperfections (`ImperfectRobot`).
 
-A motor turns at the commanded rate less the dead zone, and starts only against stiction. The noise
-and the bias of the scene's robots are errors of the motors: encoders count them.
+A motor turns at the commanded rate less the dead zone, and starts only against stiction. The gain,
+the noise and the bias of the scene's robots are errors of the motors: encoders count them.
 """
 
 import math
@@ -50,6 +50,10 @@ class ImperfectRobot:
         kept = min(robot.standing_noise_m_s, robot.noise_m_s)
         self._creep = kept / robot.noise_m_s if kept else 0.0
         self._noise_m_s = robot.noise_m_s * self._chance.gauss(0, 1)
+        self._gain = robot.gain
+        if robot.gain_sd:
+            self._gain += robot.gain_sd * self._chance.gauss(0, 1)
+        self._white_m_s = robot.white_noise_m_per_sqrt_s / math.sqrt(self._period_s)
         self._bias_m_s = -robot.bias_m_s if leads else robot.bias_m_s
         self._palm_rate = math.radians(palm.rate_deg_s)
         self._zones = zones_of(scene, side) if params.switches is None else params.switches
@@ -93,10 +97,11 @@ class ImperfectRobot:
         self._noise_m_s *= self._memory
         drive = self._spread_m_s * math.sqrt(1 - self._memory**2)
         self._noise_m_s += drive * self._chance.gauss(0, 1)
-        error = (self._bias_m_s + self._noise_m_s) / params.wheel_radius_m
+        white = self._white_m_s * self._chance.gauss(0, 1) if self._white_m_s else 0.0
+        error = (self._bias_m_s + self._noise_m_s + white) / params.wheel_radius_m
         creep = self._creep * self._noise_m_s / params.wheel_radius_m
         left, right = (
-            rim * (rate + error if rate else creep)  # brakes hold a wheel that rests
+            rim * (self._gain * rate + error if rate else creep)  # brakes hold a wheel that rests
             for rim, rate in zip(self.rims, self._rates, strict=True)
         )
         self._turn(command.servo_rad)

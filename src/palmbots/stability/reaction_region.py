@@ -52,9 +52,10 @@ def reaction(scene: Scene, shallow: ArrayLike, steep: ArrayLike) -> Reaction:
     asked = period + 2 * message + turn / rate
 
     robots = [scene.robot_of(side) for side in SIDES]
-    drift = sum(abs(r.bias_m_s) for r in robots) + _SIGMAS * math.hypot(
-        *(r.noise_m_s for r in robots)
-    )
+    lasting = sum(abs(r.bias_m_s) + abs(r.gain - 1) * r.speed_m_s for r in robots)
+    random = math.hypot(*(x for r in robots for x in (r.noise_m_s, r.gain_sd * r.speed_m_s)))
+    white = math.hypot(*(r.white_noise_m_per_sqrt_s for r in robots)) / np.sqrt(own)
+    drift = lasting + _SIGMAS * np.hypot(random, white)
     low, high = zero_zone_edges_m(scene)
     half = max(palm.reach_m for palm in map(scene.palm_of, SIDES))
     edge = min(max(-low, high), half)

@@ -58,8 +58,8 @@ class RankedMargin:
 
 
 def noise_over_carry_m(scene: Scene) -> float:
-    """How far noise and unequal biases move a contact in the nominal time of the carry if no robot
-    corrects it: the bias, and one standard deviation [m].
+    """How far noise, unequal gains and unequal biases move a contact in the nominal time of the
+    carry if no robot corrects it: what lasts, and one standard deviation of the rest [m].
 
     The integral of an Ornstein-Uhlenbeck process over T has the variance
     2σ²τ (T − τ (1 − e^(−T/τ))).
@@ -72,7 +72,10 @@ def noise_over_carry_m(scene: Scene) -> float:
         tau = robot.noise_tau_s
         lasting = time_s + tau * math.expm1(-time_s / tau)
         variance += 2 * robot.noise_m_s**2 * tau * max(lasting, 0.0)
-    return math.sqrt(variance) + abs(robots[0].bias_m_s - robots[1].bias_m_s) * time_s
+        variance += robot.white_noise_m_per_sqrt_s**2 * time_s
+        variance += (robot.gain_sd * robot.speed_m_s * time_s) ** 2
+    one, other = (robot.bias_m_s + (robot.gain - 1) * robot.speed_m_s for robot in robots)
+    return math.sqrt(variance) + abs(one - other) * time_s
 
 
 def fastest_acceleration(scene: Scene) -> float:

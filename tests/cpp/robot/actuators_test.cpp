@@ -17,6 +17,7 @@
 
 using palmbots::draw;
 using palmbots::Palm;
+using palmbots::SpeedErrors;
 using palmbots::Stream;
 using palmbots::unit_noise;
 using palmbots::Wheels;
@@ -188,6 +189,87 @@ void test_a_robot_that_stands() {
   }
 }
 
+// With a gain, a robot does exactly so many times what it would do without: while it speeds up, at its
+// speed, and beyond the limit of the commanded speed. A gain that is a power of two keeps all bits.
+template <class Real>
+void test_gain_multiplies_the_motion() {
+  Spec spec;
+  spec.robots[left].gain = 2;
+  spec.robots[right].gain = 0.5;
+  for (auto& robot : spec.robots) robot.noise = 0;
+  Robots<Real> robots = robots_of<Real>(spec, 3);
+  Spec usual = spec;
+  for (auto& robot : usual.robots) robot.gain = 1;
+  Robots<Real> others = robots_of<Real>(usual, 3);
+  const palmbots::PerSide<PalmAngle<Real>> palms{PalmAngle<Real>::at(Real(0)),
+                                                 PalmAngle<Real>::at(Real(0))};
+  for (int k = 0; k < 120; ++k) {
+    for (const std::size_t side : {left, right}) {
+      const Wheels<Real>& wheels = robots.wheels[side];
+      const Real wanted = k < 60 ? Real(9) : Real(-0.01);
+      robots.goal_speed[side] = wheels.gain * wheels.within_limit(wanted);
+      others.goal_speed[side] = others.wheels[side].within_limit(wanted);
+    }
+    actuate(robots, palms, {Real(0), Real(0)});
+    actuate(others, palms, {Real(0), Real(0)});
+    CHECK(robots.speeds[left] == 2 * others.speeds[left]);
+    CHECK(robots.speeds[right] == Real(0.5) * others.speeds[right]);
+  }
+  CHECK(others.speeds[left] == Real(-0.01));
+}
+
+// The gain of a carry has the mean and the spread of its keys, is that of the leading robot on either
+// side, and is independent of the partner's.
+void test_gains_of_many_carries() {
+  Spec spec;
+  spec.robots[left].gain = 0.9;
+  for (auto& robot : spec.robots) robot.gain_sd = 0.1;
+  Spec mirrored = spec;
+  mirrored.direction = -1;
+  constexpr int count = 40000;
+  double sum = 0, squares = 0, products = 0, least = 1;
+  for (std::uint64_t seed = 0; seed < count; ++seed) {
+    const double one = SpeedErrors::gain(spec, seed, left) - 0.9;
+    const double other = SpeedErrors::gain(spec, seed, right) - 1;
+    CHECK(std::abs(SpeedErrors::gain(mirrored, seed, left) - 0.9 - other) < 1e-15);
+    sum += one;
+    squares += one * one;
+    products += one * other;
+    least = std::min(least, 0.5 + other);
+  }
+  CHECK(std::abs(sum / count) < 4 * 0.1 / std::sqrt(count));
+  CHECK(std::abs(squares / count - 0.01) < 4 * 0.01 * std::sqrt(2.0 / count));
+  CHECK(std::abs(products / count) < 4 * 0.01 / std::sqrt(count));
+  CHECK(least > 0);  // the least gain and the greatest spread that keys allow
+}
+
+// The white part displaces a robot by q √t, whatever the control period, and differs between robots
+// and between ticks.
+void test_white_noise_displaces_by_the_root_of_time() {
+  for (const double period : {0.01, 0.0025}) {
+    Spec spec;
+    spec.period = period;
+    spec.robots[left].white_noise = 0.02;
+    const auto ticks = static_cast<std::uint32_t>(2 / period);
+    constexpr int count = 2000;
+    double squares = 0, neighbours = 0;
+    for (std::uint64_t seed = 0; seed < count; ++seed) {
+      double way = 0, before = 0;
+      for (std::uint32_t tick = 0; tick < ticks; ++tick) {
+        const auto speeds = SpeedErrors::white(spec, seed, tick);
+        CHECK(speeds[right] == 0);
+        way += speeds[left] * period;
+        neighbours += speeds[left] * before * period * period;
+        before = speeds[left];
+      }
+      squares += way * way;
+    }
+    const double expected = 0.02 * 0.02 * 2;
+    CHECK(std::abs(squares / count / expected - 1) < 4 * std::sqrt(2.0 / count));
+    CHECK(std::abs(neighbours / count / expected) < 4 / std::sqrt(double(count) * ticks));
+  }
+}
+
 // Brakes hold only wheels that have come to rest. On the way back, the remaining noise has the other
 // sign.
 void test_brakes_and_the_sense_of_travel() {
@@ -202,7 +284,7 @@ void test_brakes_and_the_sense_of_travel() {
   Robots<double> robots = robots_of<double>(spec, 3);
   robots.travel_sense = -1;
   robots.brakes = {1.0, 1.0};
-  robots.wheels[right].speed = 3.5 * robots.wheels[right].gain;
+  robots.wheels[right].speed = 3.5 * robots.wheels[right].ramp;
   robots.goal_speed = {0.0, 0.0};
   for (int k = 0; k < 6; ++k) {
     const auto done = actuate(robots, palms, {0.3, 0.3});
@@ -269,6 +351,10 @@ int main() {
   test_push_of_a_steady_acceleration<float>();
   test_push_without_lag();
   test_a_robot_that_stands();
+  test_gain_multiplies_the_motion<double>();
+  test_gain_multiplies_the_motion<float>();
+  test_gains_of_many_carries();
+  test_white_noise_displaces_by_the_root_of_time();
   test_brakes_and_the_sense_of_travel();
   test_push_of_noise();
   test_acceleration_and_speed_limit<double>();
