@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from palmbots.derivation.deriving import derive_policy as derive_policy
     from palmbots.errors import PalmbotsError as PalmbotsError
     from palmbots.errors import SceneError as SceneError
+    from palmbots.fitting.fit import fit as fit
     from palmbots.logs.mcap_reader import read_log as read_log
     from palmbots.logs.mcap_writer import write_log as write_log
     from palmbots.logs.replaying import replay as replay

@@ -30,6 +30,7 @@ from palmbots.scene.scene import Scene
 from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
 from palmbots.viz import style
+from recordings import HIDDEN, recorded
 from shape_files import svg, written
 from short_validation import short_validation
 from study_fixtures import SMALL
@@ -42,10 +43,12 @@ ARC = {"task.path.kind": "arc", "task.path.radius_m": 0.5, **SHORT}
 UNITS = {"%", "cm/s", "m", "m/s", "m/s²", "mm", "s", "weight", "°"}
 WITHOUT_UNIT = {
     "correction\n(case)",
+    "density of the residuals",
     "friction μ",
     "messages per metre",
     "multiple of the scene's value",
     "palm friction",
+    "residual / its standard deviation",
     "sensor",
     "share of the variance (Sobol index)",
     "tolerance of friction, ±",
@@ -86,6 +89,8 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     yield "design-law", DesignLaw(tuple(law), Scene())
     drawing = written(folder / "box.svg", svg('<rect width="200" height="100"/>'))
     yield "imported-object", pb.import_object(drawing)
+    files = recorded(folder, HIDDEN, seed=1, stretches=6)
+    yield "motion-fit", pb.fit(files, motion=True)
     yield "validation", short_validation()
     yield "speed_limits", speed_limits()
     ranges = {

@@ -48,6 +48,7 @@ from palmbots.views.log_alignment import ClockFit
 from palmbots.views.logged_carries import LoggedCarry
 from palmbots.views.run_replay import RunReplay, Verified
 from schema_refusals import assert_fits_exactly
+from recordings import HIDDEN, recorded
 from shape_files import svg, written
 from short_validation import short_validation
 from study_fixtures import SMALL
@@ -210,6 +211,9 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     ),
     "KeyList": lambda folder: pb.keys("start"),
     "Log": lambda folder: pb.read_log(logged(folder)),
+    "MotionFit": lambda folder: pb.fit(
+        recorded(folder, HIDDEN, seed=1, stretches=6), motion=True
+    ),
     "NoiseLimit": lambda folder: noise_limit(),
     "OutcomeCounts": lambda folder: OutcomeCounts("silent", 40, 2, 0),
     "ObjectList": lambda folder: pb.objects(),
@@ -324,6 +328,7 @@ CALLS: list[tuple[str, tuple[str, ...]]] = [
     ("controllers", ()),
     ("keys", ()),
     ("import", ("DRAWING", "--out", "OBJECT")),
+    ("fit", ("--motion", "COMMANDS", "POSITIONS", "--out", "FITTED")),
     ("init", ("scene", "SCENE")),
     ("init", ("pair", "PAIR")),
     ("view", ("LOG", "--layout", "LAYOUT")),
@@ -348,6 +353,7 @@ def files(here: Run, tmp_path: Path) -> dict[str, str]:
         "STUDY": "study.toml", "DIR": "results", "CERTIFICATE": "box.json", "LOG": "log/carry.mcap",
         "MJCF": "scene.xml", "SCENE": "scene.toml", "PAIR": "pair.toml", "LAYOUT": "layout.json",
         "DRAWING": "box.svg", "OBJECT": "box.toml",
+        "COMMANDS": "commands.csv", "POSITIONS": "positions.csv", "FITTED": "fitted",
     }  # fmt: skip
     return {word: str(tmp_path / name) for word, name in names.items()}
 
@@ -367,6 +373,8 @@ def test_json_of_a_command_is_one_object_that_fits_its_schema_exactly(
         )
     if "DRAWING" in arguments:
         written(Path(files["DRAWING"]), svg('<rect width="200" height="100"/>'))
+    if "COMMANDS" in arguments:
+        recorded(Path(files["COMMANDS"]).parent, HIDDEN, seed=1, stretches=6)
     if "CERTIFICATE" in arguments:
         here("certify", "-o", files["CERTIFICATE"])
     if "LOG" in arguments:

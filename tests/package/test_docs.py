@@ -89,7 +89,7 @@ DATA = ROOT / "src" / "palmbots" / "studies" / "data"
 # Named in the text without their arguments.
 NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"], ["up"], ["world"], ["robot"],
          ["robot", "--json"], ["station"], ["ros2"], ["calibrate"], ["firmware"],
-         ["flash"], ["schema"], ["doctor"], ["import"])  # fmt: skip
+         ["flash"], ["schema"], ["doctor"], ["import"], ["fit"])  # fmt: skip
 
 
 def commands() -> list[str]:

@@ -60,12 +60,18 @@ def interruption_line(line: str) -> Iterator[None]:
 
 
 def load(source: str, changes: list[str] | None) -> "Scene":
-    """The scene of a command, with the overrides of ``--set``; prints its warnings."""
+    """The scene of a command, with the files of ``--with`` and then the overrides of ``--set``;
+    prints its warnings."""
+    from palmbots.scene.files import read_table
     from palmbots.scene.overrides import parse_overrides
     from palmbots.scene.scene import load_scene
 
-    overrides = parse_overrides(changes or [])
-    scene = load_scene(source, overrides, called="--set", on_warning=warn).model_copy()
+    files = [one for one in changes or () if "=" not in one and one.endswith(".toml")]
+    overrides = parse_overrides(one for one in changes or () if one not in files)
+    scene = load_scene(source, None if files else overrides, called="--set", on_warning=warn)
+    for file in files:
+        scene = load_scene(scene, read_table(file, "a part of a scene"), called=f"{file}:")
+    scene = load_scene(scene, (files and overrides) or None, called="--set").model_copy()
     scene.spell(shlex.join([source, *(word for one in changes or () for word in ("--set", one))]))
     return scene
 

@@ -34,7 +34,10 @@ SHARED = {
         is_argument=True,
     ),
     "overrides": Option(
-        "--set", "Override a scene key (repeatable); list them: palmbots keys.", "KEY=VALUE"
+        "--set --with",
+        "Override a scene key, or those of a part of a scene in a file, such as one of palmbots fit "
+        "(repeatable; single keys count more than files); list them: palmbots keys.",
+        "KEY=VALUE|FILE.toml",
     ),
     "controller": Option(
         "--controller -c",

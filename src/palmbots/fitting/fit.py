@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``fit``: keys of a scene from recordings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from palmbots._util.atomic_files import folder
+from palmbots._util.command import Option, command, writes
+from palmbots._util.report import Item
+from palmbots.errors import PalmbotsError
+from palmbots.fitting.estimates import fragment, write_fragment
+from palmbots.fitting.motion_fit import MotionFit, fit_motion
+
+
+@command(
+    order=127,
+    example="palmbots fit --motion commands.csv positions.csv --out robot",
+    progress="fitting",
+    files=Option(is_argument=True, metavar="FILES"),
+    motion=Option("--motion"),
+)
+def fit(files: Sequence[str | os.PathLike[str]], *, motion: bool = False) -> MotionFit:
+    """Fit keys of a scene to recordings, with 95 % intervals.
+
+    With `motion`: the errors of a robot's speed, from pairs of files with its commands and its
+    positions, one pair for each run.
+
+    Args:
+        files: the recordings.
+        motion: fit the motion of a robot: files with commands (time_s, speed_m_s, turn_rad_s) and
+            with positions (time_s, x_m, y_m, heading_rad) in turns.
+
+    Raises:
+        PalmbotsError: a file cannot be read, or nothing is identified.
+    """
+    if motion:
+        return fit_motion(files)
+    raise PalmbotsError("fit: no kind of recording is given; allowed: --motion")
+
+
+@writes("fit", path=Option("--out -o", metavar="DIR"))
+def write_fit(result: MotionFit, path: str | os.PathLike[str]) -> list[Path | Item]:
+    """Write a part of a scene with the fitted keys, and a figure.
+
+    Args:
+        result: the fit.
+        path: write fit.png and a part of a scene, robot.toml, to this folder.
+
+    Raises:
+        PalmbotsError: a file cannot be written.
+    """
+    text = fragment(result.estimates, result.sources, ())
+    file, hints = write_fragment(text, path, "robot")
+    picture = folder(Path(path)) / "fit.png"
+    result.save_figure(picture)
+    return [file, picture, *hints]

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings of other programs as arrays: tables of numbers in text files.
+
+A file has one row in a line, with commas, semicolons or blanks between the numbers, and may be
+compressed (.gz, .xz). Lines that begin with # are comments. A first line with names selects the
+columns; without it the columns have the usual order. Every fault is one line that names the file.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import lzma
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palmbots._util.atomic_files import read_regular
+from palmbots._util.user_paths import user_path
+from palmbots.errors import PalmbotsError
+
+Floats = NDArray[np.float64]
+
+_LARGEST = 1 << 30  # bytes
+_BETWEEN = re.compile(r"[,;\s]+")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The columns of a file."""
+
+    name: str
+    sha256: str
+    """Of the bytes of the file as it lies on the disk."""
+    columns: dict[str, Floats]
+
+    def __getitem__(self, column: str) -> Floats:
+        return self.columns[column]
+
+    def __contains__(self, column: str) -> bool:
+        return column in self.columns
+
+    @property
+    def times_s(self) -> Floats:
+        """The column of times."""
+        return self.columns["time_s"]
+
+
+def read_recording(
+    path: str | os.PathLike[str], columns: Sequence[str], needed: int, least_rows: int = 100
+) -> Recording:
+    """Read a file of numbers.
+
+    Args:
+        path: the file.
+        columns: names of the columns, in the usual order; the first is ``time_s``.
+        needed: how many of them, from the first on, must be there.
+        least_rows: fewest rows.
+
+    Raises:
+        PalmbotsError: it cannot be read, or is no such recording.
+    """
+    name = os.fspath(path)
+    expected = f"expected columns {', '.join(columns[:needed])}"
+    if len(columns) > needed:
+        expected += f" and perhaps {', '.join(columns[needed:])}"
+    data = _bytes(name)
+    text = _text(name, data, expected)
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    names = list(columns)
+    if lines and not _is_numbers(lines[0][1]):
+        names = _split(lines.pop(0)[1])
+        missing = [one for one in columns[:needed] if one not in names]
+        if missing:
+            raise PalmbotsError(f"{name}: has the columns {', '.join(names)}; {expected}")
+    if len(lines) < least_rows:
+        raise PalmbotsError(f"{name}: has {len(lines)} rows; expected at least {least_rows}")
+    table = _table(name, lines, names, needed, expected)
+    found = {key: table[:, names.index(key)] for key in columns if key in names[: table.shape[1]]}
+    _check_times(name, found["time_s"], [number for number, _ in lines])
+    return Recording(name, hashlib.sha256(data).hexdigest(), found)
+
+
+def _bytes(name: str) -> bytes:
+    try:
+        data = read_regular(user_path(name))
+    except FileNotFoundError:
+        raise PalmbotsError(f"{name}: no such file") from None
+    except IsADirectoryError:
+        raise PalmbotsError(f"{name}: is a folder; expected a table of numbers") from None
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        raise PalmbotsError(f"{name}: cannot be read: {reason}") from None
+    return data
+
+
+def _text(name: str, data: bytes, expected: str) -> str:
+    try:
+        if name.endswith(".xz"):
+            data = lzma.LZMADecompressor().decompress(data, _LARGEST)
+        elif name.endswith(".gz"):
+            data = gzip.decompress(data)
+        return data.decode("utf-8-sig")
+    except (UnicodeDecodeError, lzma.LZMAError, EOFError, OSError):
+        raise PalmbotsError(f"{name}: is not a text file; {expected}") from None
+
+
+def _split(line: str) -> list[str]:
+    return [word for word in _BETWEEN.split(line.strip()) if word]
+
+
+def _is_numbers(line: str) -> bool:
+    try:
+        return bool([float(word) for word in _split(line)])
+    except ValueError:
+        return False
+
+
+def _table(
+    name: str, lines: list[tuple[int, str]], names: list[str], needed: int, expected: str
+) -> Floats:
+    width = len(_split(lines[0][1]))
+    if width < needed:
+        raise PalmbotsError(f"{name}: has {width} columns; {expected}")
+    rows = []
+    for number, line in lines:
+        words = _split(line)
+        try:
+            row = [float(word) for word in words]
+        except ValueError:
+            raise PalmbotsError(f"{name}: line {number} is not a row of numbers; {expected}") from None
+        if len(row) != width:
+            raise PalmbotsError(
+                f"{name}: line {number} has {len(row)} numbers; expected {width}, as in the first row"
+            )
+        rows.append(row)
+    table = np.array(rows)[:, : len(names)]
+    bad = np.flatnonzero(~np.isfinite(table).all(axis=1))
+    if bad.size:
+        number = lines[int(bad[0])][0]
+        raise PalmbotsError(f"{name}: line {number} has a value that is not finite; {expected}")
+    return table
+
+
+def _check_times(name: str, times_s: Floats, numbers: list[int]) -> None:
+    steps = np.diff(times_s)
+    back = np.flatnonzero(steps < 0)
+    if back.size:
+        place = int(back[0])
+        raise PalmbotsError(
+            f"{name}: the time in line {numbers[place + 1]} is {-steps[place]:.4g} s before that of "
+            "the row above; expected times in s that do not decrease"
+        )
+    usual = float(np.median(steps))
+    if not 1e-5 < usual < 2:
+        raise PalmbotsError(
+            f"{name}: the rows are {usual:.4g} s apart; expected times in s, of 0.5 to 100000 rows "
+            "a second"
+        )

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The filter's likelihood against the density of a normal distribution with the closed-form
+covariance, and the search and the intervals against SciPy and closed forms."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, minimize
+from scipy.stats import chi2, kstest, multivariate_normal
+
+from palmbots.fitting.motion_fit import displacement_variance
+from palmbots.fitting.motion_likelihood import Floats, Stretch, Stretches
+from palmbots.fitting.profile_likelihood import Function, bootstrap, interval, maximum
+
+# Gain, bias, spread of the gain, σ, log τ, white part, noise of the positions.
+TRUTH = np.array([1.03, 0.001, 0.03, 0.004, np.log(0.5), 0.002, 0.0005])
+STEPS = np.array([0.003, 2e-4, 0.003, 4e-4, 0.1, 2e-4, 5e-5])
+
+
+def covariance(times: Floats, command: float, parameters: Floats) -> Floats:
+    """Of the displacements at these times, from the integrals of the processes."""
+    _, _, gain_sd, sigma, log_tau, white, measured = parameters
+    tau = np.exp(log_tau)
+    one, other = times[:, None], times[None, :]
+    least = np.minimum(one, other)
+    decayed = np.exp(-np.abs(one - other) / tau) + 1 - np.exp(-one / tau) - np.exp(-other / tau)
+    of_noise = sigma**2 * tau * (2 * least + tau * (decayed - 2))
+    of_gain = (gain_sd * command) ** 2 * one * other
+    return of_noise + of_gain + white**2 * least + measured**2 * np.eye(len(times))
+
+
+def drawn(
+    random: np.random.Generator, count: int, parameters: Floats = TRUTH, runs: int = 1
+) -> list[Stretch]:
+    """Stretches from that covariance, at irregular times."""
+    found = []
+    for k in range(count):
+        times = np.cumsum(np.concatenate([[0.0], random.uniform(0.05, 0.3, 15 + k % 5)]))
+        command = random.uniform(0.03, 0.09)
+        mean = (parameters[0] * command + parameters[1]) * times
+        spread = covariance(times, command, parameters)
+        positions = random.multivariate_normal(mean, spread, method="cholesky")
+        found.append(Stretch(times, positions + random.normal(), command, k % runs))
+    return found
+
+
+def of(stretches: list[Stretch]) -> Function:
+    arrays = Stretches(stretches)
+    return lambda parameters: arrays.log_likelihood(parameters).sum(axis=1)
+
+
+def test_the_filter_gives_the_density_of_the_differences() -> None:
+    """With a flat prior of the first position, that of the others is that of their differences."""
+    random = np.random.default_rng(1)
+    other = np.array([0.9, -0.002, 0.0, 0.01, np.log(20.0), 0.0, 0.002])
+    for stretch in drawn(random, 6):
+        for parameters in (TRUTH, other):
+            wanted = 0.0
+            size = len(stretch.times_s)
+            mean = (parameters[0] * stretch.command_m_s + parameters[1]) * stretch.times_s
+            apart = np.diff(np.eye(size), axis=0)
+            spread = apart @ covariance(stretch.times_s, stretch.command_m_s, parameters) @ apart.T
+            error = np.diff(stretch.positions_m - mean)
+            wanted = multivariate_normal(np.zeros(size - 1), spread).logpdf(error)
+            found = Stretches([stretch]).log_likelihood(parameters)[0, 0]
+            assert found == pytest.approx(wanted, abs=1e-4)
+
+
+def test_many_stretches_and_sets_are_filtered_as_one() -> None:
+    stretches = drawn(np.random.default_rng(2), 7)
+    sets = np.stack([TRUTH, TRUTH * 1.1])
+    together = Stretches(stretches)
+    found = together.log_likelihood(sets)
+    for column, stretch in enumerate(together.stretches):
+        for row, one in enumerate(sets):
+            alone = Stretches([stretch]).log_likelihood(one)[0, 0]
+            assert found[row, column] == pytest.approx(alone, abs=1e-8)
+
+
+def test_residuals_of_the_right_model_are_standard_normal() -> None:
+    stretches = drawn(np.random.default_rng(3), 60)
+    residuals = np.concatenate(Stretches(stretches).residuals(TRUTH))
+    assert kstest(residuals, "norm").pvalue > 0.01
+    assert np.corrcoef(residuals[1:], residuals[:-1])[0, 1] == pytest.approx(0, abs=0.12)
+
+
+def test_the_spread_of_the_displacement_has_its_closed_form() -> None:
+    times = np.array([0.3, 1.0, 2.5])
+    found = displacement_variance(TRUTH, times, np.full(3, 0.06**2))
+    for time, value in zip(times, found, strict=True):
+        whole = covariance(np.array([0.0, time]), 0.06, TRUTH)
+        assert value == pytest.approx(whole[0, 0] + whole[1, 1] - 2 * whole[0, 1], rel=1e-9)
+
+
+def test_the_search_finds_what_scipy_finds() -> None:
+    function = of(drawn(np.random.default_rng(4), 40))
+    start = TRUTH * [1.05, 0, 0.5, 0.5, 0.5, 0.5, 2]
+    found = maximum(function, start, STEPS, np.ones(7, bool))
+    scale = STEPS * 10
+    other = minimize(
+        lambda x: -float(function((x * scale)[None])[0]), TRUTH / scale, method="Nelder-Mead",
+        options={"maxiter": 4000, "xatol": 1e-4, "fatol": 1e-5, "adaptive": True},
+    )  # fmt: skip
+    assert found.value >= -other.fun - 2e-3
+    assert found.value == pytest.approx(-other.fun, abs=0.05)
+
+
+def test_a_search_leaves_a_saddle() -> None:
+    """The likelihood is even in a standard deviation, so at 0 its slope is 0."""
+
+    def function(x: Floats) -> Floats:
+        return -((x[:, 0] ** 2 - 1) ** 2) - (x[:, 1] - 2) ** 2
+
+    found = maximum(function, np.array([0.0, 0.0]), np.array([0.1, 0.1]), np.ones(2, bool))
+    assert np.abs(found.place) == pytest.approx([1.0, 2.0], abs=0.03)
+
+
+def test_intervals_of_a_normal_sample_are_those_of_the_likelihood_ratio() -> None:
+    """Mean and standard deviation of 30 numbers: the profile has a closed form."""
+    sample = np.random.default_rng(5).normal(3.0, 2.0, 30)
+    size, mean, variance = len(sample), sample.mean(), sample.var()
+
+    def function(x: Floats) -> Floats:
+        spread = ((sample - x[:, :1]) ** 2).sum(axis=1)
+        return -size * np.log(np.abs(x[:, 1])) - spread / (2 * x[:, 1] ** 2)
+
+    free = np.ones(2, bool)
+    best = maximum(function, np.array([2.0, 1.0]), np.array([0.1, 0.1]), free)
+    assert best.place == pytest.approx([mean, np.sqrt(variance)], abs=0.02)
+    level = chi2.ppf(0.95, 1)
+    half = np.sqrt(variance * (np.exp(level / size) - 1))
+    found = interval(function, best, 0, -np.inf, np.inf, free)
+    assert found == pytest.approx((mean - half, mean + half), rel=0.02)
+
+    def depth(s: float) -> float:
+        return 2 * size * np.log(s) + size * variance / s**2 - size * np.log(variance) - size - level
+
+    ends = [brentq(depth, 0.3 * s, s) if low else brentq(depth, s, 3 * s)
+            for s in [np.sqrt(variance)] for low in (True, False)]  # fmt: skip
+    assert interval(function, best, 1, 0.0, np.inf, free) == pytest.approx(ends, rel=0.02)
+
+
+def test_an_interval_ends_where_the_range_ends() -> None:
+    stretches = drawn(np.random.default_rng(6), 40, TRUTH * [1, 1, 1, 1, 1, 0, 1])
+    function, free = of(stretches), np.ones(7, bool)
+    best = maximum(function, TRUTH, STEPS, free)
+    best.place[5] = abs(best.place[5])
+    low, high = interval(function, best, 5, 0.0, 1.0, free)
+    assert low == 0.0
+    assert 0 < high < 0.003
+
+
+def test_the_bootstrap_draws_groups() -> None:
+    """The mean of numbers in groups: its spread is that of the groups' means, not of the numbers."""
+    random = np.random.default_rng(7)
+    shifts = random.normal(0, 1, 40)
+    groups = np.repeat(np.arange(40), 25)
+    sample = shifts[groups] + random.normal(0, 0.1, 1000)
+
+    def of_parts(x: Floats) -> Floats:
+        return -0.5 * (sample - x) ** 2
+
+    def function(x: Floats) -> Floats:
+        return of_parts(x).sum(axis=1)
+
+    free = np.ones(1, bool)
+    best = maximum(function, np.zeros(1), np.array([0.1]), free)
+    found = bootstrap(of_parts, best, groups, free)[:, 0]
+    assert found.mean() == pytest.approx(sample.mean(), abs=0.02)
+    assert found.std() == pytest.approx(shifts.std() / np.sqrt(40), rel=0.1)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The errors of a robot, found again: from simulated robots with hidden values, and from recordings
+of others where they are there."""
+
+import json
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from commands import Run
+from palmbots.fitting.motion_fit import MotionFit, fit_motion
+from recordings import HIDDEN, LAG_S, recorded
+
+DATA = Path(__file__).parents[3] / "shared" / "data" / "robot-motion"
+
+
+def values(found: MotionFit) -> dict[str, tuple[float, float, float]]:
+    return {
+        one.key: (one.value, one.low, one.high)
+        for one in found.estimates
+        if one.value is not None and one.low is not None and one.high is not None
+    }
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    return recorded(tmp_path_factory.mktemp("run"), HIDDEN, seed=1, stretches=70)
+
+
+@pytest.fixture(scope="module")
+def found(run: tuple[Path, Path]) -> MotionFit:
+    return pb.fit(run, motion=True)
+
+
+def test_hidden_values_are_found_again(found: MotionFit) -> None:
+    """Of a simulated robot; how often the intervals hold the truth: benchmarks/bench_fit.py."""
+    assert found.stretches == 70
+    assert LAG_S < found.alignments[0].lag_s < LAG_S + 0.1  # with half of the acceleration
+    for key, (value, low, high) in values(found).items():
+        truth = HIDDEN[key]
+        assert low <= value <= high
+        assert low - 0.5 * (high - low) <= truth <= high + 0.5 * (high - low), key
+    assert found.misfit < 0.15
+
+
+def test_the_fragment_is_a_part_of_a_scene(found: MotionFit, here: Run, tmp_path: Path) -> None:
+    from palmbots.fitting.fit import write_fit
+
+    file, picture, *_ = write_fit(found, tmp_path / "robot")
+    assert isinstance(file, Path) and isinstance(picture, Path)
+    text = file.read_text()
+    keys = tomllib.loads(text)["robot"]
+    assert {f"robot.{key}": value for key, value in keys.items()} == pytest.approx(
+        found.keys, rel=1e-3
+    )
+    assert found.sources[0].sha256 in text
+    assert "# acceleration_m_s2: " in text
+    assert picture.stat().st_size > 10000
+    table = json.loads(here("keys", "--json").stdout)  # another command still works
+    assert table["keys"]
+    with_it = json.loads(
+        here("carry", "paper", "--with", file, "--seeds", "1", "--json").stdout
+    )
+    assert with_it["scene"]["robot"]["gain"] == keys["gain"]
+
+
+def test_single_keys_count_more_than_files(here: Run, tmp_path: Path) -> None:
+    one, other = tmp_path / "one.toml", tmp_path / "other.toml"
+    one.write_text("[robot]\ngain = 1.1\nnoise_m_s = 0.004\n[radio]\nloss = 0.1\n")
+    other.write_text("[robot]\ngain = 1.2\n")
+    words = ("--set", "radio.loss=0.2", "--with", one, "--with", other)
+    scene = json.loads(here("carry", *words, "--seeds", "1", "--json").stdout)["scene"]
+    assert scene["robot"]["gain"] == 1.2
+    assert scene["robot"]["noise_m_s"] == 0.004
+    assert scene["radio"]["loss"] == 0.2
+
+
+def test_few_stretches_give_the_gain_only(tmp_path: Path) -> None:
+    found = pb.fit(recorded(tmp_path, HIDDEN, seed=2, stretches=12), motion=True)
+    assert set(found.keys) <= {"robot.gain", "robot.bias_m_s"}
+    reasons = {one.key: one.reason for one in found.estimates}
+    assert reasons["robot.gain_sd"] == "needs 50 stretches; there are 12"
+
+
+def test_equal_commands_leave_the_bias_open(tmp_path: Path) -> None:
+    files = recorded(tmp_path, HIDDEN, seed=3, stretches=12, speeds=(0.06, 0.06))
+    found = pb.fit(files, motion=True)
+    assert set(found.keys) == {"robot.gain"}
+
+
+def everything() -> Sequence[Path]:
+    return [
+        DATA / f"mrclam{run}-robot{robot}-{what}.dat.xz"
+        for robot in range(1, 6)
+        for run in (6, 7)
+        for what in ("commands", "truth")
+    ]
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/robot-motion")
+def test_ten_runs_of_real_robots() -> None:
+    """Gain 1.04 with a spread of 0.03; without a spread of the gain and a white part, and with
+    τ ≥ 0.3 s, the spread of the displacement gives σ = 0.38 cm/s with a misfit of a fifth."""
+    found = fit_motion(everything())
+    assert found.runs == 10
+    assert found.stretches > 300
+    gain, low, high = values(found)["robot.gain"]
+    assert low < 1.044 and 1.03 < gain < 1.05 and high - low < 0.02
+    assert 0.025 < values(found)["robot.gain_sd"][0] < 0.035
+    assert found.misfit < 0.1
+    data, tau = found.data, 0.3
+    shape = np.sqrt(2 * tau * (data.times_s + tau * np.expm1(-data.times_s / tau)))
+    sigma = float(shape @ data.spread_m / (shape @ shape))
+    assert sigma == pytest.approx(0.0038, abs=0.0005)
+    misfit = float(np.sqrt(np.mean((sigma * shape / data.spread_m - 1) ** 2)))
+    assert 0.15 < misfit < 0.35
+
+
+def test_options_of_python(found: MotionFit, run: tuple[Path, Path]) -> None:
+    assert found == pb.fit(run, motion=True)
+    scene: Any = pb.load_scene("paper", found.keys)
+    assert scene.robot.gain == found.keys["robot.gain"]

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings of a simulated robot: its commands, and where it was seen."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+HIDDEN = {
+    "robot.gain": 1.04,
+    "robot.bias_m_s": 0.001,
+    "robot.gain_sd": 0.03,
+    "robot.noise_m_s": 0.004,
+    "robot.noise_tau_s": 0.4,
+    "robot.white_noise_m_per_sqrt_s": 0.0015,
+    "position_noise_m": 0.0004,
+}
+
+TICK_S = 0.01
+LAG_S = 0.31
+_STRETCH_S, _PAUSE_S = 4.0, 1.0
+_LAST_S = 6.0
+_SLOWING = 0.5 * TICK_S  # m/s in a tick, at an acceleration of 0.5 m/s²
+
+
+def recorded(
+    folder: Path,
+    hidden: Mapping[str, float],
+    *,
+    seed: int,
+    stretches: int,
+    speeds: tuple[float, float] = (0.03, 0.09),
+) -> tuple[Path, Path]:
+    """Write commands.csv and positions.csv.
+
+    The robot drives and stands in turns, in the direction 0.7 rad. It is simulated tick by tick as
+    the core simulates it, apart from its code: gain once for each stretch, noise that never resets.
+
+    Args:
+        folder: for the files.
+        hidden: the values to be found again.
+        seed: of the random numbers.
+        stretches: number of stretches.
+        speeds: between which commands are drawn.
+    """
+    random = np.random.default_rng(seed)
+    per = round((_STRETCH_S + _PAUSE_S) / TICK_S)
+    ticks = stretches * per + round(_LAST_S / TICK_S)
+    wanted = np.zeros(ticks)
+    gain = np.ones(ticks)
+    for k in range(stretches):
+        on = slice(k * per + round(_PAUSE_S / TICK_S), (k + 1) * per)
+        wanted[on] = round(random.uniform(*speeds), 4)
+        gain[k * per : (k + 1) * per] = random.normal(
+            hidden["robot.gain"], hidden["robot.gain_sd"]
+        )
+    speed = np.zeros(ticks)
+    for k in range(1, ticks):
+        speed[k] = speed[k - 1] + np.clip(wanted[k] - speed[k - 1], -_SLOWING, _SLOWING)
+    memory = np.exp(-TICK_S / hidden["robot.noise_tau_s"])
+    noise = np.zeros(ticks)
+    noise[0] = hidden["robot.noise_m_s"] * random.normal()
+    drive = hidden["robot.noise_m_s"] * np.sqrt(1 - memory**2)
+    for k in range(1, ticks):
+        noise[k] = memory * noise[k - 1] + drive * random.normal()
+    white = hidden["robot.white_noise_m_per_sqrt_s"] / np.sqrt(TICK_S) * random.normal(size=ticks)
+    actual = np.where(speed > 0, gain * speed + hidden["robot.bias_m_s"] + noise + white, 0.0)
+    way = np.concatenate([[0.0], np.cumsum(actual * TICK_S)])
+    times = TICK_S * np.arange(ticks + 1)
+    error = hidden["position_noise_m"] * random.normal(size=(2, ticks + 1))
+    commands, positions = folder / "commands.csv", folder / "positions.csv"
+    rows = np.column_stack([times[:-1], wanted])[::2]
+    np.savetxt(commands, rows, "%.6f", ",", header="time_s,speed_m_s", comments="")
+    seen = np.column_stack(
+        [times + LAG_S, way * np.cos(0.7) + error[0], way * np.sin(0.7) + error[1]]
+    )
+    np.savetxt(positions, seen[::2], "%.6f", ",", header="time_s,x_m,y_m", comments="")
+    return commands, positions
