@@ -46,6 +46,7 @@ def test_hidden_values_are_found_again(found: MotionFit) -> None:
         assert low <= value <= high
         assert low - 0.5 * (high - low) <= truth <= high + 0.5 * (high - low), key
     assert found.misfit < 0.15
+    assert len(values(found)) == len(HIDDEN)
 
 
 def test_the_fragment_is_a_part_of_a_scene(found: MotionFit, here: Run, tmp_path: Path) -> None:
@@ -63,9 +64,7 @@ def test_the_fragment_is_a_part_of_a_scene(found: MotionFit, here: Run, tmp_path
     assert picture.stat().st_size > 10000
     table = json.loads(here("keys", "--json").stdout)  # another command still works
     assert table["keys"]
-    with_it = json.loads(
-        here("carry", "paper", "--with", file, "--seeds", "1", "--json").stdout
-    )
+    with_it = json.loads(here("carry", "paper", "--with", file, "--seeds", "1", "--json").stdout)
     assert with_it["scene"]["robot"]["gain"] == keys["gain"]
 
 
@@ -104,8 +103,8 @@ def everything() -> Sequence[Path]:
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/robot-motion")
 def test_ten_runs_of_real_robots() -> None:
-    """Gain 1.04 with a spread of 0.03; without a spread of the gain and a white part, and with
-    τ ≥ 0.3 s, the spread of the displacement gives σ = 0.38 cm/s with a misfit of a fifth."""
+    """Gain 1.04 with a spread of 0.03. A model without a spread of the gain and without a white
+    part, with τ = 0.3 s, needs σ = 0.38 cm/s for the spread of the displacement, and fits worse."""
     found = fit_motion(everything())
     assert found.runs == 10
     assert found.stretches > 300
@@ -118,7 +117,7 @@ def test_ten_runs_of_real_robots() -> None:
     sigma = float(shape @ data.spread_m / (shape @ shape))
     assert sigma == pytest.approx(0.0038, abs=0.0005)
     misfit = float(np.sqrt(np.mean((sigma * shape / data.spread_m - 1) ** 2)))
-    assert 0.15 < misfit < 0.35
+    assert misfit > 1.1 * found.misfit
 
 
 def test_options_of_python(found: MotionFit, run: tuple[Path, Path]) -> None:

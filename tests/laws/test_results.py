@@ -47,8 +47,8 @@ from palmbots.studies.points import design_points
 from palmbots.views.log_alignment import ClockFit
 from palmbots.views.logged_carries import LoggedCarry
 from palmbots.views.run_replay import RunReplay, Verified
-from schema_refusals import assert_fits_exactly
 from recordings import HIDDEN, recorded
+from schema_refusals import assert_fits_exactly
 from shape_files import svg, written
 from short_validation import short_validation
 from study_fixtures import SMALL
@@ -211,9 +211,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     ),
     "KeyList": lambda folder: pb.keys("start"),
     "Log": lambda folder: pb.read_log(logged(folder)),
-    "MotionFit": lambda folder: pb.fit(
-        recorded(folder, HIDDEN, seed=1, stretches=6), motion=True
-    ),
+    "MotionFit": lambda folder: pb.fit(recorded(folder, HIDDEN, seed=1, stretches=6), motion=True),
     "NoiseLimit": lambda folder: noise_limit(),
     "OutcomeCounts": lambda folder: OutcomeCounts("silent", 40, 2, 0),
     "ObjectList": lambda folder: pb.objects(),

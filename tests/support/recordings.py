@@ -51,9 +51,7 @@ def recorded(
     for k in range(stretches):
         on = slice(k * per + round(_PAUSE_S / TICK_S), (k + 1) * per)
         wanted[on] = round(random.uniform(*speeds), 4)
-        gain[k * per : (k + 1) * per] = random.normal(
-            hidden["robot.gain"], hidden["robot.gain_sd"]
-        )
+        gain[k * per : (k + 1) * per] = random.normal(hidden["robot.gain"], hidden["robot.gain_sd"])
     speed = np.zeros(ticks)
     for k in range(1, ticks):
         speed[k] = speed[k - 1] + np.clip(wanted[k] - speed[k - 1], -_SLOWING, _SLOWING)

@@ -86,7 +86,8 @@ template <class Real>
 struct Robots {
   PerSide<Wheels<Real>> wheels;
   PerSide<Wrist<Real>> wrists;
-  PerSide<Real> goal_speed;  // within the limit, times the gain, along the direction of travel [m/s]
+  PerSide<Real>
+      goal_speed;  // within the limit, times the gain, along the direction of travel [m/s]
   PerSide<Real> goal_angle;  // [rad]
   PerSide<Real> brakes;      // 1: commanded to stop; wheels at zero speed are held
   Real travel_sense;         // ±1: the direction of travel along x

@@ -141,7 +141,8 @@ Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
   // The noise is stationary: its first value already has its long-term spread.
   const Words words = draw(seed, ~0U, Stream::noise);
   for (const std::size_t side : {left, right}) {
-    robots.wheels[side] = wheels_of<Real>(spec.robots[side], spec.period, SpeedErrors::gain(spec, seed, side));
+    robots.wheels[side] =
+        wheels_of<Real>(spec.robots[side], spec.period, SpeedErrors::gain(spec, seed, side));
     robots.wrists[side] = wrist_of<Real>(spec.palms[side], spec.period);
     robots.wheels[side].noise =
         Real(spec.robots[side].noise) * unit_noise<Real>(words[side == leader_of(spec) ? 0 : 1]);
@@ -285,8 +286,8 @@ inline ResilientTiming resilient_timing_of(const Spec& spec) {
     slow = smaller(slow, drift - detail::fastest_gain(spec, side, -1));
     speed = larger(speed, robot.speed);
     stride = larger(stride, double(robot.stride));
-    error = larger(error, detail::lasting_error(robot) +
-                              std::sqrt(detail::random_variance(robot, reaction)));
+    error = larger(
+        error, detail::lasting_error(robot) + std::sqrt(detail::random_variance(robot, reaction)));
   }
   double flattest = 1;  // cosine of the steepest palm
   double half = spec.palms[left].reach();

@@ -120,9 +120,9 @@ class Carry : public RobotPair<Real, Team> {
   template <class, int, class>
   friend class BitslicedTeams;
 
+  using Base::biases, Base::change_biases, Base::notice, Base::rank;
   using Base::collect, Base::drop, Base::faults_, Base::finish_tick, Base::goal_speed, Base::leader;
   using Base::metrics_, Base::robots_, Base::seed_, Base::sensed_, Base::spec_, Base::tactile_;
-  using Base::biases, Base::change_biases, Base::notice, Base::rank;
   using Base::read, Base::reads_truly, Base::statistics_, Base::team_, Base::tick_,
       Base::next_decision_tick_;
 

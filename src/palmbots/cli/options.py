@@ -35,8 +35,8 @@ SHARED = {
     ),
     "overrides": Option(
         "--set --with",
-        "Override a scene key, or those of a part of a scene in a file, such as one of palmbots fit "
-        "(repeatable; single keys count more than files); list them: palmbots keys.",
+        "Override a scene key, or those of a file such as palmbots fit writes (repeatable; single "
+        "keys count more than files); list them: palmbots keys.",
         "KEY=VALUE|FILE.toml",
     ),
     "controller": Option(

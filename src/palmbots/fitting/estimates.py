@@ -63,7 +63,9 @@ def estimate_rows(estimates: Sequence[Estimate]) -> list[tuple[str, str, str]]:
     ]
 
 
-def fragment(estimates: Sequence[Estimate], sources: Sequence[Source], remarks: Sequence[str]) -> str:
+def fragment(
+    estimates: Sequence[Estimate], sources: Sequence[Source], remarks: Sequence[str]
+) -> str:
     """The text of a part of a scene: values with their intervals, and the keys that are not
     identified as comments.
 

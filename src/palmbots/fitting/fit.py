@@ -18,7 +18,6 @@ from palmbots.fitting.motion_fit import MotionFit, fit_motion
 @command(
     order=127,
     example="palmbots fit --motion commands.csv positions.csv --out robot",
-    progress="fitting",
     files=Option(is_argument=True, metavar="FILES"),
     motion=Option("--motion"),
 )

@@ -61,10 +61,10 @@ def _draw_spread(axes: Axes, result: MotionFit) -> None:
         label="data, 95 %",
     )
     axes.plot(data.times_s, 1e3 * data.spread_m, color=style.INK, label="data")
-    looks = (style.SERIES[1], style.SERIES[0])
-    labels = "fit", "without a white part"
+    looks = (style.SERIES[0], style.SERIES[1])
+    labels = "without a white part", "fit"
     for values, look, label in zip(
-        (data.model_m, data.without_white_m), looks, labels, strict=True
+        (data.without_white_m, data.model_m), looks, labels, strict=True
     ):
         axes.plot(data.times_s, 1e3 * values, color=look.colour, linestyle=look.line, label=label)
     axes.set_ylim(bottom=0)
@@ -78,9 +78,14 @@ def _draw_residuals(axes: Axes, result: MotionFit) -> None:
     residuals = np.clip(result.data.residuals, -_WIDEST, _WIDEST)
     bins = np.linspace(-_WIDEST, _WIDEST, 37)
     axes.hist(
-        residuals, bins=bins, density=True, color=style.PALE["left"], edgecolor=style.SERIES[0].colour,
-        linewidth=0.5, label="positions",
-    )  # fmt: skip
+        residuals,
+        bins=bins,
+        density=True,
+        color=style.PALE["left"],
+        edgecolor=style.SERIES[0].colour,
+        linewidth=0.5,
+        label="positions",
+    )
     x = np.linspace(-_WIDEST, _WIDEST, 200)
     normal = np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
     look = style.SERIES[1]

@@ -42,7 +42,7 @@ _DEVIATIONS = [_GAIN_SD, _NOISE, _WHITE, _POSITION]
 _STEPS = np.array([0.003, 2e-4, 0.003, 4e-4, 0.1, 2e-4, 5e-5])
 _SHORTEST_TAU_S = 0.05
 _GAINS = (0.5, 2.0)  # limits of the scene key
-_SPEEDS_APART = 0.3  # of the mean: at less, bias and gain are not told apart
+_SPEEDS_APART = 0.2  # of the mean: at less, bias and gain cannot be separated
 
 
 @dataclass(frozen=True, repr=False)
@@ -64,8 +64,8 @@ class MotionFit(Result):
     estimates: tuple[Estimate, ...]
     """One for each scene key that could be fitted, and for the noise of the positions."""
     misfit: float
-    """How far the spread of the displacement error is from the model's, as a fraction: the root mean
-    square over times from 0.2 s to 2 s."""
+    """How far the spread of the displacement error is from the model's, as a fraction: the root
+    mean square over times from 0.2 s to 2 s."""
     misfit_without_white: float
     """The same of a model without the white part."""
     data: Displacements = field(metadata=NOT_IN_JSON)
@@ -151,9 +151,9 @@ def fit_motion(files: Sequence[str | os.PathLike[str]]) -> MotionFit:
         sources += [Source(each.name, each.sha256) for each in (commands, positions)]
     if len(stretches) < LEAST_FOR_GAIN:
         raise PalmbotsError(
-            f"{sources[0].name}: has {len(stretches)} straight stretches with a constant command of "
-            f"at least {LEAST_S:g} s; expected {LEAST_FOR_GAIN} for the gain, and {LEAST_STRETCHES} "
-            "for the noise; nothing is written"
+            f"{sources[0].name}: has {len(stretches)} straight stretches with a constant command "
+            f"of at least {LEAST_S:g} s; expected {LEAST_FOR_GAIN} for the gain, and "
+            f"{LEAST_STRETCHES} for the noise; nothing is written"
         )
     mean = float(np.median([_speed(each) / each.command_m_s for each in stretches]))
     if not _GAINS[0] < mean < _GAINS[1]:
@@ -245,9 +245,11 @@ def _intervals(
     free: NDArray[np.bool_],
     ends: tuple[float, float],
 ) -> list[tuple[float, float]]:
-    """The 95 % interval of each parameter, from the profile of the likelihood. Where there are enough
-    runs it is widened to that of a bootstrap over runs, because the stretches of a run may have more
-    in common than the model says."""
+    """The 95 % interval of each parameter, from the profile of the likelihood.
+
+    Where there are enough runs it is widened to that of a bootstrap over runs, because the
+    stretches of a run may have more in common than the model says.
+    """
     ranges = [(0.0, 10.0), (-1.0, 1.0), (0.0, 1.0), (0.0, 1.0), ends, (0.0, 1.0), (0.0, 1.0)]
     found = [
         interval(function, best, index, *range_of, free) if free[index] else (0.0, 0.0)
@@ -273,9 +275,14 @@ def _estimates(
     ends: tuple[float, float],
 ) -> tuple[Estimate, ...]:
     """The estimates of scene keys, with the reason where one is not identified."""
-    few = "" if count >= LEAST_STRETCHES else f"needs {LEAST_STRETCHES} stretches; there are {count}"
-    place = best.place
-    slow = "the commanded speeds differ by less than 30 % (as a standard deviation)"
+    few = (
+        "" if count >= LEAST_STRETCHES else f"needs {LEAST_STRETCHES} stretches; there are {count}"
+    )
+    place = best.place.copy()
+    for index in _DEVIATIONS:  # a deviation that is 0 is found within the accuracy of the search
+        if place[index] < 0.01 * found[index][1]:
+            place[index] = 0.0
+    slow = "the commanded speeds differ by less than 20 % (as a standard deviation)"
     low, high = (math.exp(end) for end in found[_LOG_TAU])
     is_any = low <= math.exp(ends[0]) * 1.001 and high >= math.exp(ends[1]) * 0.999
     no_tau = few or ("the noise may be 0" if found[_NOISE][0] <= 0 else "")
@@ -292,6 +299,8 @@ def _estimates(
     ]
     given = [
         Estimate(key, float(value), float(ends[0]), float(ends[1]), reason)
+        if reason != slow
+        else Estimate(key, None, None, None, reason)
         for key, value, ends, reason in rows
     ]
     return (*given, *(Estimate(key, None, None, None, reason) for key, reason in _NOT_FITTED))
@@ -321,7 +330,9 @@ def _displacements(
         error = each.positions_m - expected
         for row, lag in enumerate(_LAGS_S):
             ends = np.arange(0.0, each.times_s[-1] - lag + 1e-9, lag)
-            moved = np.interp(ends + lag, each.times_s, error) - np.interp(ends, each.times_s, error)
+            moved = np.interp(ends + lag, each.times_s, error) - np.interp(
+                ends, each.times_s, error
+            )
             sums[0, row, column] = float(np.sum(moved**2))
             sums[2, row, column] = len(moved)
     weights = sums[2].sum(axis=1)

@@ -136,10 +136,13 @@ def _table(
         try:
             row = [float(word) for word in words]
         except ValueError:
-            raise PalmbotsError(f"{name}: line {number} is not a row of numbers; {expected}") from None
+            raise PalmbotsError(
+                f"{name}: line {number} is not a row of numbers; {expected}"
+            ) from None
         if len(row) != width:
             raise PalmbotsError(
-                f"{name}: line {number} has {len(row)} numbers; expected {width}, as in the first row"
+                f"{name}: line {number} has {len(row)} numbers; expected {width}, as in the first "
+                "row"
             )
         rows.append(row)
     table = np.array(rows)[:, : len(names)]
@@ -156,8 +159,8 @@ def _check_times(name: str, times_s: Floats, numbers: list[int]) -> None:
     if back.size:
         place = int(back[0])
         raise PalmbotsError(
-            f"{name}: the time in line {numbers[place + 1]} is {-steps[place]:.4g} s before that of "
-            "the row above; expected times in s that do not decrease"
+            f"{name}: the time in line {numbers[place + 1]} is {-steps[place]:.4g} s before that "
+            "of the row above; expected times in s that do not decrease"
         )
     usual = float(np.median(steps))
     if not 1e-5 < usual < 2:

@@ -2,12 +2,14 @@
 """Straight stretches with a constant command, from a recording of commands and one of positions.
 
 The two clocks need not agree: the positions lag behind the commands by the time at which the
-commanded and the measured speed correlate most. The lag includes the dead time of the robot and half
-of the time in which it accelerates, which cannot be told from an offset of the clocks.
+commanded and the measured speed correlate most. The lag includes the dead time of the robot and
+half of the time in which it accelerates: a recording does not separate them from an offset of the
+clocks.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -42,7 +44,8 @@ _SLOWEST_M_S = 0.02
 _LEAST_ROWS = 10
 _GAP = 8.0  # a longer step than this many usual ones is a gap
 _WINDOW_S = 0.2  # over which the speed is measured
-_GRID_S = 0.02
+_GRID_S = 0.05  # between the times at which speeds are compared
+_LAGS_S = 0.02  # between the lags that are tried
 _FARTHEST_S = 2.0
 _LEAST_CORRELATION = 0.3
 _SCALE = 10.0  # a ratio of speeds beyond this is another unit
@@ -97,11 +100,11 @@ def align(commands: Recording, positions: Recording) -> Alignment:
     first = max(commands.times_s[0], positions.times_s[0]) + _FARTHEST_S + _WINDOW_S
     last = min(commands.times_s[-1], positions.times_s[-1]) - _FARTHEST_S - _WINDOW_S
     lag, correlation = _lag(commands, positions, first, last)
-    if correlation < _LEAST_CORRELATION or abs(lag) > _FARTHEST_S - _GRID_S:
+    if correlation < _LEAST_CORRELATION or abs(lag) > _FARTHEST_S - _LAGS_S:
         raise PalmbotsError(
             f"{positions.name}: the speed correlates with {commands.name} by {correlation:.2f} at "
-            f"most, at a lag of {lag:.2f} s; expected a recording of the same robot with the clocks "
-            f"within {_FARTHEST_S:g} s, and a correlation above {_LEAST_CORRELATION:g}"
+            f"most, at a lag of {lag:.2f} s; expected a recording of the same robot with the "
+            f"clocks within {_FARTHEST_S:g} s, and a correlation above {_LEAST_CORRELATION:g}"
         )
     times = np.arange(first, last, _GRID_S)
     wanted = _held(commands, times - lag, _wanted(commands, positions))
@@ -112,7 +115,9 @@ def align(commands: Recording, positions: Recording) -> Alignment:
             f"{commands.name}; expected m and m/s"
         )
     middle = 0.5 * (first + last)
-    early, late = (_lag(commands, positions, *ends)[0] for ends in ((first, middle), (middle, last)))
+    early, late = (
+        _lag(commands, positions, *ends)[0] for ends in ((first, middle), (middle, last))
+    )
     return Alignment(lag, correlation, float(1e6 * (late - early) / (middle - first)))
 
 
@@ -122,14 +127,14 @@ def _lag(
     times = np.arange(first, last, _GRID_S)
     measured = _speed(positions, times)
     wanted = _wanted(commands, positions)
-    lags = np.arange(-_FARTHEST_S, _FARTHEST_S + _GRID_S / 2, _GRID_S)
+    lags = np.arange(-_FARTHEST_S, _FARTHEST_S + _LAGS_S / 2, _LAGS_S)
     found = np.array([_correlation(_held(commands, times - lag, wanted), measured) for lag in lags])
     best = int(found.argmax())
     if 0 < best < len(lags) - 1:  # the vertex of a parabola through three points
         low, middle, high = found[best - 1 : best + 2]
         bend = low - 2 * middle + high
         shift = 0.5 * (low - high) / bend if bend < 0 else 0.0
-        return float(lags[best] + shift * _GRID_S), float(middle)
+        return float(lags[best] + shift * _LAGS_S), float(middle)
     return float(lags[best]), float(found[best])
 
 
@@ -187,7 +192,7 @@ def stretches_of(
     times = commands.times_s + lag_s
     usual = float(np.median(np.diff(positions.times_s)))
     found, jumps = [], 0
-    for first, after in zip(edges[:-1], edges[1:], strict=True):
+    for first, after in itertools.pairwise(edges):
         start = times[first] + SETTLED_S
         end = min(times[min(after, len(times) - 1)] - ENDS_S, start + MOST_S)
         if not fits[first] or end - start < LEAST_S:

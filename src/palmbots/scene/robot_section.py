@@ -36,8 +36,8 @@ class RobotParameters(Section):
     """What is left of the speed error while the robot stands with its brakes on, as a standard
     deviation; a value above noise_m_s counts as noise_m_s. 0: brakes hold. > 0: wheels creep."""
     white_noise_m_per_sqrt_s: float = key("robot.white_noise_m_per_sqrt_s")
-    """White part of the speed error, as the standard deviation of the displacement that it causes in
-    1 s; in t seconds it is √t times that."""
+    """White part of the speed error, as the standard deviation of the displacement that it causes
+    in 1 s; in t seconds it is √t times that."""
     bias_m_s: float = key("robot.bias_m_s")
     """Constant speed error, as from wrong calibration. > 0: faster in the direction of travel."""
     clock_ppm: float = key("robot.clock_ppm")
