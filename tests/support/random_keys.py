@@ -16,8 +16,8 @@ Keys = dict[str, Any]
 
 # How far a value may be from a default of 0, by unit; and values of keys that are not set.
 NEAR_ZERO = {
-    "": 0.04, "m": 0.004, "s": 0.03, "m/s": 0.003, "m/√s": 0.01, "degrees": 2.0, "parts per million": 200.0,
-    "bumps per metre": 3.0,
+    "": 0.04, "m": 0.004, "s": 0.03, "m/s": 0.003, "m/√s": 0.01, "degrees": 2.0,
+    "parts per million": 200.0, "bumps per metre": 3.0,
 }  # fmt: skip
 INSTEAD_OF_NONE = {"": 0.3, "m": 0.2, "s": 0.5, "degrees": 15.0, "parts per million": 5000.0}
 HOLDERS = {"palm": ("left", "right"), "robot": ("left", "right")}

@@ -71,7 +71,9 @@ def load(source: str, changes: list[str] | None) -> "Scene":
     scene = load_scene(source, None if files else overrides, called="--set", on_warning=warn)
     for file in files:
         scene = load_scene(scene, read_table(file, "a part of a scene"), called=f"{file}:")
-    scene = load_scene(scene, (files and overrides) or None, called="--set").model_copy()
+    if files:
+        scene = load_scene(scene, overrides, called="--set")
+    scene = scene.model_copy()
     scene.spell(shlex.join([source, *(word for one in changes or () for word in ("--set", one))]))
     return scene
 

@@ -79,7 +79,7 @@ def _draw_residuals(axes: Axes, result: MotionFit) -> None:
     bins = np.linspace(-_WIDEST, _WIDEST, 37)
     axes.hist(
         residuals,
-        bins=bins,
+        bins=bins.tolist(),
         density=True,
         color=style.PALE["left"],
         edgecolor=style.SERIES[0].colour,

@@ -15,7 +15,7 @@ from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
-from palmbots.fitting.estimates import Estimate, Source, estimate_rows
+from palmbots.fitting.estimates import Estimate, Source, estimate_rows, shown
 from palmbots.fitting.motion_likelihood import Stretch, Stretches
 from palmbots.fitting.profile_likelihood import Function, Maximum, bootstrap, interval, maximum
 from palmbots.fitting.recordings import read_recording
@@ -73,7 +73,11 @@ class MotionFit(Result):
     @property
     def keys(self) -> dict[str, float]:
         """What was fitted, as overrides of a scene."""
-        return {one.key: one.value for one in self.estimates if one.is_identified and one.is_key}
+        return {
+            one.key: shown(one.value)
+            for one in self.estimates
+            if one.is_identified and one.is_key and one.value is not None
+        }
 
     def lines(self) -> Iterator[Item]:
         """What was fitted, with intervals, and what the data are."""
