@@ -113,8 +113,7 @@ class Neighbourhood {
     }
     extent_ += palm;
     each_pair(problem, first, [&](FeaturePair pair) {
-      if (magnitude(problem.contact(frames, pose, pair).gap) <= reach_ && count_ < pairs_.size())
-        pairs_[count_++] = pair;
+      if (magnitude(problem.contact(frames, pose, pair).gap) <= reach_) pairs_[count_++] = pair;
     });
   }
 
@@ -129,7 +128,7 @@ class Neighbourhood {
     return most + length(pose.at - pose_.at) + magnitude(pose.angle - pose_.angle) * extent_;
   }
 
-  std::array<FeaturePair, 4 * most_near> pairs_;
+  std::array<FeaturePair, 2 * max_surfaces * max_outline> pairs_;  // there are no more
   std::size_t count_ = 0;
   std::size_t first_ = 2;  // no side: nothing is collected yet
   double reach_ = -1.0;

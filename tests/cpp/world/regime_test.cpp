@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <random>
 
 #include "palmbots/sim/build.hpp"
 #include "palmbots/world/quasistatic_world.hpp"
@@ -111,6 +112,46 @@ void test_tip_beside_an_edge() {
   }
 }
 
+// A neighbourhood remembers pairs. It finds those that a walk over all pairs finds, wherever palms and
+// object move, up to as many as it holds.
+void test_neighbourhood_remembers_nothing_wrong() {
+  std::mt19937 chance(31);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(chance);
+  };
+  Held held;
+  Model<double> model = held.model;
+  Outline<double>& outline = model.outline;
+  outline.count = outline.vertices.size();
+  for (std::size_t i = 0; i < outline.count; ++i) {  // a round object, each vertex of it an arc
+    const double turn = 2 * pi<double> * double(i) / double(outline.count);
+    const double x = 0.125 + 0.1 * std::cos(turn);
+    outline.vertices[i] = {{x, 0.25 - x}, 0.1 + 0.1 * std::sin(turn), 1e-3};
+  }
+  held.shapes = shapes_of(model);
+  const ContactProblem problem{held.shapes, 0.0, 0.0, true};
+  Neighbourhood around;
+  int some = 0;
+  for (int k = 0; k < 400; ++k) {
+    if (k % 20 == 0) held.pose = Pose::of({between(-0.1, 0.1), between(0.0, 0.2)}, between(-1, 1));
+    held.pose = Pose::of(held.pose.at + Vec{between(-1e-3, 1e-3), between(-1e-3, 1e-3)},
+                         held.pose.angle + between(-0.01, 0.01));
+    const Frames frames = held.frames(between(-0.002, 0.002));
+    const double reach = k % 50 == 49 ? 1.0 : between(0.0, 0.02);
+    const double closed = 1e-6;
+    NearPairs all;
+    each_pair(problem, left, [&](FeaturePair pair) {
+      add_near(all, pair, problem.contact(frames, held.pose, pair), reach, closed);
+    });
+    const NearPairs found = around.near(problem, left, frames, held.pose, reach, closed);
+    CHECK(found.count == all.count && (reach < 1.0 || all.count == most_near));
+    for (std::size_t i = 0; i < all.count; ++i)
+      CHECK(found.at[i].pair == all.at[i].pair && found.at[i].behind == all.at[i].behind);
+    some += all.count > 0 && all.count < most_near ? 1 : 0;
+  }
+  CHECK(some > 100);
+}
+
 // Two palms approach an object on the floor, 1 mm in each step. After 2.5 mm both tips touch it, at
 // one height: nothing can move any more.
 void test_object_on_the_floor() {
@@ -173,5 +214,6 @@ int main() {
   test_tip_beside_an_edge();
   test_two_vertices_after_a_placement();
   test_depth_of_a_flush_palm();
+  test_neighbourhood_remembers_nothing_wrong();
   test_object_on_the_floor();
 }
