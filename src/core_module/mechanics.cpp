@@ -144,7 +144,9 @@ void bind_mechanics(nb::module_& m) {
   m.def(
       "acting_objects", &acting_objects, nb::arg("spec"), nb::arg("angles"), nb::arg("places"),
       "For n states: vectors (x, y) between the points that touch the palms, their distances, and "
-      "the COM from the left and the right one and above their line [m]; nan: out of reach.");
+      "those of the COM from the left and the right one along their line and above it [m]; nan: "
+      "out "
+      "of reach.");
   m.def(
       "clear_cones",
       [](const Spec& spec) {

@@ -10,7 +10,7 @@ import pytest
 import palmbots as pb
 import palmbots._core as _core
 from palmbots.scene.scene import load_scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import contact_radii, to_spec
 from palmbots.simulation import FloorWorld, run_seeds
 from palmbots.simulation.batch import DROPPED
 
@@ -119,17 +119,20 @@ def test_lanes_agree_with_single_carries() -> None:
 def test_the_usable_part_is_that_on_which_the_heel_touches_nothing() -> None:
     """Where both contacts are on it, no pose of the object at the scene's angles is touched."""
     draw = np.random.default_rng(4)
-    for keys in ({}, LEANING, {"palm.left.heel_m": 0.03, "palm.pivot_offset_m": 0.01}):
+    uneven = {"palm.left.heel_m": 0.03, "palm.pivot_offset_m": 0.01}
+    rounded = {"object.edge_radius_m": [0.03, 0.002, 0, 0]}
+    for keys in ({}, LEANING, uneven, rounded):
         spec = to_spec(load_scene("paper", HEEL | keys))
+        radii = contact_radii(spec)
         halves = [palm.usable / 2 for palm in spec.palms]
-        assert all(0.02 < half < 0.075 for half in halves)
+        assert all(0.01 < half < 0.075 for half in halves)
         points = np.array(spec.silhouette)
         for _ in range(300):
             p = [draw.choice([-1, 1, draw.uniform(-1, 1)]) * half for half in halves]
             angles = [draw.uniform(palm.shallow, palm.steep) for palm in spec.palms]
             rise = [
-                x * math.sin(a) + palm.offset * math.cos(a)
-                for x, a, palm in zip(p, angles, spec.palms, strict=True)
+                x * math.sin(a) + (palm.offset + radius) * math.cos(a)
+                for x, a, palm, radius in zip(p, angles, spec.palms, radii, strict=True)
             ]
             turn = math.asin((rise[1] - rise[0]) / spec.width)
             for k, palm in enumerate(spec.palms):
@@ -138,7 +141,7 @@ def test_the_usable_part_is_that_on_which_the_heel_touches_nothing() -> None:
                 lean = turn - sense * angles[k]
                 x, y = (points[:, 0] - origin), points[:, 1]
                 along = sense * (x * math.cos(lean) - y * math.sin(lean)) + p[k]
-                height = x * math.sin(lean) + y * math.cos(lean)
+                height = x * math.sin(lean) + y * math.cos(lean) + radii[k]
                 dense = np.linspace(0, 1, 50)[:, None]
                 edge_along = (along * (1 - dense) + np.roll(along, -1) * dense).ravel()
                 edge_height = (height * (1 - dense) + np.roll(height, -1) * dense).ravel()

@@ -17,7 +17,8 @@ struct ActingObject {
   ContactVector<Real> contact_vector;
 };
 
-// `centres`: from the centre of the left arc to that of the right one; `object` counts from there.
+// `centres`: from the centre of the left arc to that of the right one; the lengths of `object` are
+// measured from the centres.
 template <class Real>
 ActingObject<Real> acting_object(const ObjectParams<Real>& object, const PerSide<Real>& radius,
                                  const PerSide<PalmAngle<Real>>& palms,

@@ -77,7 +77,7 @@ struct ClearCone {
 template <class Real>
 constexpr ClearCone<Real> clear_cone(const Outline<Real>& outline, std::size_t side) {
   constexpr Real inf = std::numeric_limits<Real>::infinity();
-  // How far a vertex may be below the centre's line along the palm.
+  // How far a vertex may be below the parallel to the palm through the centre.
   const Real spare = contact_radii(outline)[side];
   ClearCone<Real> cone{-inf, inf};
   for (std::size_t i = 0; i < outline.count; ++i) {

@@ -33,8 +33,8 @@ struct PalmProfile {
   double under_along = 0.0;
   double under_across = -1.0;
 
-  // Whether nose or heel may touch the object while both contacts are within the reach of the model
-  // and the palms at angles of the scene.
+  // Whether the nose or the heel may touch the object although both contacts are within `reach` and
+  // both palms are at angles that the scene permits.
   bool touches_within_reach = false;
 };
 

@@ -29,9 +29,9 @@ inline PalmProfile profile_of(const PalmSpec& palm) {
   return profile;
 }
 
-// Whether a nose or a heel may touch the object although both contacts are within reach: a nose
-// touches only what hangs below the contact vertices, a heel that stops the contacts only what is
-// beyond the reach (`clear_of_heel`).
+// Whether a nose or a heel may touch the object although both contacts are within reach. A nose
+// touches only what hangs below the contact vertices. A heel that stops the contacts touches nothing
+// while they are within reach (`clear_of_heel`).
 inline bool touches_within_reach(const Spec& spec, std::size_t side) {
   const PalmSpec& palm = spec.palms[side];
   bool hangs = false;

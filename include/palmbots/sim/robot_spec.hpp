@@ -12,7 +12,7 @@
 
 namespace palmbots {
 
-inline constexpr double least_usable = 0.001;  // length of the usable part of a palm [m]
+inline constexpr double least_usable = 0.001;  // least length of the usable part of a palm [m]
 
 struct PalmSpec {
   double length = 0.15;

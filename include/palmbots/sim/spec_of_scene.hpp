@@ -161,13 +161,16 @@ inline double time_limit_of(const SceneValues& scene) {
 // a / cos β + h tan β outward of the vertex.
 inline double clear_of_heel(const Spec& spec, std::size_t side) {
   double steepest = 0;  // of both palms
-  double apart = std::abs(spec.palms[left].offset - spec.palms[right].offset);
+  const PerSide<double> radius = contact_radii(spec.outline);
+  const auto offset = [&](std::size_t s) { return spec.palms[s].offset + radius[s]; };
+  double apart = std::abs(offset(left) - offset(right));
   double reach = 0;
-  double farthest = 0;  // surface from its pivot
-  for (const PalmSpec& palm : spec.palms) {
+  double farthest = 0;  // contact vertex from the pivot, across the palm
+  for (const std::size_t s : {left, right}) {
+    const PalmSpec& palm = spec.palms[s];
     steepest = larger(steepest, larger(std::abs(palm.shallow), std::abs(palm.steep)));
     reach += 0.5 * palm.length;
-    farthest = larger(farthest, std::abs(palm.offset));
+    farthest = larger(farthest, std::abs(offset(s)));
   }
   const SinCos<double> at = sin_cos(steepest);
   apart += reach * at.sin + farthest * (1 - at.cos);

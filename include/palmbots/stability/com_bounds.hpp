@@ -23,7 +23,7 @@
 // This is `slip_order` of mechanics/equilibrium.hpp solved for the COM. It is linear in tan ϑ, so
 // over a region of contacts only the two extreme object angles matter.
 //
-// Rounded contact vertices: dx and dy lead from one centre of an arc to the other. An object acts
+// Rounded contact vertices: dx and dy lead from the centre of the left arc to that of the right one. An object acts
 // like a sharp one with its contacts where the arcs touch the palms, `radius` along the normals from
 // the centres. At given palm angles this only adds constants to dx, dy and ξ. Each comparison is
 // then linear in tan ϑ and 1 / cos ϑ.

@@ -61,8 +61,8 @@ namespace detail {
 inline constexpr int turn_steps = 8;  // number of angles at which a turning palm is evaluated
 
 // The factors by which to multiply radii at a height difference, so that the comparisons hold for
-// all height differences in an interval: with 1 / cos ϑ as a number of its own, which lies between
-// its extremes there, they are linear, and the corners decide.
+// all height differences in an interval: if 1 / cos ϑ counts as an independent number between
+// its extremes, they are linear, and the worst case is at a corner.
 template <class Real>
 PerSide<Real> radius_factors(Interval<Real> rise, Real dy, Real width) {
   const auto cosine = [&](Real z) { return contact_vector_at(z, width).dx / width; };
@@ -201,7 +201,8 @@ Interval<Real> rise_at_any_angles(const OperatingEnvelope<Real>& envelope,
 // A sufficient test for the same: an interval that is never wider, and much faster to compute. The
 // squeeze at an edge grows with the palm's angle. So the worst case is the shallow palm's edges
 // against the steep one's, over all heights that any pair of angles reaches. For most angles this
-// test is enough. Not for rounded contact vertices, whose lever arms change with the angles.
+// test is enough. It is not valid for rounded contact
+// vertices, because their lever arms change with the palm angles.
 template <class Real>
 Interval<Real> com_x_held_surely(const OperatingEnvelope<Real>& envelope,
                                  const PerSide<AnglePair<Real>>& angles) {

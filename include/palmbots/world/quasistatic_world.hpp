@@ -28,8 +28,8 @@ namespace palmbots {
 template <class Real>
 inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
 
-// Whether the steps for two vertices never suffice: a rounded contact vertex rolls, and a nose or a
-// heel may touch the object.
+// Whether every step is the general one: a contact vertex is rounded and rolls, or a nose or a heel
+// may touch the object within reach.
 template <class Real>
 bool takes_general_steps(const Model<Real>& model) {
   for (const std::size_t side : {left, right}) {
@@ -195,7 +195,7 @@ class World {
 
   bool is_general() const { return takes_general_steps(model_); }
 
-  // Whether a heel stops the contacts, beyond the part of the palm on which the heel touches nothing.
+  // Whether contacts may leave the part of the palm on which the heel touches nothing, up to the heel.
   bool may_leave_reach() const { return model_.profile[left].stops || model_.profile[right].stops; }
   bool is_beyond_reach() const {
     const PerSide<Real>& places = state_.configuration.contacts;

@@ -33,15 +33,15 @@ def contact_radii(spec: _core.Spec) -> tuple[float, float]:
 
 
 def refuse_rounded_contacts(scene: Scene) -> None:
-    """Raise `SceneError` for contact vertices that roll, which only the world knows.
+    """Raise `SceneError` for rounded contact vertices, which no proof covers.
 
     Other corners may be rounded: the sharp outline contains the rounded one.
     """
     if any(contact_radii(to_spec(scene, unrolled=True))):
         raise SceneError(
             f"object.edge_radius_m: {show(scene.object.edge_radius_m)} rounds a contact vertex, "
-            "but this analysis assumes that both are sharp; allowed: 0 there, or palmbots carry "
-            "and drop-rate, which let it roll"
+            "but this proof assumes that both are sharp; allowed: 0 there; analyze, design, carry "
+            "and drop-rate take rounded ones"
         )
 
 

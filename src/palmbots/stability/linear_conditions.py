@@ -3,9 +3,9 @@
 
 (dx, dy) is the vector from the left contact to the right one. At given palm angles, frictions, COM
 and slope every condition of a property is P dx + Q dy + K ≥ 0. K is 0 for sharp contact vertices;
-with rounded ones dx and dy lead from one centre of an arc to the other, and K is what the arcs
-change. With K = 0 the condition bounds tan ϑ = dy / dx on one side,
-at k = w tan ϑ / √(1 + tan² ϑ) in the paper's z (k_B and k_D of equations 6 to 8). The formulas use
+with rounded ones dx and dy lead from the centre of the left arc to that of the right one, and K is
+the contribution of the arcs. If K = 0, the condition bounds tan ϑ = dy / dx on one side; in the
+paper's z the bound is w tan ϑ / √(1 + tan² ϑ) (k_B and k_D of equations 6 to 8). The formulas use
 only + − ×, so each form is a polynomial of degree at most two in friction, COM or slope, and a
 condition begins or ceases to hold at its roots. An array in place of a number gives the forms at
 several values. Source: docs/theory/mechanics.md and stability.md.
@@ -54,7 +54,7 @@ def text_of(number: int, name: str) -> str:
 
 @dataclass(frozen=True)
 class Form:
-    """P dx + Q dy + K ≥ 0; the condition is void where one of the forms `void`, written as their
+    """P dx + Q dy + K ≥ 0; the condition is void where one of the forms in `void`, each given as
     (P, Q, K), is negative."""
 
     name: str

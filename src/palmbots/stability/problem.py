@@ -49,8 +49,8 @@ class StabilityProblem:
     friction: Pair
     slope: float
     offset: Pair
-    """Of the contact vertices from the pivots, along the normals of the palms: of the surfaces, and
-    of the centres of arcs that round the vertices."""
+    """Distance of a contact vertex above the pivot, along the normal of its palm: that of the palm's
+    surface, plus the radius if the vertex is rounded."""
     radius: Pair
     """Of these arcs; 0: the vertex is sharp."""
     half_length: Pair
@@ -119,7 +119,8 @@ class StabilityProblem:
         """The vectors (dx, dy) at the extreme height differences, each with the weights of K
         (`Form`) with which a form holds for all height differences between them.
 
-        With 1 / cos ϑ as a number of its own a form is linear, and the corners decide.
+        If 1 / cos ϑ counts as an independent number between its extremes, a form is linear, and the
+        worst case is at a corner.
         """
         run = [math.sqrt((self.width - dy) * (self.width + dy)) for dy in rise]
         longest = self.width if rise[0] < 0 < rise[1] else max(run)
