@@ -21,8 +21,10 @@ from palmbots.fitting.profile_likelihood import Function, Maximum, bootstrap, in
 from palmbots.fitting.recordings import read_recording
 from palmbots.fitting.straight_stretches import (
     COMMANDS,
+    ENDS_S,
     LEAST_S,
     POSITIONS,
+    SETTLED_S,
     Alignment,
     align,
     check_units,
@@ -153,17 +155,19 @@ def fit_motion(files: Sequence[str | os.PathLike[str]]) -> MotionFit:
         stretches += found
         jumps += left_out
         sources += [Source(each.name, each.sha256) for each in (commands, positions)]
+    runs = len(alignments)
+    named = f"{sources[0].name} and {sources[1].name} have" if runs == 1 else f"{runs} runs have"
     if len(stretches) < LEAST_FOR_GAIN:
         raise PalmbotsError(
-            f"{sources[0].name}: has {len(stretches)} straight stretches with a constant command "
-            f"of at least {LEAST_S:g} s; expected {LEAST_FOR_GAIN} for the gain, and "
-            f"{LEAST_STRETCHES} for the noise; nothing is written"
+            f"--motion: {named} {len(stretches)} straight stretches with a constant command "
+            f"of at least {LEAST_S + SETTLED_S + ENDS_S:g} s; expected {LEAST_FOR_GAIN} for the "
+            f"gain, and {LEAST_STRETCHES} for the noise; nothing is written"
         )
     mean = float(np.median([_speed(each) / each.command_m_s for each in stretches]))
     if not _GAINS[0] < mean < _GAINS[1]:
         raise PalmbotsError(
-            f"{sources[1].name}: the robot moves {mean:.4g} times as fast as commanded in "
-            f"{sources[0].name}; expected m and m/s, and a gain from {_GAINS[0]:g} to {_GAINS[1]:g}"
+            f"--motion: {named} a robot that moves {mean:.4g} times as fast as commanded; "
+            f"expected m and m/s, and a gain from {_GAINS[0]:g} to {_GAINS[1]:g}"
         )
     fitted = fit_stretches(stretches)
     return MotionFit(

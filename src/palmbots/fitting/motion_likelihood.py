@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """The exact likelihood of positions of a robot that drives straight at a constant commanded speed.
 
-The model is that of simulated robots (docs/theory/robot-errors.md), in continuous time. On a
+The model is that of simulated robots (docs/guide/scenes.md), in continuous time. On a
 stretch with the commanded speed u the displacement s [m] obeys
 
     ds = (G u + b + n) dt + q dW,   dn = −n dt/τ + σ √(2/τ) dV,   y = s + m ε,
 
-with a gain G that is drawn once for the stretch, and a noise n that is stationary. All of it is
-Gaussian, so a Kalman filter with the states displacement, n and deviation of the gain gives the
-likelihood without an approximation: the transitions have closed forms for any time step. The first
-position of a stretch has no other information (a flat prior); its density is left out.
+with a gain G that is drawn once for the stretch, the bias b and a noise n that is stationary, with
+the deviation σ and the correlation time τ; q is the white part and m the deviation of the position
+noise. V and W are independent Wiener processes, ε is standard normal. All of it is Gaussian, so a
+Kalman filter with the states displacement, n and deviation of the gain gives the likelihood without
+an approximation: the transitions have closed forms for any time step. The place at which a stretch
+begins has a flat prior, so the first position has no density in it.
 
 Many stretches, and many sets of parameters, are filtered side by side.
 """

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Greatest likelihood, and intervals from the profile of the likelihood.
 
-An interval holds the values of a parameter for which the likelihood, with all other parameters
-chosen as well as possible, falls short of the greatest one by less than half of the 95 % quantile
-of χ² with one degree of freedom (Wilks). It needs no transformation that makes a parameter normal,
-and at the end of a parameter's range it becomes a bound on one side.
+An interval contains the values of a parameter at which the log-likelihood, maximised over all other
+parameters, is less than half the 95 % quantile of χ² with one degree of freedom below its maximum
+(Wilks). It needs no transformation that makes a parameter normal, and at the end of a parameter's
+range it becomes a bound on one side.
 
-The function gets many sets of parameters at once, because a call costs more than what it computes.
-Derivatives are differences over a fraction of a parameter's own standard deviation.
+The function gets many sets of parameters at once, because the overhead of a call exceeds the cost
+of its computation. Derivatives are differences over a fraction of a parameter's own standard
+deviation.
 """
 
 from __future__ import annotations

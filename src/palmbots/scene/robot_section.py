@@ -11,8 +11,8 @@ from palmbots.scene.section import Section, override_of, values_of_side
 class RobotParameters(Section):
     """One robot: speeds, errors of the speed, and clock.
 
-    It moves at the commanded speed times the gain, plus bias and noise. The noise has a part with a
-    correlation time and a white part. All errors end while the robot stands with its brakes on,
+    It moves at the commanded speed times the gain, plus the bias, the noise (which has a
+    correlation time) and the white part. All errors end while the robot stands with its brakes on,
     except for standing_noise_m_s.
     """
 

@@ -81,7 +81,9 @@ class Clearance(Result):
         if ends is None and not self.touches:
             yield f"clearance {turn}, for palms of any length"
         elif ends is None:
-            yield Line(bad("the outline TOUCHES a palm"), f", by {turn}, if the palm is long enough")
+            yield Line(
+                bad("the outline TOUCHES a palm"), f", by {turn}, if the palm is long enough"
+            )
         elif not self.touches:
             yield f"clearance {turn}, or {millimetres(ends.margin)} at the ends of the palms"
         else:

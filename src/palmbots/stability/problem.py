@@ -49,8 +49,8 @@ class StabilityProblem:
     friction: Pair
     slope: float
     offset: Pair
-    """Distance of a contact vertex above the pivot, along the normal of its palm: that of the palm's
-    surface, plus the radius if the vertex is rounded."""
+    """Distance of a contact vertex above the pivot, along the normal of its palm: that of the
+    palm's surface, plus the radius if the vertex is rounded."""
     radius: Pair
     """Of these arcs; 0: the vertex is sharp."""
     half_length: Pair
