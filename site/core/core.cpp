@@ -11,8 +11,6 @@
 
 #include "page_scene.hpp"
 #include "palmbots/base/wilson.hpp"
-#include "palmbots/sim/problem_text.hpp"
-#include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/sim/team_registry.hpp"
 #include "palmbots/stability/tolerance.hpp"
 #include "recorded_carry.hpp"
@@ -107,10 +105,7 @@ PAGE_EXPORT(problem) const char* problem() {
   answer_text.clear();
   if (!page_scene.problems.empty()) {
     const Problem& first = page_scene.problems.front();
-    for (const std::string& text : {key_text(first), filled_in(first.problem, first.numbers),
-                                    filled_in(first.allowed, first.numbers)}) {
-      answer_text.append(text).append("\n");
-    }
+    answer_text = page::problem_lines(first);
     const auto value = first.value.all();
     answer.assign(value.begin(), value.end());
   }
@@ -186,10 +181,7 @@ PAGE_EXPORT(warnings_before) const char* page_warnings_before(std::uint32_t cont
   const ControllerInfo info = controller < policy_controller
                                   ? controller_infos[controller]
                                   : ControllerInfo{.name = "", .decider = Decider::station};
-  answer_text.clear();
-  for (const std::string& line : warnings_before(scene, info, page_scene.warnings)) {
-    answer_text.append(line).append("\n");
-  }
+  answer_text = page::warning_lines(page_scene, info);
   return answer_text.c_str();
 }
 

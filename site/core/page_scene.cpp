@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Apart from core.cpp, because it runs once for each scene and is compiled to be small.
+// Apart from core.cpp, because it runs once for each scene or carry and is compiled to be small.
 #include "page_scene.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
+#include "palmbots/sim/problem_text.hpp"
 #include "palmbots/sim/scene_check.hpp"
 #include "palmbots/sim/scene_object.hpp"
 #include "palmbots/sim/scene_values.hpp"
@@ -13,6 +14,16 @@
 #include "palmbots/sim/spec_of_scene.hpp"
 
 namespace palmbots::page {
+
+namespace {
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text.append(line).append("\n");
+  return text;
+}
+
+}  // namespace
 
 PageScene read_scene(std::string_view lines, NumberStream in) {
   SceneValues values;
@@ -45,6 +56,19 @@ PageScene read_scene(std::string_view lines, NumberStream in) {
   scene.spec.timeout_ticks =
       std::min(scene.spec.timeout_ticks, static_cast<std::uint64_t>(most_ticks));
   return scene;
+}
+
+std::string problem_lines(const Problem& problem) {
+  return joined({key_text(problem), filled_in(problem.problem, problem.numbers),
+                 filled_in(problem.allowed, problem.numbers)});
+}
+
+std::string warning_lines(const PageScene& scene, const ControllerInfo& controller) {
+  return joined(warnings_before(scene.spec, controller, scene.warnings));
+}
+
+std::string warning_lines(const Spec& spec, const CarryEnd& end, bool stops_in_silence) {
+  return joined(warnings_after(spec, end, stops_in_silence));
 }
 
 }  // namespace palmbots::page

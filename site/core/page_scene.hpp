@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene of the page: its values as given, what is wrong with them, and the Spec to carry.
+// A scene of the page: its values as given, the Spec to carry, and what there is to say about both.
 #pragma once
 
 #include <cmath>
@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "number_stream.hpp"
+#include "palmbots/runtime/controller_registry.hpp"
+#include "palmbots/sim/carry_warnings.hpp"
 #include "palmbots/sim/scene_problem.hpp"
 #include "palmbots/sim/spec.hpp"
 
@@ -33,5 +35,12 @@ struct PageScene {
 // by `=WORD` if the value is a word. A name that ends with # begins a list; its value is the number
 // of records.
 PageScene read_scene(std::string_view lines, NumberStream in);
+
+// The lines about a problem: its key, what is wrong and what is allowed.
+std::string problem_lines(const Problem& problem);
+
+// The lines with the warnings that are known before a carry, and after it.
+std::string warning_lines(const PageScene& scene, const ControllerInfo& controller);
+std::string warning_lines(const Spec& spec, const CarryEnd& end, bool stops_in_silence);
 
 }  // namespace palmbots::page

@@ -24,8 +24,9 @@ struct Pose {
 
 // Appends x and y of: pivots, inner ends, outer ends and contacts (left, right each), COM, the left
 // contact vertex as the scene has it, the corners of the left and the right plate, and the outline
-// to draw.
-inline void append_places(const Spec& spec, const Pose& pose, std::vector<double>& out) {
+// to draw. For one picture at a time, so it is compiled to be small.
+[[clang::minsize]] inline void append_places(const Spec& spec, const Pose& pose,
+                                             std::vector<double>& out) {
   struct Xy {
     double x;
     double y;

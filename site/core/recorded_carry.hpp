@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "page_scene.hpp"
 #include "page_team.hpp"
-#include "palmbots/sim/carry_warnings.hpp"
 #include "palmbots/sim/recorder.hpp"
 
 namespace palmbots::page {
@@ -124,16 +124,12 @@ inline void append_metrics(const PageCarry& carry, Numbers& out) {
                          double(hash & 0xFFFFFFFFU)});
 }
 
-inline std::string warning_lines(const PageCarry& carry, bool stops_in_silence) {
-  const auto& team = carry.team();
-  const PerSide<MessageKind> awaits{team.awaits(left), team.awaits(right)};
-  const PerSide<bool> stopped{carry.commands()[left].stop, carry.commands()[right].stop};
-  std::string text;
-  for (const std::string& line : warnings_after(
-           carry.spec(), {carry.metrics(), team.link_totals, awaits, stopped}, stops_in_silence)) {
-    text += text.empty() ? line : "\n" + line;
-  }
-  return text;
+inline CarryEnd end_of(const PageCarry& carry) {
+  const PageTeam& team = carry.team();
+  return {carry.metrics(),
+          team.link_totals,
+          {team.awaits(left), team.awaits(right)},
+          {carry.commands()[left].stop, carry.commands()[right].stop}};
 }
 
 }  // namespace detail
@@ -146,7 +142,7 @@ inline RecordedCarry record(const Spec& spec, std::uint64_t seed, PageTeam team,
   RecordedCarry kept;
   const Metrics& m = carry.metrics();
   detail::append_metrics(carry, kept.metrics);
-  kept.warnings = detail::warning_lines(carry, stops_in_silence);
+  kept.warnings = warning_lines(spec, detail::end_of(carry), stops_in_silence);
   const std::vector<Row> rows = carry.recorder().take_rows();
   const double end = m.time_ticks * spec.period;
   kept.rows.reserve(rows.size() * RecordedCarry::row_width);

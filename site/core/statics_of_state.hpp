@@ -91,6 +91,7 @@ class StaticsOfState {
   // a contact mode balances, closing and opening mode, friction margin [rad], wedged up edges (left,
   // right), angle of the object [rad], separation; per side the edges up and down as directions of
   // the force on the object, and the heights at which the line of gravity meets them; then the places.
+  [[clang::minsize]]
   void append(const PalmState& state, std::vector<double>& out) const {
     const Pose at = pose(state);
     const bool reaches = at.configuration.separation == at.configuration.separation;
