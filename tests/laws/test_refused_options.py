@@ -171,7 +171,7 @@ def folder_option(one: Declared) -> str | None:
     writer = writer_of(one)
     place = None if writer is None else next(iter(writer.options.values()))
     if place is not None and place.metavar == "DIR":
-        return place.names or "--out"
+        return place.names.split()[0] if place.names else "--out"
     return "--out" if one.declaration.figure else None
 
 

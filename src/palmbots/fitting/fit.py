@@ -11,7 +11,7 @@ from palmbots._util.atomic_files import folder
 from palmbots._util.command import Option, command, writes
 from palmbots._util.report import Item
 from palmbots.errors import PalmbotsError
-from palmbots.fitting.estimates import fragment, write_fragment
+from palmbots.fitting.fitted_values import fragment, write_fragment
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
 
 

@@ -15,7 +15,7 @@ from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
-from palmbots.fitting.estimates import Estimate, Source, estimate_rows, shown
+from palmbots.fitting.fitted_values import Estimate, Source, estimate_rows, shown
 from palmbots.fitting.motion_likelihood import Stretch, Stretches
 from palmbots.fitting.profile_likelihood import Function, Maximum, bootstrap, interval, maximum
 from palmbots.fitting.recordings import read_recording
