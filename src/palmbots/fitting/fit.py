@@ -30,7 +30,7 @@ def fit(files: Sequence[str | os.PathLike[str]], *, motion: bool = False) -> Mot
     Args:
         files: the recordings.
         motion: fit the motion of a robot: files with commands (time_s, speed_m_s, turn_rad_s) and
-            with positions (time_s, x_m, y_m, heading_rad) in turns.
+            with positions (time_s, x_m, y_m, heading_rad), listed in pairs.
 
     Raises:
         PalmbotsError: a file cannot be read, or nothing is identified.
