@@ -22,6 +22,7 @@ from palmbots.scene.spec import to_spec
 from palmbots.simulation import count_outcomes
 from palmbots.simulation.prepare import prepare
 from palmbots.stability.angle_certificate import scene_at
+from sampled import in_soak, sampled
 
 CRATE: dict[str, Any] = {
     "object": {
@@ -136,7 +137,7 @@ def test_turn_is_tried_in_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
         assert words[0] == "palmbots" and run([*words[1:], "--help"]) == 0
 
 
-@pytest.mark.parametrize("as_json", [False, True])
+@pytest.mark.parametrize("as_json", [True, in_soak(False)])
 def test_command_names_commands_that_run(
     as_json: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -232,7 +233,7 @@ CHANGES = [
 ]
 
 
-@pytest.mark.parametrize(("keys", "noise", "key"), CHANGES)
+@pytest.mark.parametrize(("keys", "noise", "key"), sampled(CHANGES, 2))
 def test_changes_help_on_seeds_that_did_not_choose_them(
     keys: dict[str, Any], noise: float | None, key: str | None
 ) -> None:

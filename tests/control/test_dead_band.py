@@ -18,6 +18,7 @@ from palmbots.control.dead_band import overrun_m, warnings_before, zero_zone_m
 from palmbots.scene.placement import placements
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
+from sampled import in_soak
 
 STARTS = [(0.02, 0.0), (-0.02, 0.0), (0.02, 0.02), (-0.02, -0.02), (0.02, -0.02), (-0.02, 0.02)]
 
@@ -71,7 +72,7 @@ KEYS: list[dict[str, float]] = [
 
 
 @pytest.mark.parametrize("keys", KEYS, ids=repr)
-@pytest.mark.parametrize("latency_s", [0.0, 0.05, 0.15])
+@pytest.mark.parametrize("latency_s", [0.05, in_soak(0.0), in_soak(0.15)])
 @pytest.mark.parametrize(
     ("controller", "tightness"), [("distributed", 0.65), ("centralized", 0.65), ("shared-sign", 0)]
 )

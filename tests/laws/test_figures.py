@@ -31,6 +31,7 @@ from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
 from palmbots.viz import style
 from recordings import HIDDEN, recorded
+from sampled import amounts
 from shape_files import svg, written
 from short_validation import short_validation
 from study_fixtures import SMALL
@@ -198,10 +199,11 @@ def test_colours_are_those_of_the_style(drawn: list[tuple[str, Any, Figure]]) ->
                 assert used.name == style.COLOUR_MAP or own <= allowed, name
 
 
+@pytest.mark.parametrize("every", amounts(5, 1))
 def test_the_same_file_whatever_settings_the_user_has(
-    drawn: list[tuple[str, Any, Figure]], tmp_path: Path
+    drawn: list[tuple[str, Any, Figure]], every: int, tmp_path: Path
 ) -> None:
-    for k, (name, result, figure) in enumerate(drawn):
+    for k, (name, result, figure) in enumerate(drawn[::every]):
         viz.write_figure(tmp_path / f"{k}.svg", figure)
         with matplotlib.rc_context({"font.size": 30, "axes.grid": True, "lines.linewidth": 9}):
             viz.write_figure(tmp_path / "again.svg", viz.FIGURES.get(name)(result))

@@ -19,6 +19,7 @@ import palmbots as pb
 from palmbots._util.results import Result
 from palmbots.scene.spec import to_spec
 from palmbots.studies import load_plan
+from sampled import in_soak
 from shape_files import prism, stl, written
 from short_validation import FEW_LINES
 from study_fixtures import SMALL
@@ -179,7 +180,11 @@ def test_every_public_function_with_numbers_is_called() -> None:
         assert numbers[name] - {"local_cluster"} <= set(given), name  # it starts processes
 
 
-@pytest.mark.parametrize("name", CALLS)
+# They call the others, and take long.
+LONG = ("assess", "validate")
+
+
+@pytest.mark.parametrize("name", [in_soak(name) if name in LONG else name for name in CALLS])
 def test_numbers_of_numpy_give_the_same(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -14,6 +14,7 @@ from palmbots.control.interface import DistributedController
 from palmbots.control.registry import shipped_names
 from palmbots.logs.replaying import replay
 from palmbots.simulation.result import Carry
+from sampled import sampled
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +80,7 @@ def test_noise_and_radio_are_those_of_the_quasistatic_world_with_that_seed(done:
 
 
 @pytest.mark.parametrize(
-    "controller", [c for c in shipped_names() if c not in ("distributed", "none")]
+    "controller", sampled((c for c in shipped_names() if c not in ("distributed", "none")), 2)
 )
 def test_other_controllers_carry_too(controller: str) -> None:
     done = pb.carry("paper", controller, seed=1, world="mujoco", record=False)
@@ -91,7 +92,7 @@ def test_other_controllers_carry_too(controller: str) -> None:
 @pytest.mark.parametrize("friction", [0.15, 0.8])
 def test_little_and_much_friction_carry(friction: float) -> None:
     """Twelve seeds of each, and of five between, are benchmarks/bench_mujoco.py."""
-    for seed in (0, 1):
+    for seed in (1,):
         done = pb.carry(
             "paper", world="mujoco", seed=seed, record=False, overrides={"palm.friction": friction}
         )

@@ -18,6 +18,7 @@ from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
 from palmbots.optimum.opening import Grid
 from palmbots.optimum.optimal_controllers import _policy
+from sampled import in_soak
 from short_validation import FEW_LINES
 
 ROOT = Path(__file__).parent.parent.parent
@@ -85,6 +86,8 @@ SMALLER: dict[str, dict[str, Any]] = {
     "validate": FEW_LINES,
     "speed-limits": {f"{LIMITS}.FRICTIONS": (0.3,), f"{LIMITS}.FACTORS": (1.0,)},
 }
+# Of these, `make test` runs each.
+ALL = (None, "compare", "study", "noise-limit", "carry --out")
 DATA = ROOT / "src" / "palmbots" / "studies" / "data"
 # Named in the text without their arguments.
 NAMED = (["replay"], ["check"], ["study"], ["export"], ["init"], ["up"], ["world"], ["robot"],
@@ -135,7 +138,14 @@ def with_few_points(name: str, folder: Path) -> str:
     return file.name
 
 
-@pytest.mark.parametrize("command", commands())
+def by_what_they_try() -> list[Any]:
+    """Of the commands that are shortened in the same way, `make test` runs the one with most words,
+    and `make soak` all of them."""
+    most = {shortened(c): c for c in sorted(commands(), key=lambda c: len(shlex.split(c)))}
+    return [c if shortened(c) in ALL or most[shortened(c)] == c else in_soak(c) for c in commands()]
+
+
+@pytest.mark.parametrize("command", by_what_they_try())
 def test_commands_run(
     command: str,
     capsys: pytest.CaptureFixture[str],

@@ -13,6 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from cxx import ROOT, build
 
 LAYERS = tomllib.loads((Path(__file__).parent / "layers.toml").read_text(encoding="utf-8"))
@@ -147,6 +149,7 @@ def test_no_two_modules_share_a_name() -> None:
     assert [name for name, count in names.items() if count > 1] == []
 
 
+@pytest.mark.soak
 def test_headers_compile_on_their_own() -> None:
     result = build("headers")
     assert result.returncode == 0, result.stdout + result.stderr

@@ -14,6 +14,7 @@ import palmbots as pb
 from palmbots.control import StepOutput
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DELIVERED, DROPPED, run_seeds
+from sampled import in_soak
 
 MODULE = importlib.import_module("palmbots.simulation.noise_limit")
 SHORT = {"task.distance_m": 0.3}
@@ -57,10 +58,10 @@ def curve(limit: float, slope: float, rate: float = 0.01) -> Any:
 @pytest.mark.parametrize(
     ("limit", "slope", "rate", "runs"),
     [
-        (0.0193, 4.0, 0.01, 80),  # about the curve of Table 2
-        (0.0006, 9.0, 0.01, 30),
+        (0.0193, 4.0, 0.01, 40),  # about the curve of Table 2
+        in_soak(0.0006, 9.0, 0.01, 30),
         (0.7, 2.0, 0.1, 30),
-        pytest.param(0.03, 3.5, 0.01, 2000, marks=pytest.mark.soak),
+        in_soak(0.03, 3.5, 0.01, 2000),
     ],
 )
 def test_interval_covers_the_known_limit(

@@ -20,6 +20,7 @@ import at_call
 from palmbots.errors import PalmbotsError
 from palmbots.studies import dask_runner
 from palmbots.studies.store import Store
+from sampled import in_soak, sampled
 from study_fixtures import command, marks, refused, said_here, study, study_here
 from waiting import wait_until
 
@@ -158,11 +159,11 @@ def test_local_cluster_has_the_same_results(long: Path, whole: str, tmp_path: Pa
 @pytest.mark.parametrize(
     ("workers", "when", "function", "count"),
     [
-        (2, "before", "distributed.nanny:Nanny.instantiate", 2),
-        (1, "before", "palmbots.studies.dask_runner:_check_workers", 1),
         (2, "after", "palmbots.studies.store:Store.write", 3),
+        in_soak(2, "before", "distributed.nanny:Nanny.instantiate", 2),
+        in_soak(1, "before", "palmbots.studies.dask_runner:_check_workers", 1),
     ],
-    ids=["while a worker starts", "when all are there", "in mid-run"],
+    ids=["in mid-run", "while a worker starts", "when all are there"],
 )
 def test_ctrl_c_ends_the_workers_and_prints_one_line(
     long: Path, whole: str, tmp_path: Path, workers: int, when: str, function: str, count: int
@@ -244,7 +245,7 @@ def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: P
 
 
 @pytest.mark.parametrize(
-    "before", ["", "log = __name__\n", "if __name__ == '__main__':\n    log = 1\n"]
+    "before", sampled(["if __name__ == '__main__':\n    log = 1\n", "log = __name__\n", ""], 3)
 )
 def test_a_script_without_a_guard_is_refused_before_processes_import_it(
     before: str, tmp_path: Path

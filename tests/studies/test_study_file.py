@@ -8,6 +8,7 @@ import pytest
 
 from palmbots.studies.points import Points, design_points
 from palmbots.studies.study_file import built_in_studies, load_plan
+from sampled import in_soak
 
 
 def points(**table: Any) -> Points:
@@ -62,7 +63,13 @@ def test_identity_changes_with_everything_that_matters(change: dict[str, Any]) -
     assert points(**WHOLE, about="a remark").identity == points(**WHOLE).identity
 
 
-@pytest.mark.parametrize("name", built_in_studies())
+# Nearly 5,000 scenes.
+LONG = "what-matters"
+
+
+@pytest.mark.parametrize(
+    "name", [in_soak(name) if name == LONG else name for name in built_in_studies()]
+)
 def test_built_in_studies_are_valid(name: str) -> None:
     plan = load_plan(name)
     assert plan.name == name

@@ -16,6 +16,7 @@ from contact_scripts import OBJECTS
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from rigid_body_oracle import SlowContacts
+from sampled import amounts
 
 ANGLES = [-5, 0, 2, 5, 8, 15, 25]
 Step = tuple[float, float, float, float]  # change of the separation, palm angles [°], push
@@ -137,9 +138,10 @@ def case(seed: int) -> Case:
     return Case(OBJECTS[int(rng.integers(len(OBJECTS)))], keys, script)
 
 
-def test_motion_is_that_of_an_independent_world() -> None:
+@pytest.mark.parametrize("cases", amounts(7, 16))
+def test_motion_is_that_of_an_independent_world(cases: int) -> None:
     seen = {"further": 0, "lifted": 0, "ended": 0}
-    for seed in range(16):
+    for seed in range(cases):
         chosen = case(seed)
         spec = to_spec(load_scene(chosen.thing, chosen.keys))
         fast = _core.World(spec)
@@ -159,7 +161,7 @@ def test_motion_is_that_of_an_independent_world() -> None:
             assert np.array([fast.contacts, fast.lift]) == pytest.approx(where, abs=3e-4), seed
             seen["further"] += len(fast.constraints) > 0
             seen["lifted"] += max(fast.lift) > 1e-4
-    assert min(seen.values()) >= 2, seen
+    assert min(seen.values()) > 0, seen
 
 
 # --- Laws -----------------------------------------------------------------------------------------

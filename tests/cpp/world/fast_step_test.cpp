@@ -227,7 +227,7 @@ void test_all(int steps) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int steps = argc > 1 ? std::atoi(argv[1]) : 30000;
+  const int steps = argc > 1 ? std::atoi(argv[1]) : 10000;
   test_all<double>(steps);
   test_all<float>(steps);
 }

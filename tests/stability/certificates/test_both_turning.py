@@ -18,6 +18,7 @@ from clearance_cases import lips, touches
 from palmbots._types import SIDES
 from palmbots.stability.certificates.obligations import BOTH_TURN
 from palmbots.stability.certificates.prover import certify
+from sampled import amounts
 from statics_oracle import OFF_BY, STICK, State
 
 Array = NDArray[np.float64]
@@ -147,13 +148,14 @@ def random_case(rng: np.random.Generator, *, sticky: bool) -> tuple[dict[str, An
 # ---- the claims are true -------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("cases", amounts(24, 60))
 @pytest.mark.parametrize("sticky", [False, True])
-def test_verdicts_agree_with_linear_programs(sticky: bool, tmp_path: Path) -> None:
+def test_verdicts_agree_with_linear_programs(sticky: bool, cases: int, tmp_path: Path) -> None:
     """What is certified to hold does so at random points of the box; a witness does not."""
     rng = np.random.default_rng(21)
     claims = ("no jam",) if sticky else ("property 0 turning", "no jam")
     verdicts: Counter[str] = Counter()
-    for _ in range(60):
+    for _ in range(cases):
         scene, given = random_case(rng, sticky=sticky)
         found = certify(scene, claims=claims, **given)
         if found.verdict == "undecided":
@@ -169,10 +171,10 @@ def test_verdicts_agree_with_linear_programs(sticky: bool, tmp_path: Path) -> No
         for _ in range(25):
             failing = what_fails(some_state(found.data["box"], rng))
             assert not failing - ({"0 turning"} if sticky else set())
-    assert verdicts["holds"] > 15
-    assert verdicts["undecided"] < 5
+    assert verdicts["holds"] > cases / 4
+    assert verdicts["undecided"] < cases / 12
     expected = ("jam closing", "jam opening") if sticky else ("0 turning",)
-    assert all(verdicts[name] > 3 for name in expected), verdicts
+    assert all(verdicts[name] for name in expected), verdicts
 
 
 def test_random_points_outside_of_a_proved_box_fail(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from claims_oracle import CLAIMS, States, failing, random_box, sampled
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.contact_modes import contact_modes_batch
 from palmbots.stability.certificates.prover import certify
+from sampled import in_soak
 
 JAMMED = -2
 # Palms like a Λ, and a tall object that is held at a tilt, with its COM beyond the right contact.
@@ -25,9 +26,7 @@ LAMBDA: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("claim", CLAIMS)
-@pytest.mark.parametrize(
-    ("boxes", "states"), [(25, 1_000), pytest.param(400, 100_000, marks=pytest.mark.soak)]
-)
+@pytest.mark.parametrize(("boxes", "states"), [(12, 500), in_soak(400, 100_000)])
 def test_claim_alone_is_true_where_it_is_certified(claim: str, boxes: int, states: int) -> None:
     """And it certainly fails at many points of boxes for which it is not certified."""
     rng = np.random.default_rng(CLAIMS.index(claim))
