@@ -150,6 +150,8 @@ void bind_spec(nb::module_& m) {
           "normal) [m]. The first one and the last one are the ends of the surface.");
   bind_records<RobotSpec>(m, "RobotSpec", "One robot's wheels, in SI units.", robot_keys);
 
+  bind_records<ArmSpec>(m, "ArmSpec", "What raises and lowers one palm, in SI units.", arm_keys);
+
   nb::class_<Spec> type(m, "Spec", "Everything that defines a carry, in SI units and radians.");
   type.def(nb::init<>());
   for (const Section& section : sections) {
@@ -174,6 +176,13 @@ void bind_spec(nb::module_& m) {
             s.robots[left] = robots.first;
             s.robots[right] = robots.second;
           })
+      .def_prop_rw(
+          "arms", [](const Spec& s) { return std::pair(s.arms[left], s.arms[right]); },
+          [](Spec& s, const std::pair<ArmSpec, ArmSpec>& arms) {
+            s.arms[left] = arms.first;
+            s.arms[right] = arms.second;
+          })
+      .def_prop_ro("uses_floor", &uses_floor, "Whether the job begins or ends on the floor.")
       .def_prop_rw(
           "start", [](const Spec& s) { return std::pair(s.start[left], s.start[right]); },
           [](Spec& s, std::pair<double, double> start) {

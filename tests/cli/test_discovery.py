@@ -18,6 +18,7 @@ from palmbots.control.registry import shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED, tolerated_noise
 from palmbots.scene.error_messages import dotted_keys
 from palmbots.scene.key_reference import scene_keys
+from palmbots.scene.overrides import HOLDERS
 from palmbots.scene.scene import Scene, load_scene
 
 ROOT = Path(__file__).parent.parent.parent
@@ -37,9 +38,7 @@ def test_list_has_every_built_in_file_with_a_meaning(kind: str, here: Run) -> No
 
 def test_keys_lists_every_key_once(here: Run) -> None:
     rows = json.loads(here("keys", "--json").stdout)["keys"]
-    one_side = tuple(
-        f"{s}.{side}." for s in ("palm", "robot", "radio") for side in ("left", "right", "station")
-    )
+    one_side = tuple(f"{s}.{side}." for s in HOLDERS for side in ("left", "right", "station"))
     wanted = {key for key in dotted_keys(Scene) if not key.startswith(one_side)}
     assert len(rows) == len({row["name"] for row in rows})
     assert {row["name"] for row in rows} == wanted

@@ -20,7 +20,7 @@ NEAR_ZERO = {
     "parts per million": 200.0, "bumps per metre": 3.0,
 }  # fmt: skip
 INSTEAD_OF_NONE = {"": 0.3, "m": 0.2, "s": 0.5, "degrees": 15.0, "parts per million": 5000.0}
-HOLDERS = {"palm": ("left", "right"), "robot": ("left", "right")}
+HOLDERS = dict.fromkeys(("palm", "robot", "arm"), ("left", "right"))
 SENDERS = ("left", "right", "station")
 OUTLINE = {  # the rows of an outline say nothing about its shape
     "object.vertices_m": lambda draw: [
@@ -130,6 +130,7 @@ def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
         if draw.random() < share:
             keys[name] = records
     keys["task.distance_m"] = draw.uniform(0.2, 0.5)
+    keys["task.from"] = keys["task.to"] = "palms"  # most of what carries random scenes has no floor
     return keys
 
 

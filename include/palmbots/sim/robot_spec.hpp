@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sections `palm`, `robot`, `tactile` and `control` of a scene. Lengths in m, angles in rad,
+// The sections `palm`, `robot`, `arm`, `tactile` and `control` of a scene. Lengths in m, angles in rad,
 // speeds in m/s, times in s.
 #pragma once
 
@@ -87,6 +87,20 @@ inline constexpr Key robot_keys[] = {
     number<&RobotSpec::clock_drift>("clock_ppm", Unit::parts_per_million, -100000, 100000),
     source_number("period_s", Unit::s, 0.0001, 1),
     derived<&RobotSpec::stride>(),
+};
+
+// What raises and lowers the pivot of a palm, in jobs that begin or end on the floor.
+struct ArmSpec {
+  double rate = 0.05;           // of the pivot's height, at most [m/s]
+  double carry_height = 0.15;   // of the pivot over the floor while the pair carries [m]
+  double lowest_pivot = 0;      // the least height that the wrist permits [m]
+  double height_error = 0.002;  // the largest error of its height [m]
+};
+inline constexpr Key arm_keys[] = {
+    number<&ArmSpec::rate>("rate_m_per_s", Unit::m_s, 0.001, 10),
+    number<&ArmSpec::carry_height>("carry_height_m", Unit::m, 0.001, 10),
+    number<&ArmSpec::lowest_pivot>("lowest_pivot_m", Unit::m, 0, 1),
+    number<&ArmSpec::height_error>("height_error_m", Unit::m, 0, 0.1),
 };
 
 // A stretch of the palm in which the sensor reads one sign (`Sign`), as in Zone.

@@ -28,9 +28,11 @@ struct Spec : ObjectSpec,
               FaultsSpec,
               BumpsSpec,
               StartSpec,
+              FloorSpec,
               TaskSpec {
   PalmSpec palms[2]{};
   RobotSpec robots[2]{};
+  ArmSpec arms[2]{};
   DirectionSpec directions[3]{};  // from the left robot, the right one, the station
 
   // The longest delay of any link [s].
@@ -51,6 +53,11 @@ struct Spec : ObjectSpec,
     return period * static_cast<double>(one < two ? two : one);
   }
 };
+
+// Whether the job begins or ends on the floor; otherwise the object is on the palms all the time.
+inline bool uses_floor(const Spec& spec) {
+  return spec.begins_on == StandsOn::floor || spec.ends_on == StandsOn::floor;
+}
 
 // The side of the robot that leads, that is the front one in the direction of travel.
 inline std::size_t leader_of(const Spec& spec) { return spec.direction > 0 ? right : left; }
@@ -106,6 +113,7 @@ inline constexpr Section sections[] = {
     detail::section<ObjectSpec>("object", object_keys, object_lists),
     detail::section_of_holders<&Spec::palms>("palm", Holders::sides, palm_keys),
     detail::section_of_holders<&Spec::robots>("robot", Holders::sides, robot_keys),
+    detail::section_of_holders<&Spec::arms>("arm", Holders::sides, arm_keys),
     detail::section<TactileSpec>("tactile", tactile_keys, tactile_lists),
     detail::section<ControlSpec>("control", control_keys),
     detail::section<RadioSpec>("radio", radio_keys, radio_lists),
@@ -113,6 +121,7 @@ inline constexpr Section sections[] = {
     detail::section<FaultsSpec>("faults", faults_keys, faults_lists),
     detail::section<BumpsSpec>("bumps", bumps_keys, bumps_lists),
     detail::section<StartSpec>("start", start_keys),
+    detail::section<FloorSpec>("floor", floor_keys),
     detail::section<TaskSpec>("task", task_keys),
 };
 

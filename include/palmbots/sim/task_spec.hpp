@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sections `object`, `start` and `task` of a scene: what is carried, and how far. Lengths in m,
+// The sections `object`, `start`, `floor` and `task` of a scene: what is carried, and how far. Lengths in m,
 // times in s.
 #pragma once
 
@@ -128,7 +128,19 @@ inline constexpr Key start_keys[] = {
     detail::start_key<right>("right_m"),
 };
 
+struct FloorSpec {
+  double floor_friction = 0.3;  // between object and floor
+};
+inline constexpr Key floor_keys[] = {
+    number<&FloorSpec::floor_friction>("friction", Unit::none, 0, 5),
+};
+
+// What an object stands on before a job, or after it.
+enum class StandsOn : std::uint8_t { palms, floor };
+
 struct TaskSpec {
+  StandsOn begins_on = StandsOn::palms;
+  StandsOn ends_on = StandsOn::palms;
   double distance = 1.5;
   double slope = 0;           // specific force towards −x
   bool inertia = true;        // false: accelerations have no effect, as the paper assumes
@@ -138,7 +150,10 @@ struct TaskSpec {
   double safe_reach = -1;  // see ModelParams; −1: unknown
 };
 inline constexpr Choices direction_choices(0, "forward", "backward");
+inline constexpr Choices support_choices(0, "palms", "floor");
 inline constexpr Key task_keys[] = {
+    choice<&TaskSpec::begins_on>("from", support_choices),
+    choice<&TaskSpec::ends_on>("to", support_choices),
     number<&TaskSpec::distance>("distance_m", Unit::m, 0.001, 10000),
     between(source_number("slope_deg", Unit::degrees, -80, 80, 0)),
     source_number("timeout_s", Unit::s, 0.001, 1e6),

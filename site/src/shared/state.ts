@@ -126,7 +126,7 @@ export function setKey(key: string, value: Json | undefined): void {
   overrides.value = next;
 }
 
-const SIDED = /^(palm|robot|radio)\.([^.]+)$/;
+const SIDED = /^(palm|robot|arm|radio)\.([^.]+)$/;
 
 // The values of a key on the left and on the right (of the radio, of the station, too), as carried.
 export function valuesOf(key: string): number[] {

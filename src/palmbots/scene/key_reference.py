@@ -28,7 +28,9 @@ from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.scene.core_keys import Optionally
 from palmbots.scene.fields import SWITCH, is_switch
+from palmbots.scene.overrides import HOLDERS
 from palmbots.scene.scene import Scene
+from palmbots.scene.section import plain_name
 
 _LINE_WIDTH = 78
 _LICENCE = "# SPDX-License-Identifier: Apache-2.0"
@@ -69,8 +71,8 @@ def section_keys(model: type[BaseModel], section: str) -> Iterator[SceneKey]:
     """The keys of a table and of the tables in it; `section` is its name."""
     meanings = field_meanings(model)
     for name, field in model.model_fields.items():
-        # palm.left.… has keys of palm.…; so have robot, hardware and radio.
-        if name in (*SIDES, "station") and section in ("palm", "robot", "hardware", "radio"):
+        # palm.left.… has keys of palm.…; so have the other sections with holders, and hardware.
+        if name in (*SIDES, "station") and section in (*HOLDERS, "hardware"):
             continue
         default = field.get_default(call_default_factory=True)
         if isinstance(default, BaseModel):
@@ -118,7 +120,7 @@ def field_meanings(model: type[BaseModel]) -> Mapping[str, str]:
                 and isinstance(text, ast.Expr)
                 and isinstance(text.value, ast.Constant)
             ):
-                found[field.target.id] = " ".join(str(text.value.value).split())
+                found[plain_name(field.target.id)] = " ".join(str(text.value.value).split())
     return found
 
 

@@ -142,7 +142,7 @@ def without_superseded(
     return merged(data, obsolete) if obsolete else dict(data)
 
 
-HOLDERS = {"palm": SIDES, "robot": SIDES, "radio": (*SIDES, "station")}
+HOLDERS = {"palm": SIDES, "robot": SIDES, "arm": SIDES, "radio": (*SIDES, "station")}
 """The sections in which a side or a sender may override a key."""
 _EITHER = ("friction", "friction_angle_deg")  # a side with one of them ignores both of the pair
 

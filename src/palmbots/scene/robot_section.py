@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sections of a scene about the robots: `robot`, `tactile` and `control`."""
+"""The sections of a scene about the robots: `robot`, `arm`, `tactile` and `control`."""
 
 from typing import Any
 
@@ -63,6 +63,38 @@ class Robot(RobotParameters):
         """The robot of one side, with its overrides applied."""
         override: Any = self.left if side == "left" else self.right
         return RobotParameters(**values_of_side(self, override))
+
+
+class ArmParameters(Section):
+    """One arm: it raises and lowers the pivot of a palm. It moves only in jobs that begin or end on
+    the floor (task.from, task.to)."""
+
+    rate_m_per_s: float = key("arm.rate_m_per_s")
+    """Speed at which the pivot rises and falls, at most."""
+    carry_height_m: float = key("arm.carry_height_m")
+    """Height of the pivot over the floor while the pair carries."""
+    lowest_pivot_m: float = key("arm.lowest_pivot_m")
+    """Least height of the pivot over the floor that the wrist permits. 0: the wrist fits
+    everywhere."""
+    height_error_m: float = key("arm.height_error_m")
+    """Largest error of the height of a pivot."""
+
+
+@override_of(ArmParameters)
+class ArmOverride(Section):
+    """What differs on one side."""
+
+
+class Arm(ArmParameters):
+    """[arm] Both arms; [arm.left] and [arm.right] override keys for one."""
+
+    left: ArmOverride = ArmOverride()
+    right: ArmOverride = ArmOverride()
+
+    def of(self, side: Side) -> ArmParameters:
+        """The arm of one side, with its overrides applied."""
+        override: Any = self.left if side == "left" else self.right
+        return ArmParameters(**values_of_side(self, override))
 
 
 class Zone(Section):

@@ -25,12 +25,12 @@ from palmbots.scene.files import read_scene
 from palmbots.scene.mujoco_section import MujocoParameters
 from palmbots.scene.object_library import by_name, is_object_file, with_named_object
 from palmbots.scene.object_section import Object
-from palmbots.scene.overrides import merged, refuse_without_effect, without_superseded
+from palmbots.scene.overrides import HOLDERS, merged, refuse_without_effect, without_superseded
 from palmbots.scene.palm_section import Palm, PalmParameters
 from palmbots.scene.radio_section import Radio
-from palmbots.scene.robot_section import Control, Robot, RobotParameters, Tactile
+from palmbots.scene.robot_section import Arm, Control, Robot, RobotParameters, Tactile
 from palmbots.scene.section import Section, as_given, plain
-from palmbots.scene.task_section import Bumps, Start, Task
+from palmbots.scene.task_section import Bumps, Floor, Start, Task
 
 _STEP = re.compile(r"(\w+)|\[(\d+)\]")
 
@@ -46,12 +46,14 @@ class Scene(Section):
     """A table, the name of an object of the package, or a TOML file with the table [object]."""
     palm: Palm = Palm()
     robot: Robot = Robot()
+    arm: Arm = Arm()
     tactile: Tactile = Tactile()
     control: Control = Control()
     radio: Radio = Radio()
     faults: Faults = Faults()
     bumps: Bumps = Bumps()
     start: Start = Start()
+    floor: Floor = Floor()
     task: Task = Task()
     mujoco: MujocoParameters = MujocoParameters()
     _spelled: str = PrivateAttr("SCENE")
@@ -98,7 +100,7 @@ class Scene(Section):
         item["vertices_m"] = tuple((0.0 - x, y) for x, y in item["vertices_m"])
         item["com_m"] = (0.0 - item["com_m"][0], item["com_m"][1])
         item["contacts"] = item["contacts"][::-1]
-        for section in ("palm", "robot", "radio"):
+        for section in HOLDERS:
             sides = {_other(s): table[section].pop(s, {}) for s in SIDES}
             table[section] |= sides
         for bump in table["bumps"]["script"]:

@@ -5,7 +5,7 @@ None means "not set". A dump leaves such keys out, so that it is valid TOML.
 """
 
 from collections.abc import Callable, Collection, Mapping
-from typing import Annotated, Any, Optional
+from typing import Annotated, Any, Optional, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -74,6 +74,25 @@ def override_of(
     return lambda own: create_model(
         own.__name__, __base__=own, __module__=own.__module__, __doc__=own.__doc__, **fields
     )
+
+
+def plain_name(field: str) -> str:
+    """The key of a field whose name ends with an underscore, because it is a word of Python."""
+    return field.removesuffix("_")
+
+
+_AnySection = TypeVar("_AnySection", bound=Section)
+
+
+def with_plain_names(own: type[_AnySection]) -> type[_AnySection]:
+    """A class whose fields have the names of their keys: ``from`` for ``from_``."""
+    fields: dict[str, Any] = {
+        plain_name(name): (field.annotation, field) for name, field in own.model_fields.items()
+    }
+    made: Any = create_model(
+        own.__name__, __base__=Section, __module__=own.__module__, __doc__=own.__doc__, **fields
+    )
+    return made
 
 
 def check_sides(both: Section, overrides: Mapping[str, Section], model: type[Section]) -> None:

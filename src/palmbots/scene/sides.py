@@ -44,10 +44,10 @@ def value_of(scene: Scene, key: str) -> Any:
     section, _, name = key.partition(".")
     holder, _, own = name.partition(".")
     own_ones = [holder] if holder in SIDES else overriding(scene, key)
-    for side in SIDES if section in ("palm", "robot") else ():
+    of_side = {"palm": scene.palm_of, "robot": scene.robot_of, "arm": scene.arm.of}
+    for side in SIDES if section in of_side else ():
         if (side in own_ones) == bool(own):
-            parameters = scene.palm_of(side) if section == "palm" else scene.robot_of(side)
-            return getattr(parameters, own or name)
+            return getattr(of_side[section](side), own or name)
     found: Any = scene
     for part in key.split("."):
         found = getattr(found, part)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sections of a scene about the task: `bumps`, `start` and `task`."""
+"""The sections of a scene about the task: `bumps`, `start`, `floor` and `task`."""
 
 from palmbots._types import Side
 from palmbots.scene.core_keys import key, records
 from palmbots.scene.path_section import Path
-from palmbots.scene.section import Section
+from palmbots.scene.section import Section, with_plain_names
 
 
 class Bump(Section):
@@ -56,9 +56,23 @@ class Start(Section):
     """Contact coordinate on the right palm; > 0 is outward of the pivot."""
 
 
-class Task(Section):
-    """[task] Distance, direction, path and floor."""
+class Floor(Section):
+    """[floor] The floor, where the object stands on it."""
 
+    friction: float = key("floor.friction")
+    """Coulomb coefficient between object and floor."""
+
+
+@with_plain_names
+class Task(Section):
+    """[task] Where the object begins and ends, distance, direction, path and slope."""
+
+    from_: str = key("task.from")
+    """What the object is on before the job. palms: the job begins when both palms hold it. floor:
+    the robots pick it up."""
+    to: str = key("task.to")
+    """What the object is on after the job. palms: the job ends at its distance. floor: the robots
+    put it down there and leave."""
     distance_m: float = key("task.distance_m")
     """Distance that the midpoint of the pivots has to travel."""
     slope_deg: float = key("task.slope_deg")

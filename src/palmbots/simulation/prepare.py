@@ -92,6 +92,17 @@ def check_scene(world: WorldEntry, scene: Scene) -> None:
             f"bumps: the {world.name} world cannot shift contacts; allowed: no bumps "
             f"(mujoco.ridges has bumps of the floor){others}"
         )
+    _check_floor(world, scene)
+
+
+def _check_floor(world: WorldEntry, scene: Scene) -> None:
+    key = "from" if getattr(scene.task, "from") == "floor" else "to"
+    if getattr(scene.task, key) == "floor" and not world.supports_floor:
+        others = _others(lambda entry: entry.supports_floor)
+        raise SceneError(
+            f'task.{key}: "floor" needs a world with a floor below the object, and the '
+            f"{world.name} world has none yet; allowed: palms{others}"
+        )
 
 
 def _others(supports: Callable[[WorldEntry], bool]) -> str:

@@ -56,6 +56,8 @@ class WorldEntry:
     precisions: tuple[str, ...] = ("double",)
     supports_curved: bool = False
     supports_bumps: bool = False
+    supports_floor: bool = False
+    """A job can begin and end with the object on the floor (task.from, task.to)."""
     supports_forks: bool = False
     """A carry can continue with the random numbers of another seed (`palmbots.carry`)."""
     supports_references: bool = False
