@@ -34,7 +34,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 @pytest.fixture(scope="module")
 def found(run: tuple[Path, Path]) -> MotionFit:
-    return pb.fit(run, motion=True)
+    found = pb.fit(run, motion=True)
+    assert isinstance(found, MotionFit)
+    return found
 
 
 def test_hidden_values_are_found_again(found: MotionFit) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
 import pytest
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import Collection
@@ -30,7 +31,7 @@ from palmbots.scene.scene import Scene
 from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
 from palmbots.viz import style
-from recordings import HIDDEN, recorded
+from recordings import HIDDEN, gilbert, packets_csv, recorded
 from sampled import amounts
 from shape_files import svg, written
 from short_validation import short_validation
@@ -92,6 +93,9 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     yield "imported-object", pb.import_object(drawing)
     files = recorded(folder, HIDDEN, seed=1, stretches=6)
     yield "motion-fit", pb.fit(files, motion=True)
+    kept = np.flatnonzero(~gilbert(np.random.default_rng(1), 2000, 0.05, 0.05, 3.0)).astype(float)
+    packets = packets_csv(folder, "packets.csv", "index,time_s", kept, 0.05 * kept)
+    yield "radio-fit", pb.fit([packets], radio=True)
     yield "validation", short_validation()
     yield "speed_limits", speed_limits()
     ranges = {

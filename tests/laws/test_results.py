@@ -19,6 +19,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from typer.main import get_command
@@ -47,7 +48,7 @@ from palmbots.studies.points import design_points
 from palmbots.views.log_alignment import ClockFit
 from palmbots.views.logged_carries import LoggedCarry
 from palmbots.views.run_replay import RunReplay, Verified
-from recordings import HIDDEN, recorded
+from recordings import HIDDEN, packets_csv, recorded
 from schema_refusals import assert_fits_exactly
 from shape_files import svg, written
 from short_validation import short_validation
@@ -215,6 +216,9 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "NoiseLimit": lambda folder: noise_limit(),
     "OutcomeCounts": lambda folder: OutcomeCounts("silent", 40, 2, 0),
     "ObjectList": lambda folder: pb.objects(),
+    "RadioFit": lambda folder: pb.fit(
+        [packets_csv(folder, "packets.csv", "index", np.arange(200.0))], radio=True
+    ),
     "ReplayResult": lambda folder: pb.replay(logged(folder)),
     "RunReplay": lambda folder: RunReplay(
         (

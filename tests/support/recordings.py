@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings of a simulated robot: its commands, and where it was seen."""
+"""Recordings of a simulated robot: its commands, and where it was seen; and of packets."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 HIDDEN = {
     "robot.gain": 1.04,
@@ -74,3 +75,41 @@ def recorded(
     )
     np.savetxt(positions, seen[::2], "%.6f", ",", header="time_s,x_m,y_m", comments="")
     return commands, positions
+
+
+def packets_csv(folder: Path, name: str, header: str, *columns: NDArray[np.float64]) -> str:
+    """Write a recording of packets; returns its name.
+
+    Args:
+        folder: for the file.
+        name: of the file.
+        header: names of the columns.
+        columns: the numbers.
+    """
+    folder.mkdir(exist_ok=True)
+    file = folder / name
+    np.savetxt(file, np.column_stack(columns), "%.9g", ",", header=header, comments="")
+    return str(file)
+
+
+def gilbert(
+    random: np.random.Generator, sent: int, loss: float, share: float, length: float
+) -> NDArray[np.bool_]:
+    """Which packets are lost: periods of both states are drawn in continuous time.
+
+    Args:
+        random: the source of chance.
+        sent: number of packets, one in each unit of time.
+        loss: probability of a loss while the link is not dead.
+        share: of the time in which the link is dead.
+        length: mean of such a period.
+    """
+    edges, time = [], 0.0
+    is_dead = random.random() < share
+    first = is_dead
+    while time < sent:
+        time += random.exponential(length if is_dead else length * (1 - share) / share)
+        edges.append(time)
+        is_dead = not is_dead
+    dead = (np.searchsorted(edges, np.arange(sent), side="right") + first) % 2 == 1
+    return dead | (random.random(sent) < loss)

@@ -6,8 +6,10 @@ from typing import Any
 
 
 def plural(n: int, noun: str) -> str:
-    """A number with its noun: 1 correction, 2 corrections, 2 carries."""
+    """A number with its noun: 1 correction, 2 corrections, 2 carries, 2 stretches."""
     many = f"{noun[:-1]}ies" if noun.endswith("ry") else f"{noun}s"
+    if noun.endswith("ch"):
+        many = f"{noun}es"
     return f"{n} {noun if n == 1 else many}"
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from palmbots._util.atomic_files import folder
@@ -13,46 +13,64 @@ from palmbots._util.report import Item
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import fragment, write_fragment
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
+from palmbots.fitting.radio_fit import RadioFit, fit_radio
 
 
 @command(
     order=127,
     example="palmbots fit --motion commands.csv positions.csv --out robot",
+    progress="fitting",
     files=Option(is_argument=True, metavar="FILES"),
     motion=Option("--motion"),
+    radio=Option("--radio"),
 )
-def fit(files: Sequence[str | os.PathLike[str]], *, motion: bool = False) -> MotionFit:
+def fit(
+    files: Sequence[str | os.PathLike[str]],
+    *,
+    motion: bool = False,
+    radio: bool = False,
+    on_progress: Callable[[float], None] | None = None,
+) -> MotionFit | RadioFit:
     """Fit keys of a scene to recordings, with 95 % intervals.
 
     With `motion`: the errors of a robot's speed, from pairs of files with its commands and its
-    positions, one pair for each run.
+    positions, one pair for each run. With `radio`: losses and delays, from one file with the
+    packets that arrived for each run.
 
     Args:
         files: the recordings.
         motion: fit the motion of a robot: files with commands (time_s, speed_m_s, turn_rad_s) and
             with positions (time_s, x_m, y_m, heading_rad), listed in pairs.
+        radio: fit the radio: files with the packets that arrived (index, time_s, sent_s,
+            round_trip_s).
+        on_progress: called with the completed fraction.
 
     Raises:
         PalmbotsError: a file cannot be read, or nothing is identified.
     """
+    if motion and radio:
+        raise PalmbotsError("fit: both --motion and --radio are given; allowed: one of them")
     if motion:
-        return fit_motion(files)
-    raise PalmbotsError("fit: no kind of recording is given; allowed: --motion")
+        return fit_motion(files, on_progress)
+    if radio:
+        return fit_radio(files, on_progress)
+    raise PalmbotsError("fit: no kind of recording is given; allowed: --motion or --radio")
 
 
 @writes("fit", path=Option("--out -o", metavar="DIR"))
-def write_fit(result: MotionFit, path: str | os.PathLike[str]) -> list[Path | Item]:
+def write_fit(result: MotionFit | RadioFit, path: str | os.PathLike[str]) -> list[Path | Item]:
     """Write a part of a scene with the fitted keys, and a figure.
 
     Args:
         result: the fit.
-        path: write fit.png and a part of a scene, robot.toml, to this folder.
+        path: write fit.png and a part of a scene, robot.toml or radio.toml, to this folder.
 
     Raises:
         PalmbotsError: a file cannot be written.
     """
     text = fragment(result.estimates, result.sources, ())
-    file, hints = write_fragment(text, path, "robot")
+    name = "robot" if isinstance(result, MotionFit) else "radio"
+    file, hints = write_fragment(text, path, name)
     picture = folder(Path(path)) / "fit.png"
     result.save_figure(picture)
     return [file, picture, *hints]

@@ -28,7 +28,7 @@ class Estimate:
     """One quantity: a key of a scene, or what the recording has besides."""
 
     key: str
-    value: float | None
+    value: float | bool | None
     low: float | None
     """95 % interval; equal to the end of the range: a bound on one side."""
     high: float | None
@@ -46,9 +46,9 @@ class Estimate:
         return "." in self.key
 
 
-def shown(value: float) -> float:
+def shown(value: float | bool) -> float | bool:
     """A value with the digits that a file has."""
-    return float(f"{value:.4g}")
+    return value if isinstance(value, bool) else float(f"{value:.4g}")
 
 
 def estimate_rows(estimates: Sequence[Estimate]) -> list[tuple[str, str, str]]:
@@ -84,9 +84,10 @@ def fragment(
             lines += ["", f"[{name}]"]
             section = name
         if one.is_identified and one.value is not None:
-            assert one.low is not None and one.high is not None
-            between = f"{one.low:.4g} to {one.high:.4g}"
-            lines.append(f"{key} = {toml_value(shown(one.value))}  # {between}")
+            line = f"{key} = {toml_value(shown(one.value))}"
+            if one.low is not None and one.high is not None:
+                line += f"  # {one.low:.4g} to {one.high:.4g}"
+            lines.append(line)
         else:
             lines.append(f"# {key}: {one.reason}")
     others = [each for each in estimates if not each.is_key]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
+from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import Estimate, Source, estimate_rows, shown
 from palmbots.fitting.motion_likelihood import Stretch, Stretches
@@ -43,6 +44,7 @@ _GAIN, _BIAS, _GAIN_SD, _NOISE, _LOG_TAU, _WHITE, _POSITION = range(7)
 _DEVIATIONS = [_GAIN_SD, _NOISE, _WHITE, _POSITION]
 _STEPS = np.array([0.003, 2e-4, 0.003, 4e-4, 0.1, 2e-4, 5e-5])
 _SHORTEST_TAU_S = 0.05
+_READING, _SEARCHES = 0.2, 0.3  # of the time: reading, and of the rest the searches
 _GAINS = (0.5, 2.0)  # limits of the scene key
 _SPEEDS_APART = 0.2  # of the mean: at less, bias and gain cannot be separated
 
@@ -73,7 +75,7 @@ class MotionFit(Result):
     data: Displacements = field(metadata=NOT_IN_JSON)
 
     @property
-    def keys(self) -> dict[str, float]:
+    def keys(self) -> dict[str, float | bool]:
         """What was fitted, as overrides of a scene."""
         return {
             one.key: shown(one.value)
@@ -84,7 +86,10 @@ class MotionFit(Result):
     def lines(self) -> Iterator[Item]:
         """What was fitted, with intervals, and what the data are."""
         fitted = sum(one.is_identified for one in self.estimates if one.is_key)
-        yield f"fitted {fitted} keys to {self.stretches} straight stretches of {self.runs} runs"
+        yield (
+            f"fitted {plural(fitted, 'key')} to {plural(self.stretches, 'straight stretch')} of "
+            f"{plural(self.runs, 'run')}"
+        )
         yield Table(estimate_rows(self.estimates), ("", "value", "95 % interval"))
         lags = [one.lag_s for one in self.alignments]
         drifts = [one.drift_ppm for one in self.alignments]
@@ -127,11 +132,14 @@ def _range(values: Sequence[float], factor: float, unit: str) -> str:
     return f"{low:.3g} {unit}" if len(values) == 1 else f"{low:.3g} to {high:.3g} {unit}"
 
 
-def fit_motion(files: Sequence[str | os.PathLike[str]]) -> MotionFit:
+def fit_motion(
+    files: Sequence[str | os.PathLike[str]], on_progress: Callable[[float], None] | None = None
+) -> MotionFit:
     """Fit the errors of a robot's speed.
 
     Args:
         files: of each run the commands, then the positions.
+        on_progress: called with the completed fraction.
 
     Raises:
         PalmbotsError: the files are not in pairs, cannot be read, do not belong together, or
@@ -139,14 +147,16 @@ def fit_motion(files: Sequence[str | os.PathLike[str]]) -> MotionFit:
     """
     if len(files) % 2 or not files:
         raise PalmbotsError(
-            f"--motion: {len(files)} files; expected pairs: of each run the commands, then the "
-            "positions"
+            f"--motion: {plural(len(files), 'file')}; expected pairs: of each run the commands, "
+            "then the positions"
         )
     sources: list[Source] = []
     stretches: list[Stretch] = []
     alignments: list[Alignment] = []
     jumps = 0
+    report = on_progress or (lambda fraction: None)
     for run, (one, other) in enumerate(zip(files[::2], files[1::2], strict=True)):
+        report(_READING * 2 * run / len(files))
         commands = read_recording(one, COMMANDS, 2)
         positions = read_recording(other, POSITIONS, 2)
         check_units(commands, positions)
@@ -159,9 +169,9 @@ def fit_motion(files: Sequence[str | os.PathLike[str]]) -> MotionFit:
     named = f"{sources[0].name} and {sources[1].name} have" if runs == 1 else f"{runs} runs have"
     if len(stretches) < LEAST_FOR_GAIN:
         raise PalmbotsError(
-            f"--motion: {named} {len(stretches)} straight stretches with a constant command "
-            f"of at least {LEAST_S + SETTLED_S + ENDS_S:g} s; expected {LEAST_FOR_GAIN} for the "
-            f"gain, and {LEAST_STRETCHES} for the noise; nothing is written"
+            f"--motion: {named} {plural(len(stretches), 'straight stretch')} with a constant "
+            f"command of at least {LEAST_S + SETTLED_S + ENDS_S:g} s; expected {LEAST_FOR_GAIN} "
+            f"for the gain, and {LEAST_STRETCHES} for the noise; nothing is written"
         )
     mean = float(np.median([_speed(each) / each.command_m_s for each in stretches]))
     if not _GAINS[0] < mean < _GAINS[1]:
@@ -169,7 +179,7 @@ def fit_motion(files: Sequence[str | os.PathLike[str]]) -> MotionFit:
             f"--motion: {named} a robot that moves {mean:.4g} times as fast as commanded; "
             f"expected m and m/s, and a gain from {_GAINS[0]:g} to {_GAINS[1]:g}"
         )
-    fitted = fit_stretches(stretches)
+    fitted = fit_stretches(stretches, lambda part: report(_READING + (1 - _READING) * part))
     return MotionFit(
         sources=tuple(sources),
         runs=len(alignments),
@@ -192,7 +202,9 @@ class FittedStretches:
     data: Displacements
 
 
-def fit_stretches(stretches: Sequence[Stretch]) -> FittedStretches:
+def fit_stretches(
+    stretches: Sequence[Stretch], on_progress: Callable[[float], None] = lambda part: None
+) -> FittedStretches:
     """Fit the parameters to stretches: greatest likelihood, and 95 % intervals."""
     arrays = Stretches(stretches)
     commands = np.array([each.command_m_s for each in stretches])
@@ -212,9 +224,14 @@ def fit_stretches(stretches: Sequence[Stretch]) -> FittedStretches:
     free = np.ones(len(_STEPS), bool)
     free[_BIAS] = has_bias
     best = _best(function, stretches, free, ends)
+    on_progress(_SEARCHES / 2)
     without = free & (np.arange(len(free)) != _WHITE)
     plain = _best(function, stretches, without, ends)
-    found = _intervals(of_stretches, function, arrays.runs, best, free, ends)
+
+    def of_intervals(part: float) -> None:
+        on_progress(_SEARCHES + (1 - _SEARCHES) * part)
+
+    found = _intervals(of_stretches, function, arrays.runs, best, free, ends, of_intervals)
     return FittedStretches(
         _estimates(best, found, len(stretches), has_bias, ends),
         _displacements(stretches, arrays, best.place, plain.place),
@@ -252,6 +269,7 @@ def _intervals(
     best: Maximum,
     free: NDArray[np.bool_],
     ends: tuple[float, float],
+    on_progress: Callable[[float], None],
 ) -> list[tuple[float, float]]:
     """The 95 % interval of each parameter, from the profile of the likelihood.
 
@@ -259,10 +277,11 @@ def _intervals(
     stretches of a run may have more in common than the model says.
     """
     ranges = [(0.0, 10.0), (-1.0, 1.0), (0.0, 1.0), (0.0, 1.0), ends, (0.0, 1.0), (0.0, 1.0)]
-    found = [
-        interval(function, best, index, *range_of, free) if free[index] else (0.0, 0.0)
-        for index, range_of in enumerate(ranges)
-    ]
+    found = []
+    for index, range_of in enumerate(ranges):
+        on_progress(index / len(ranges))
+        is_free = bool(free[index])
+        found.append(interval(function, best, index, *range_of, free) if is_free else (0.0, 0.0))
     if len(set(runs.tolist())) < LEAST_RUNS:
         return found
     drawn = bootstrap(of_stretches, best, runs, free)

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palmbots._util.atomic_files import read_regular
+from palmbots._util.text import plural
 from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 
@@ -51,23 +52,29 @@ class Recording:
 
 
 def read_recording(
-    path: str | os.PathLike[str], columns: Sequence[str], needed: int, least_rows: int = 100
+    path: str | os.PathLike[str],
+    columns: Sequence[str],
+    needed: int,
+    *,
+    instead: str = "",
+    least_rows: int = 100,
 ) -> Recording:
     """Read a file of numbers.
 
     Args:
         path: the file.
-        columns: names of the columns, in the usual order; the first is ``time_s``.
+        columns: names of the columns, in the usual order.
         needed: how many of them, from the first on, must be there.
+        instead: a column that suffices alone.
         least_rows: fewest rows.
 
     Raises:
         PalmbotsError: it cannot be read, or is no such recording.
     """
     name = os.fspath(path)
-    expected = f"expected columns {', '.join(columns[:needed])}"
+    expected = f"expected {_listed(columns[:needed], 'column')}"
     if len(columns) > needed:
-        expected += f" and perhaps {', '.join(columns[needed:])}"
+        expected += f", and optionally {_enumerated(columns[needed:])}"
     data = _bytes(name)
     text = _text(name, data, expected)
     lines = [
@@ -79,13 +86,17 @@ def read_recording(
     if lines and not _is_numbers(lines[0][1]):
         names = _split(lines.pop(0)[1])
         missing = [one for one in columns[:needed] if one not in names]
-        if missing:
-            raise PalmbotsError(f"{name}: has the columns {', '.join(names)}; {expected}")
+        if missing and instead not in names:
+            raise PalmbotsError(f"{name}: has the {_listed(names, 'column')}; {expected}")
+        needed = max(names.index(one) + 1 for one in columns if one in names)
     if len(lines) < least_rows:
-        raise PalmbotsError(f"{name}: has {len(lines)} rows; expected at least {least_rows}")
+        raise PalmbotsError(
+            f"{name}: has {plural(len(lines), 'row')}; expected at least {least_rows}"
+        )
     table = _table(name, lines, names, needed, expected)
     found = {key: table[:, names.index(key)] for key in columns if key in names[: table.shape[1]]}
-    _check_times(name, found["time_s"], [number for number, _ in lines])
+    if "time_s" in found:
+        _check_times(name, found["time_s"], [number for number, _ in lines])
     return Recording(name, hashlib.sha256(data).hexdigest(), found)
 
 
@@ -113,6 +124,14 @@ def _text(name: str, data: bytes, expected: str) -> str:
         raise PalmbotsError(f"{name}: is not a text file; {expected}") from None
 
 
+def _listed(names: Sequence[str], noun: str) -> str:
+    return f"{noun if len(names) == 1 else f'{noun}s'} {', '.join(names)}"
+
+
+def _enumerated(names: Sequence[str]) -> str:
+    return " and ".join([one for one in (", ".join(names[:-1]), names[-1]) if one])
+
+
 def _split(line: str) -> list[str]:
     return [word for word in _BETWEEN.split(line.strip()) if word]
 
@@ -129,7 +148,7 @@ def _table(
 ) -> Floats:
     width = len(_split(lines[0][1]))
     if width < needed:
-        raise PalmbotsError(f"{name}: has {width} columns; {expected}")
+        raise PalmbotsError(f"{name}: has {plural(width, 'column')}; {expected}")
     rows = []
     for number, line in lines:
         words = _split(line)
@@ -141,8 +160,8 @@ def _table(
             ) from None
         if len(row) != width:
             raise PalmbotsError(
-                f"{name}: line {number} has {len(row)} numbers; expected {width}, as in the first "
-                "row"
+                f"{name}: line {number} has {plural(len(row), 'number')}; expected {width}, as in "
+                "the first row"
             )
         rows.append(row)
     table = np.array(rows)[:, : len(names)]

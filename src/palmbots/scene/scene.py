@@ -197,7 +197,7 @@ def load_scene(
         )
     if on_warning is not None:
         name = "scene" if isinstance(source, Mapping | Scene) else os.fspath(source)
-        for line in _empty_parts(data):
+        for line in lines_of_empty_parts(data, "the scene paper"):
             on_warning(f"{name}: {line}")
     if not overrides:
         return scene
@@ -210,12 +210,17 @@ def load_scene(
     return changed
 
 
-def _empty_parts(data: Mapping[str, Any]) -> list[str]:
-    """A line for each table that sets no key, or one line if no table sets any."""
+def lines_of_empty_parts(data: Mapping[str, Any], otherwise: str) -> list[str]:
+    """A line for each table that sets no key, or one line if no table sets any.
+
+    Args:
+        data: the tables.
+        otherwise: the scene whose values hold for keys that are not set.
+    """
     empty = [key for key, value in data.items() if isinstance(value, Mapping) and not value]
     if len(empty) == len(data):
-        return ["nothing is set; this is the scene paper"]
-    return [f"[{key}] sets nothing; it has the values of the scene paper" for key in empty]
+        return [f"nothing is set; this is {otherwise}"]
+    return [f"[{key}] sets nothing; it has the values of {otherwise}" for key in empty]
 
 
 def _beside(name: str, data: dict[str, Any]) -> dict[str, Any]:

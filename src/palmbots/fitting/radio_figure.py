@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A fitted radio over its data: bursts of losses, delays, and what the model leaves of them."""
+
+from __future__ import annotations
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from palmbots.fitting.radio_fit import RadioFit
+from palmbots.viz import style
+
+
+def draw_radio_fit(result: RadioFit) -> Figure:
+    """Draw the model over the data, and what the model leaves."""
+    with style.styled():
+        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
+        bursts, delays, rest = figure.subplots(1, 3)
+        _draw_bursts(bursts, result)
+        _draw_delays(delays, result)
+        _draw_rest(rest, result)
+    return figure
+
+
+def _draw_bursts(axes: Axes, result: RadioFit) -> None:
+    data = result.data
+    axes.set_xlabel("packets lost together, at least")
+    axes.set_ylabel("number of bursts")
+    axes.set_title(f"{result.lost:,} packets lost")
+    if not data.bursts.size:
+        _say(axes, "no packet was lost" if result.received else "no index")
+        return
+    one, other = style.SERIES[1], style.SERIES[0]
+    axes.plot(
+        data.burst_packets, data.bursts, color=style.INK, linestyle="none", marker="o",
+        markersize=3, label="data",
+    )  # fmt: skip
+    axes.plot(data.burst_packets, data.fitted, color=one.colour, linestyle=one.line, label="fit")
+    axes.plot(
+        data.burst_packets, data.independent, color=other.colour, linestyle=other.line,
+        label="independent losses",
+    )  # fmt: skip
+    axes.set_yscale("log")
+    if data.burst_packets.max() > 20:
+        axes.set_xscale("log")
+    axes.set_ylim(0.3, 2 * max(data.bursts.max(), 2))
+    axes.legend()
+
+
+def _draw_delays(axes: Axes, result: RadioFit) -> None:
+    data = result.data
+    called = "round trip" if result.is_round_trip else "delay behind the fastest"
+    axes.set_xlabel(style.axis_label(called, "ms"))
+    axes.set_ylabel("share of packets with more")
+    if not data.delays_s.size:
+        _say(axes, "no delays")
+        return
+    look = style.SERIES[1]
+    axes.plot(1e3 * data.delays_s, 1 - data.shares, color=style.INK, label="data")
+    axes.plot(
+        1e3 * data.model_s, 1 - data.shares, color=look.colour, linestyle=look.line, label="fit"
+    )
+    axes.set_yscale("log")
+    if data.delays_s.max() > 20 * max(data.delays_s[len(data.delays_s) // 4], 1e-6):
+        axes.set_xscale("log" if result.is_round_trip else "symlog")
+    axes.set_title("delays")
+    axes.legend()
+
+
+def _draw_rest(axes: Axes, result: RadioFit) -> None:
+    data = result.data
+    axes.set_xlabel("share of packets with more")
+    axes.set_ylabel(style.axis_label("delay, data less fit", "ms"))
+    if not data.delays_s.size:
+        _say(axes, "no delays")
+        return
+    axes.plot(1 - data.shares, 1e3 * (data.delays_s - data.model_s), color=style.INK)
+    axes.axhline(0, color=style.QUIET, linestyle=":")
+    axes.set_xscale("log")
+    axes.set_title("residuals")
+
+
+def _say(axes: Axes, text: str) -> None:
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color=style.QUIET)
+    axes.set_xticks([])
+    axes.set_yticks([])

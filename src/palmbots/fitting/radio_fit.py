@@ -1,0 +1,343 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A radio, fitted to recordings of the packets that arrived (`fit_radio`)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palmbots._util.confidence_intervals import clopper_pearson
+from palmbots._util.plain_values import NOT_IN_JSON
+from palmbots._util.report import Item, Line, Table
+from palmbots._util.results import Result
+from palmbots._util.text import plural
+from palmbots.errors import PalmbotsError
+from palmbots.fitting.fitted_values import Estimate, Source, estimate_rows, shown
+from palmbots.fitting.loss_likelihood import LossFit
+from palmbots.fitting.packets import Packets, read_packets
+
+Floats = NDArray[np.float64]
+
+LEAST_RUNS = 5
+"""Fewest runs that the intervals are bootstrapped over. With fewer, each run is cut in pieces."""
+_PIECES = 20
+_DRAWS = 1000
+_LEAST_GAIN = 3.0
+"""By less, bursts do not raise the log-likelihood clearly: half the 95 % quantile of χ² with two
+degrees of freedom. At the end of a range the true quantile is below it."""
+_LEAST_BEYOND = 5  # packets beyond a quantile
+_QUANTILES = (("median", 0.5), ("p99", 0.99), ("p99.9", 0.999))
+
+
+@dataclass(frozen=True)
+class PacketData:
+    """What the figure shows."""
+
+    burst_packets: Floats
+    """Numbers of packets lost together, from 1."""
+    bursts: Floats
+    """How many bursts had at least so many."""
+    fitted: Floats
+    """The same, expected by the fit."""
+    independent: Floats
+    """The same, expected if each packet were lost independently."""
+    delays_s: Floats
+    """Delays at the probabilities `shares`: round trips, or one way relative to the fastest."""
+    shares: Floats
+    model_s: Floats
+    """The same of a simulated radio with the fitted keys."""
+
+
+@dataclass(frozen=True, repr=False)
+class RadioFit(Result):
+    """Losses and delays of a radio, with 95 % intervals, and what they were fitted to."""
+
+    figure = "radio-fit"
+
+    sources: tuple[Source, ...]
+    runs: int
+    received: int
+    lost: int
+    """Between packets that arrived."""
+    bursts: int
+    """Groups of successive packets that were lost."""
+    burst_packets: float
+    """Mean number of packets in such a group; 0: none was lost."""
+    expected_burst_packets: float
+    """The same if each packet were lost independently with the probability of all."""
+    duplicates: int
+    reordered: int
+    """Packets that arrived after one that was sent later."""
+    is_round_trip: bool
+    """Whether the delays are round trips; otherwise they are relative to the fastest packet."""
+    estimates: tuple[Estimate, ...]
+    """Scene keys, and quantiles of the delay."""
+    data: PacketData = field(metadata=NOT_IN_JSON)
+
+    @property
+    def keys(self) -> dict[str, float | bool]:
+        """What was fitted, as overrides of a scene."""
+        return {
+            one.key: shown(one.value)
+            for one in self.estimates
+            if one.is_identified and one.is_key and one.value is not None
+        }
+
+    def lines(self) -> Iterator[Item]:
+        """What was fitted, with intervals, and what the data are."""
+        yield (
+            f"fitted {plural(len(self.keys), 'key')} to {self.received:,} packets of "
+            f"{plural(self.runs, 'run')}"
+        )
+        yield Table(estimate_rows(self.estimates), ("", "value", "95 % interval"))
+        rows = [("  packets lost", f"{self.lost:,}")]
+        if self.lost:
+            rows.append(("  mean length of a burst", f"{self.burst_packets:.3g} packets"))
+            expected = f"{self.expected_burst_packets:.3g} packets"
+            rows.append(("  if losses were independent", expected))
+        rows.append(("  duplicates", f"{self.duplicates:,}"))
+        rows.append(("  arrived after a later one", f"{self.reordered:,}"))
+        yield Table(rows)
+        for one in self.estimates:
+            if not one.is_identified:
+                yield Line(f"{one.key}: {one.reason}", indent=2)
+
+
+def fit_radio(
+    files: Sequence[str | os.PathLike[str]], on_progress: Callable[[float], None] | None = None
+) -> RadioFit:
+    """Fit losses and delays of a radio.
+
+    Args:
+        files: of each run the packets that arrived.
+        on_progress: called with the completed fraction.
+
+    Raises:
+        PalmbotsError: a file cannot be read, or they do not belong together.
+    """
+    if not files:
+        raise PalmbotsError("--radio: 0 files; expected one for each run")
+    report = on_progress or (lambda fraction: None)
+    runs: list[Packets] = []
+    for number, file in enumerate(files):
+        report(0.7 * number / len(files))
+        runs.append(read_packets(file))
+    for one in runs:
+        if one.is_round_trip != runs[0].is_round_trip:
+            raise PalmbotsError(
+                f"{one.source.name}: has {'' if one.is_round_trip else 'no '}round_trip_s, unlike "
+                f"{runs[0].source.name}; expected the same columns in all runs"
+            )
+        if bool(one.gaps.size) != bool(runs[0].gaps.size):
+            raise PalmbotsError(
+                f"{one.source.name}: has {'an' if one.gaps.size else 'no'} index, unlike "
+                f"{runs[0].source.name}; expected the same columns in all runs"
+            )
+    report(0.7)
+    return _fitted(runs)
+
+
+def _fitted(runs: Sequence[Packets]) -> RadioFit:
+    gaps = np.concatenate([one.gaps for one in runs])
+    lost, bursts = int(gaps.sum()), int((gaps > 0).sum())
+    counts, times = np.unique(gaps, return_counts=True)
+    counts, times = counts.astype(float), times.astype(float)
+    losses = LossFit(counts, times) if gaps.size else None
+    estimates, fate = _losses(runs, gaps, losses)
+    of_delays, model = _delays(runs)
+    duplicates = sum(one.duplicates for one in runs)
+    reordered = sum(one.reordered for one in runs)
+    received = sum(one.received for one in runs)
+    estimates = [*estimates, *_copies(received, duplicates, reordered, bool(gaps.size))]
+    order = {"latency_s": 0, "jitter_s": 1, "reorder": 2}
+    keys = [one for one in (*of_delays, *estimates) if one.is_key]
+    keys.sort(key=lambda one: order.get(one.key.rpartition(".")[2], len(order)))
+    delays = np.concatenate([one.delays_s for one in runs])
+    return RadioFit(
+        sources=tuple(one.source for one in runs),
+        runs=len(runs),
+        received=received,
+        lost=lost,
+        bursts=bursts,
+        burst_packets=lost / bursts if bursts else 0.0,
+        expected_burst_packets=0.0 if losses is None else 1 / (1 - losses.rate),
+        duplicates=duplicates,
+        reordered=reordered,
+        is_round_trip=runs[0].is_round_trip,
+        estimates=(*keys, *(one for one in (*estimates, *of_delays) if not one.is_key)),
+        data=_shown_data(gaps, losses, fate, delays, model),
+    )
+
+
+def _parts(runs: Sequence[Packets], of: Callable[[Packets], Floats]) -> list[Floats]:
+    """What the bootstrap draws: runs, or pieces of them."""
+    if len(runs) >= LEAST_RUNS:
+        return [of(one) for one in runs]
+    return [part for one in runs for part in np.array_split(of(one), _PIECES) if part.size]
+
+
+def _draws(parts: int) -> NDArray[np.int64]:
+    return np.random.default_rng(0).multinomial(parts, np.full(parts, 1 / parts), size=_DRAWS)
+
+
+def _losses(
+    runs: Sequence[Packets], gaps: NDArray[np.int64], losses: LossFit | None
+) -> tuple[list[Estimate], Floats]:
+    """Loss and bursts, and the fitted parameters (ℓ, s, m in intervals)."""
+    names = ("radio.loss", "radio.burst_fraction", "radio.burst_s")
+    if losses is None:
+        reason = "the packets have no index"
+        return [Estimate(key, None, None, None, reason) for key in names], np.zeros(3)
+    parts = _parts(runs, lambda one: one.gaps.astype(float))
+    sums = np.array([(part.sum(), len(part)) for part in parts]).T
+    draws = _draws(len(parts))
+    lost, kept = draws @ sums[0], draws @ sums[1]
+    wide = np.quantile(lost / (lost + kept), (0.025, 0.975))
+    if losses.gain < _LEAST_GAIN:
+        total = int(gaps.sum())
+        low, high = clopper_pearson(total, total + len(gaps))
+        given = Estimate(names[0], losses.rate, min(low, wide[0]), max(high, wide[1]), "")
+        reason = (
+            "no packet was lost"
+            if total == 0
+            else "packets are lost as if each were lost independently"
+        )
+        others = [Estimate(key, None, None, None, reason) for key in names[1:]]
+        return [given, *others, _all_losses(losses.rate, wide)], np.array([losses.rate, 0.0, 1.0])
+    (loss, share, length) = losses.values()
+    fate = np.array([loss[0], share[0], length[0]])
+    # The total varies between the parts by more than the model says: what the bootstrap adds to the
+    # interval of all losses is added to that of both kinds.
+    factor = np.array(wide) / losses.rate
+    rows = [
+        Estimate(key, value, float(low * min(1, factor[0])), float(high * max(1, factor[1])), "")
+        for key, (value, low, high) in zip(names[:2], (loss, share), strict=True)
+    ]
+    known = [one.interval_s for one in runs if one.interval_s is not None]
+    if len(known) < len(runs):
+        reason = (
+            f"the file has no time_s: the periods last {length[0]:.3g} packets "
+            f"({length[1]:.3g} to {length[2]:.3g})"
+        )
+        rows.append(Estimate(names[2], None, None, None, reason))
+        return [*rows, _all_losses(losses.rate, wide)], fate
+    interval_s = float(np.median(known))
+    rows.append(Estimate(names[2], *(interval_s * one for one in length), ""))
+    return [*rows, _all_losses(losses.rate, wide)], fate
+
+
+def _all_losses(rate: float, wide: Floats) -> Estimate:
+    return Estimate("packets_lost", rate, float(wide[0]), float(wide[1]), "")
+
+
+def _copies(received: int, duplicates: int, reordered: int, has_index: bool) -> list[Estimate]:
+    if not has_index:
+        reason = "the packets have no index"
+        return [
+            Estimate(key, None, None, None, reason) for key in ("radio.duplicate", "radio.reorder")
+        ]
+    low, high = clopper_pearson(duplicates, received)
+    return [
+        Estimate("radio.duplicate", duplicates / received, low, high, ""),
+        Estimate("radio.reorder", reordered > 0, None, None, ""),
+    ]
+
+
+def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats], Floats] | None]:
+    """Latency, jitter and quantiles of the delay, and the quantiles of the model."""
+    latency, jitter = "radio.latency_s", "radio.jitter_s"
+    is_round_trip = runs[0].is_round_trip
+    why = next((one.why_no_delays for one in runs if one.why_no_delays), "")
+    if why:
+        rest = [Estimate("delay", None, None, None, why)]
+        return [*(Estimate(key, None, None, None, why) for key in (latency, jitter)), *rest], None
+    parts = _parts(runs, lambda one: one.delays_s)
+    everything = np.concatenate(parts)
+    ways = 2 if is_round_trip else 1
+    least, mean = float(everything.min()), float(everything.mean())
+    width = 2 * (mean - least) / ways
+    # In each draw: the least, the mean and the quantiles of the parts that were drawn.
+    order = np.argsort(everything)
+    owner = np.repeat(np.arange(len(parts)), [len(part) for part in parts])[order]
+    ordered = everything[order]
+    drawn = []
+    for weights in _draws(len(parts)):
+        mass = np.cumsum(weights[owner])
+        places = np.searchsorted(mass, [0.5, *(mass[-1] * q for _, q in _QUANTILES)])
+        average = float(weights[owner] @ ordered) / mass[-1]
+        drawn.append([average, *ordered[np.minimum(places, len(ordered) - 1)]])
+    spread = np.array(drawn)
+    ends = np.quantile(spread, (0.025, 0.975), axis=0).T
+    of_jitter = np.quantile(2 * (spread[:, 0] - spread[:, 1]) / ways, (0.025, 0.975))
+    found = [
+        Estimate(latency, least / 2, float(ends[1, 0]) / 2, float(ends[1, 1]) / 2, "")
+        if is_round_trip
+        else Estimate(
+            latency, None, None, None, "times of one way do not show it without a common clock"
+        ),
+        Estimate(jitter, width, float(of_jitter[0]), float(of_jitter[1]), ""),
+    ]
+    called = "round_trip" if is_round_trip else "delay_behind_fastest"
+    for column, (name, q) in enumerate(_QUANTILES, 2):
+        beyond = (1 - q) * len(everything)
+        key = f"{called}_{name}_s".replace(".", "_")
+        if beyond < _LEAST_BEYOND:
+            need = round(_LEAST_BEYOND / (1 - q))
+            reason = f"needs {need:,} packets; there are {len(everything):,}"
+            found.append(Estimate(key, None, None, None, reason))
+        else:
+            low, high = ends[column]
+            value = float(np.quantile(everything, q))
+            found.append(Estimate(key, value, min(value, low), max(value, high), ""))
+
+    def model(shares: Floats) -> Floats:
+        if ways == 1:
+            return width * shares
+        half = np.minimum(shares, 1 - shares)  # the sum of two uniform delays
+        side = width * np.sqrt(2 * half)
+        return least + np.where(shares < 0.5, side, 2 * width - side)
+
+    return found, model
+
+
+def _shown_data(
+    gaps: NDArray[np.int64],
+    losses: LossFit | None,
+    fate: Floats,
+    delays: Floats,
+    model: Callable[[Floats], Floats] | None,
+) -> PacketData:
+    none = np.zeros(0)
+    sizes = bursts = fitted = independent = none
+    if losses is not None and gaps.any():
+        most = min(int(gaps.max()), 1000)
+        sizes = np.unique(np.geomspace(1, most + 1, 60).round())
+        bursts = np.array([(gaps >= size).sum() for size in sizes], float)
+        fitted = len(gaps) * _at_least(sizes, *fate)
+        independent = len(gaps) * losses.rate**sizes
+    shares = 1 - np.geomspace(1, 1 / max(len(delays), 2), 200) + 1e-12
+    at = np.quantile(delays, np.clip(shares, 0, 1)) if model is not None else none
+    return PacketData(
+        sizes, bursts, fitted, independent, at, shares if model is not None else none,
+        none if model is None else model(shares),
+    )  # fmt: skip
+
+
+def _at_least(sizes: Floats, loss: float, share: float, length: float) -> Floats:
+    """The probability that at least so many packets are lost after one that arrived."""
+    kept = np.exp(-1 / (length * (1 - share)))
+    state, found = np.array([1.0, 0.0]), []
+    moves = np.array(
+        [
+            [1 - share * (1 - kept), share * (1 - kept)],
+            [(1 - share) * (1 - kept), 1 - (1 - share) * (1 - kept)],
+        ]
+    )
+    for _ in range(int(sizes.max())):
+        state = state @ moves * np.array([loss, 1.0])
+        found.append(state.sum())
+    return np.array(found)[sizes.astype(int) - 1]
