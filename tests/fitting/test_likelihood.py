@@ -10,37 +10,9 @@ from scipy.stats import chi2, kstest, multivariate_normal
 from palmbots.fitting.motion_fit import displacement_variance
 from palmbots.fitting.motion_likelihood import Floats, Stretch, Stretches
 from palmbots.fitting.profile_likelihood import Function, bootstrap, interval, maximum
+from stretches import TRUTH, covariance, drawn
 
-# Gain, bias, spread of the gain, σ, log τ, white part, noise of the positions.
-TRUTH = np.array([1.03, 0.001, 0.03, 0.004, np.log(0.5), 0.002, 0.0005])
 STEPS = np.array([0.003, 2e-4, 0.003, 4e-4, 0.1, 2e-4, 5e-5])
-
-
-def covariance(times: Floats, command: float, parameters: Floats) -> Floats:
-    """Of the displacements at these times, from the integrals of the processes."""
-    _, _, gain_sd, sigma, log_tau, white, measured = parameters
-    tau = np.exp(log_tau)
-    one, other = times[:, None], times[None, :]
-    least = np.minimum(one, other)
-    decayed = 1 + np.exp(-np.abs(one - other) / tau) - np.exp(-one / tau) - np.exp(-other / tau)
-    of_noise = sigma**2 * tau * (2 * least - tau * decayed)
-    of_gain = (gain_sd * command) ** 2 * one * other
-    return of_noise + of_gain + white**2 * least + measured**2 * np.eye(len(times))
-
-
-def drawn(
-    random: np.random.Generator, count: int, parameters: Floats = TRUTH, runs: int = 1
-) -> list[Stretch]:
-    """Stretches from that covariance, at irregular times."""
-    found = []
-    for k in range(count):
-        times = np.cumsum(np.concatenate([[0.0], random.uniform(0.05, 0.3, 15 + k % 5)]))
-        command = random.uniform(0.03, 0.09)
-        mean = (parameters[0] * command + parameters[1]) * times
-        spread = covariance(times, command, parameters)
-        positions = random.multivariate_normal(mean, spread, method="cholesky")
-        found.append(Stretch(times, positions + random.normal(), command, k % runs))
-    return found
 
 
 def of(stretches: list[Stretch]) -> Function:
@@ -76,10 +48,17 @@ def test_many_stretches_and_sets_are_filtered_as_one() -> None:
 
 
 def test_residuals_of_the_right_model_are_standard_normal() -> None:
-    stretches = drawn(np.random.default_rng(3), 60)
-    residuals = np.concatenate(Stretches(stretches).residuals(TRUTH))
-    assert kstest(residuals, "norm").pvalue > 1e-3
-    assert np.corrcoef(residuals[1:], residuals[:-1])[0, 1] == pytest.approx(0, abs=0.12)
+    """One sample has a p-value below 0.01 in one of 100 cases, so those of many samples are looked
+    at together: they are uniformly distributed."""
+    chances, correlations = [], []
+    for seed in range(20):
+        stretches = drawn(np.random.default_rng(seed), 30)
+        residuals = np.concatenate(Stretches(stretches).residuals(TRUTH))
+        chances.append(kstest(residuals, "norm").pvalue)
+        of_next = np.corrcoef(residuals[1:], residuals[:-1])[0, 1]
+        correlations.append(of_next * np.sqrt(len(residuals)))
+    assert kstest(chances, "uniform").pvalue > 0.01
+    assert kstest(correlations, "norm").pvalue > 0.01
 
 
 def test_the_spread_of_the_displacement_has_its_closed_form() -> None:

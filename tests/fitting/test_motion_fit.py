@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 import palmbots as pb
 from commands import Run
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
 from recordings import HIDDEN, LAG_S, recorded
+from stretches import coverage
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "robot-motion"
 
@@ -39,17 +41,22 @@ def found(run: tuple[Path, Path]) -> MotionFit:
     return found
 
 
-def test_hidden_values_are_found_again(found: MotionFit) -> None:
-    """Of a simulated robot, within intervals that are widened to twice their length: one of seven
-    95 % intervals may well miss its value."""
+def test_a_simulated_robot_is_fitted(found: MotionFit) -> None:
     assert found.stretches == 70
     assert LAG_S < found.alignments[0].lag_s < LAG_S + 0.1  # with half of the acceleration
-    for key, (value, low, high) in values(found).items():
-        truth = HIDDEN[key]
-        assert low <= value <= high
-        assert low - 0.5 * (high - low) <= truth <= high + 0.5 * (high - low), key
+    assert all(low <= value <= high for value, low, high in values(found).values())
     assert found.misfit < 0.15
     assert len(values(found)) == len(HIDDEN)
+    hits = sum(low <= HIDDEN[key] <= high for key, (_, low, high) in values(found).items())
+    assert hits >= 5  # of 7
+
+
+def test_intervals_cover_the_hidden_values() -> None:
+    """Of few fits; tests/soak has many. A right interval fails in one of 1000 cases."""
+    found = coverage(6, 50)
+    for key, hits in found.covered.items():
+        identified = found.fits - found.unidentified[key]
+        assert hits >= binom.ppf(1e-3, identified, 0.95), key
 
 
 def test_the_fragment_is_a_part_of_a_scene(found: MotionFit, here: Run, tmp_path: Path) -> None:

@@ -6,8 +6,11 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from palmbots._util.text import plural
 from palmbots.fitting.radio_fit import RadioFit
 from palmbots.viz import style
+
+_LONG = 5.0  # times the model's longest delay: residuals get a logarithmic axis
 
 
 def draw_radio_fit(result: RadioFit) -> Figure:
@@ -25,10 +28,11 @@ def _draw_bursts(axes: Axes, result: RadioFit) -> None:
     data = result.data
     axes.set_xlabel("packets lost together, at least")
     axes.set_ylabel("number of bursts")
-    axes.set_title(f"{result.lost:,} packets lost")
     if not data.bursts.size:
-        _say(axes, "no packet was lost" if result.received else "no index")
+        has_index = any(one.key == "packets_lost" for one in result.estimates)
+        _say(axes, "no packet was lost" if has_index else "the packets have no index")
         return
+    axes.set_title(f"{plural(result.lost, 'packet')} lost")
     one, other = style.SERIES[1], style.SERIES[0]
     axes.plot(
         data.burst_packets, data.bursts, color=style.INK, linestyle="none", marker="o",
@@ -76,6 +80,8 @@ def _draw_rest(axes: Axes, result: RadioFit) -> None:
     axes.plot(1 - data.shares, 1e3 * (data.delays_s - data.model_s), color=style.INK)
     axes.axhline(0, color=style.QUIET, linestyle=":")
     axes.set_xscale("log")
+    if data.delays_s.max() > _LONG * data.model_s.max():
+        axes.set_yscale("symlog", linthresh=1e3 * data.model_s.max())
     axes.set_title("residuals")
 
 

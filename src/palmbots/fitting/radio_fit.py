@@ -258,9 +258,11 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
     parts = _parts(runs, lambda one: one.delays_s)
     everything = np.concatenate(parts)
     ways = 2 if is_round_trip else 1
-    least, mean = float(everything.min()), float(everything.mean())
-    width = 2 * (mean - least) / ways
-    # In each draw: the least, the mean and the quantiles of the parts that were drawn.
+    least, middle = float(everything.min()), float(np.median(everything))
+    # The median of a uniform delay is half its width, that of the sum of two is one width. Tails,
+    # which the model has not, change a median little.
+    width = 2 * (middle - least) / ways
+    # In each draw: the least delay and the quantiles of the parts that were drawn.
     order = np.argsort(everything)
     owner = np.repeat(np.arange(len(parts)), [len(part) for part in parts])[order]
     ordered = everything[order]
@@ -268,13 +270,12 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
     for weights in _draws(len(parts)):
         mass = np.cumsum(weights[owner])
         places = np.searchsorted(mass, [0.5, *(mass[-1] * q for _, q in _QUANTILES)])
-        average = float(weights[owner] @ ordered) / mass[-1]
-        drawn.append([average, *ordered[np.minimum(places, len(ordered) - 1)]])
+        drawn.append(ordered[np.minimum(places, len(ordered) - 1)])
     spread = np.array(drawn)
     ends = np.quantile(spread, (0.025, 0.975), axis=0).T
-    of_jitter = np.quantile(2 * (spread[:, 0] - spread[:, 1]) / ways, (0.025, 0.975))
+    of_jitter = np.quantile(2 * (spread[:, 1] - spread[:, 0]) / ways, (0.025, 0.975))
     found = [
-        Estimate(latency, least / 2, float(ends[1, 0]) / 2, float(ends[1, 1]) / 2, "")
+        Estimate(latency, least / 2, float(ends[0, 0]) / 2, float(ends[0, 1]) / 2, "")
         if is_round_trip
         else Estimate(
             latency, None, None, None, "times of one way do not show it without a common clock"
@@ -282,7 +283,7 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
         Estimate(jitter, width, float(of_jitter[0]), float(of_jitter[1]), ""),
     ]
     called = "round_trip" if is_round_trip else "delay_behind_fastest"
-    for column, (name, q) in enumerate(_QUANTILES, 2):
+    for column, (name, q) in enumerate(_QUANTILES, 1):
         beyond = (1 - q) * len(everything)
         key = f"{called}_{name}_s".replace(".", "_")
         if beyond < _LEAST_BEYOND:

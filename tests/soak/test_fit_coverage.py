@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How often the 95 % intervals of a fit contain hidden values."""
+
+import numpy as np
+import pytest
+
+from stretches import TRUTH, coverage
+
+FITS = 400
+
+
+def test_intervals_away_from_0_cover_95_percent() -> None:
+    """Between 90 and 98 % of 400 fits."""
+    found = coverage(FITS, 60, TRUTH * [1, 1, 1, 1, 1, 1.5, 1])
+    for key, hits in found.covered.items():
+        identified = FITS - found.unidentified[key]
+        assert found.unidentified[key] <= 0.05 * FITS, key
+        assert 0.90 <= hits / identified <= 0.98, key
+
+
+@pytest.mark.parametrize(
+    ("index", "key"), [(2, "robot.gain_sd"), (5, "robot.white_noise_m_per_sqrt_s")]
+)
+def test_a_bound_on_one_side_covers_0(index: int, key: str) -> None:
+    """The lower end is 0 in at least 90 % of 400 fits."""
+    hidden = np.where(np.arange(7) == index, 0.0, TRUTH)
+    found = coverage(FITS, 60, hidden)
+    assert found.covered[key] >= 0.90 * FITS
