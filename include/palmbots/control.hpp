@@ -7,6 +7,7 @@
 #include "palmbots/control/distributed.hpp"
 #include "palmbots/control/external.hpp"
 #include "palmbots/control/lease_state.hpp"
+#include "palmbots/control/lifting.hpp"
 #include "palmbots/control/machine_table.hpp"
 #include "palmbots/control/messages.hpp"
 #include "palmbots/control/resilient.hpp"

@@ -31,6 +31,21 @@ Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team,
   return run;
 }
 
+template <class Team>
+Run run_lift(const Spec& spec, std::uint64_t seed, bool record, Team team) {
+  LiftCarry<Team> carry(spec, seed, std::move(team), record);
+  carry.run();
+  Run run = run_of(carry);
+  run.hash = carry.recorder().hash();
+  run.rows = carry.recorder().take_rows();
+  run.sent_messages = carry.recorder().take_sent_messages();
+  run.pivot_heights = carry.take_heights();
+  run.phases = carry.phases();
+  run.moved = carry.moved();
+  run.stalled = carry.stalled_ticks();
+  return run;
+}
+
 bool is_single(const std::string& precision) {
   if (precision == "float") return true;
   if (precision == "double") return false;
@@ -45,6 +60,15 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     at_ticks.push_back({static_cast<std::uint32_t>(seconds / spec.period + 0.5), fork_seed});
   }
   const bool single = is_single(precision);
+  if (uses_floor(spec)) {
+    if (single || !forks.empty())
+      throw std::invalid_argument("a job on the floor is in double precision, without forks");
+    return with_given_team(controller, spec, seed, [&]<class Team>(Team team) {
+      if constexpr (calls_python<Team>) return run_lift(spec, seed, record, std::move(team));
+      const nb::gil_scoped_release release;
+      return run_lift(spec, seed, record, std::move(team));
+    });
+  }
   const auto run_with = [&]<class Team>(Team team) {
     const auto carried = [&] {
       return single ? run_team<float>(spec, seed, record, std::move(team), at_ticks)
@@ -91,6 +115,15 @@ nb::object columns(const std::vector<Row>& rows, Get get) {
   return nb::cast(nb::ndarray<nb::numpy, T>(values->data(), {rows.size(), 2}, owner_of(values)));
 }
 
+// Of a job on the floor: the height of each pivot in each row of the trace.
+nb::object pivot_heights(const Run& run) {
+  auto* heights = new std::vector<double>();
+  for (const PerSide<double>& height : run.pivot_heights)
+    heights->insert(heights->end(), {height[left], height[right]});
+  return nb::cast(nb::ndarray<nb::numpy, double>(heights->data(), {run.pivot_heights.size(), 2},
+                                                 owner_of(heights)));
+}
+
 nb::object trace(const Run& run) {
   if (run.rows.empty()) return nb::none();
   const std::vector<Row>& rows = run.rows;
@@ -112,6 +145,14 @@ nb::object trace(const Run& run) {
   d["case"] = columns<std::uint8_t>(rows, [](const Row& r) { return r.name; });
   d["motion"] = columns<std::int8_t>(rows, [](const Row& r) { return r.motion; });
   return d;
+}
+
+nb::list phases(const Run& run) {
+  nb::list list;
+  for (const LiftPhase& phase : run.phases) {
+    list.append(nb::make_tuple(phase.side, name_of(phase.state), phase.start * run.period));
+  }
+  return list;
 }
 
 nb::list corrections(const Run& run) {
@@ -176,6 +217,9 @@ std::string hex(std::uint64_t value) {
 void bind_carry(nb::module_& m) {
   m.attr("carry_outcomes") = names_to(Outcome::stalled);
   m.attr("drop_reasons") = names_to(DropReason::robot_tipped);
+  nb::dict states;
+  for (const StateMeaning& state : Lifting::meanings) states[state.name] = state.meaning;
+  m.attr("lift_states") = states;
   nb::class_<Run>(m, "Run", "A finished carry.")
       .def_prop_ro("outcome", [](const Run& r) { return name_of(r.metrics.outcome); })
       .def_prop_ro("reason",
@@ -213,6 +257,11 @@ void bind_carry(nb::module_& m) {
           nb::arg("spec"), nb::arg("stops_in_silence"),
           "One sentence for each thing that went wrong unnoticed. stops_in_silence: of the "
           "controller.")
+      .def_prop_ro("phases", &phases,
+                   "Of a job on the floor: (side, state, start [s]), in the order of their starts.")
+      .def_prop_ro("pivot_heights_m", &pivot_heights)
+      .def_prop_ro("moved_m", [](const Run& r) { return r.moved; })
+      .def_prop_ro("stalled_s", [](const Run& r) { return r.stalled * r.period; })
       .def_prop_ro("bumps", [](const Run& r) { return r.metrics.bumps; })
       .def_prop_ro("correction_count", [](const Run& r) { return r.metrics.corrections; })
       .def_prop_ro("corrections", &corrections)

@@ -9,6 +9,7 @@
 #include "bindings.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/carry_warnings.hpp"
+#include "palmbots/sim/lift_carry.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/table_team.hpp"
 
@@ -68,6 +69,11 @@ struct Run {
   std::uint64_t hash = 0;
   std::vector<Row> rows;
   std::vector<SentMessage> sent_messages;
+  // Of a job that begins or ends on the floor.
+  std::vector<LiftPhase> phases;
+  std::vector<PerSide<double>> pivot_heights;  // of each row [m]
+  double moved = 0;                            // of the COM along the floor [m]
+  std::uint32_t stalled = 0;                   // ticks in which the wheels stalled
 };
 
 // A carry (or a co-simulation) that is over; what its recorder kept is not in it yet.

@@ -17,7 +17,8 @@ enum class Sign : std::int8_t { negative = -1, zero = 0, positive = 1 };
 // resilient algorithm adds two states that the partner must know: the sender corrects a negative
 // contact (closing), or its palm is up but not in answer to a request (raised). The others are the
 // messages of a controller that shares signs: the sender's sign, and whether its palm is shallow
-// where its sign is not zero.
+// where its sign is not zero. Last come the words of the table that lifts (control/lifting.hpp), which
+// no controller sends.
 enum class MessageKind : std::uint8_t {
   none,
   tilt_up,
@@ -30,16 +31,33 @@ enum class MessageKind : std::uint8_t {
   plus_shallow,
   minus,
   minus_shallow,
+  docking,
+  under,
+  centring,
+  ready,
+  raising,
+  lifted,
+  carrying,
+  arrived,
+  lowering,
+  down,
+  leaving,
+  empty,
+  backing,
+  holding,
 };
-inline constexpr int message_kinds = 11;
+inline constexpr int message_kinds = 11;  // that controllers send
+inline constexpr int word_count = 25;     // of all tables
 
 constexpr bool is_sign(MessageKind kind) { return kind >= MessageKind::zero; }
 
 // The names that the paper, the logs and the tables use.
 constexpr const char* name_of(MessageKind kind) {
   constexpr const char* names[] = {
-      "",     "TiltUp", "TiltDown",    "Ack",   "Closing",     "Raised",
-      "Zero", "Plus",   "PlusShallow", "Minus", "MinusShallow"};
+      "",        "TiltUp",      "TiltDown", "Ack",          "Closing", "Raised",   "Zero",
+      "Plus",    "PlusShallow", "Minus",    "MinusShallow", "Docking", "Under",    "Centring",
+      "Ready",   "Raising",     "Lifted",   "Carrying",     "Arrived", "Lowering", "Down",
+      "Leaving", "Empty",       "Backing",  "Holding"};
   return names[static_cast<int>(kind)];
 }
 

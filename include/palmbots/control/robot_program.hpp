@@ -139,6 +139,7 @@ class RobotProgram {
   }
 
   constexpr const Controller& controller() const { return controller_; }
+  constexpr Controller& controller() { return controller_; }
   // The greatest age at which a beacon counts [ticks].
   constexpr std::uint16_t lease() const
     requires(mail == Mail::beacons)

@@ -88,13 +88,20 @@ enum class If : std::uint8_t {
   // Of tables with a memory of their own (control/lease_state.hpp):
   settled,   // the palm has turned and the wheels have braked
   released,  // the partner knew, when it sent its newest message, that this robot no longer asks
+  // Of the table that lifts (control/lifting.hpp):
+  touches,     // something presses the palm
+  is_empty,    // nothing does
+  arm_there,   // the arm has reached the height last commanded
+  far_enough,  // the robot has travelled the distance of the task
+  gave_up,     // it has tried as often as it may
 };
 using IfSet = EnumSet<If>;
-inline constexpr int if_count = 7;
+inline constexpr int if_count = 12;
 
 constexpr const char* name_of(If condition) {
-  constexpr const char* names[] = {"turned",   "timed_out", "leads",   "follows",
-                                   "may_stop", "settled",   "released"};
+  constexpr const char* names[] = {"turned",   "timed_out", "leads",      "follows",
+                                   "may_stop", "settled",   "released",   "touches",
+                                   "is_empty", "arm_there", "far_enough", "gave_up"};
   return names[static_cast<int>(condition)];
 }
 
@@ -197,6 +204,10 @@ struct TableConditions {
   B may_stop{};
   B settled{};
   B released{};
+  B touches{};
+  B arm_there{};
+  B far_enough{};
+  B gave_up{};
 
   // Calls visit(conditions, member) for each value, with the conditions that depend on it.
   template <class Visit>
@@ -208,6 +219,10 @@ struct TableConditions {
     visit(IfSet(If::may_stop), &C::may_stop);
     visit(IfSet(If::settled), &C::settled);
     visit(IfSet(If::released), &C::released);
+    visit(IfSet{If::touches, If::is_empty}, &C::touches);
+    visit(IfSet(If::arm_there), &C::arm_there);
+    visit(IfSet(If::far_enough), &C::far_enough);
+    visit(IfSet(If::gave_up), &C::gave_up);
   }
 };
 
@@ -222,6 +237,11 @@ template <class B>
   if (wanted.has(If::may_stop)) all &= met.may_stop;
   if (wanted.has(If::settled)) all &= met.settled;
   if (wanted.has(If::released)) all &= met.released;
+  if (wanted.has(If::touches)) all &= met.touches;
+  if (wanted.has(If::is_empty)) all &= opposite(met.touches);
+  if (wanted.has(If::arm_there)) all &= met.arm_there;
+  if (wanted.has(If::far_enough)) all &= met.far_enough;
+  if (wanted.has(If::gave_up)) all &= met.gave_up;
   return all;
 }
 
@@ -278,20 +298,20 @@ struct TableMessages {
   }
   static constexpr int count = [] {
     int n = 0;
-    for (int kind = 0; kind < message_kinds; ++kind) n += includes(kind) ? 1 : 0;
+    for (int kind = 0; kind < word_count; ++kind) n += includes(kind) ? 1 : 0;
     return n;
   }();
   static constexpr std::array<MessageKind, count> list = [] {
     std::array<MessageKind, count> messages{};
     std::size_t n = 0;
-    for (int kind = 0; kind < message_kinds; ++kind) {
+    for (int kind = 0; kind < word_count; ++kind) {
       if (includes(kind)) messages[n++] = static_cast<MessageKind>(kind);
     }
     return messages;
   }();
   // The place of each message in the list.
-  static constexpr std::array<std::uint8_t, message_kinds> places = [] {
-    std::array<std::uint8_t, message_kinds> found{};
+  static constexpr std::array<std::uint8_t, word_count> places = [] {
+    std::array<std::uint8_t, word_count> found{};
     for (std::size_t i = 0; i < list.size(); ++i) {
       found[static_cast<std::size_t>(list[i])] = static_cast<std::uint8_t>(i);
     }

@@ -20,6 +20,7 @@ struct Stream {
     replay = 7,
     gain = 8,
     white_noise = 9,
+    arm_height = 10,
   };
 };
 

@@ -85,7 +85,11 @@ Row row_of(const Carry& carry, const PerSide<RobotObservation>& sensed) {
   }
   row.separation = double(configuration.separation);
   row.midpoint = double(carry.midpoint());
-  row.object = double(carry.world().contact_vector().dy) / carry.spec().width;
+  if constexpr (requires { carry.object_sine(); }) {  // the pivots may not be level
+    row.object = carry.object_sine();
+  } else {
+    row.object = double(carry.world().contact_vector().dy) / carry.spec().width;
+  }
   return row;
 }
 

@@ -170,6 +170,13 @@ class RobotPair {
     if (done()) close();
   }
 
+  // The carry is over.
+  void close() {
+    collect();
+    team_.close(tick_);
+    metrics_.close(tick_);
+  }
+
   // The object is no longer held at the start of a tick.
   void drop() {
     metrics_.outcome = Outcome::dropped;
@@ -181,12 +188,6 @@ class RobotPair {
   // The first tick from `tick` on in which a bias may change.
   std::uint32_t next_bias_change(std::uint32_t tick) const {
     return SpeedErrors::has_white(spec_) ? tick : Pushes::next_change(spec_, tick);
-  }
-
-  void close() {
-    collect();
-    team_.close(tick_);
-    metrics_.close(tick_);
   }
 
   // Out of line, so that a tick does not wait for the controllers: commands seldom change, and the

@@ -102,6 +102,12 @@ class RobotTeam {
   CorrectionActivity activity(std::size_t side) const { return activity_of(name(side), side); }
 
   const Controller& robot(std::size_t side) const { return programs_[side].controller(); }
+  // For a team around this one that knows more of a robot than its observation: the controller,
+  // which makes its next step in the next tick.
+  Controller& wake(std::size_t side) {
+    due_[side] = 0;
+    return programs_[side].controller();
+  }
   // True if the robots' clocks run like the carry's.
   bool keeps_time() const { return rate_[left] == 1 && rate_[right] == 1; }
   const Radio& radio() const { return radio_; }

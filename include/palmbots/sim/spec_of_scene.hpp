@@ -142,9 +142,14 @@ inline double default_time_limit(double distance, double speed, double speedup) 
   return nominal + (nominal > 2 * speedup ? nominal : 2 * speedup);
 }
 
+// What the default time limit grants to pick up, and to put down [s].
+inline constexpr double most_floor_time = 60;
+
 // The time limit of a carry [s].
 inline double time_limit_of(const SceneValues& scene) {
   if (scene.has<"task.timeout_s">()) return scene.of<"task.timeout_s">();
+  const double floor_time =
+      most_floor_time * (scene.of<"task.from">() + scene.of<"task.to">());  // 1 each: floor
   double speed = std::numeric_limits<double>::infinity();
   double speedup = 0;
   for (const std::size_t side : {left, right}) {
@@ -152,7 +157,7 @@ inline double time_limit_of(const SceneValues& scene) {
     speed = smaller(speed, scene.of<"robot.gain">(own(side)) * own_speed);
     speedup = larger(speedup, own_speed / scene.of<"robot.acceleration_m_s2">(own(side)));
   }
-  return default_time_limit(scene.of<"task.distance_m">(), speed, speedup);
+  return default_time_limit(scene.of<"task.distance_m">(), speed, speedup) + floor_time;
 }
 
 // The length of the middle part of a palm on which the contact vertex may be while the heel is

@@ -35,7 +35,7 @@ from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.robot.live_robot import core_settings
 from palmbots.robot.robot_program import controller_of
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import refuse_floor, to_spec
 
 BOOTS_PER_IMAGE = 16384
 """How many boots an image may count. Each new image begins beyond those of the one before."""
@@ -55,6 +55,7 @@ class BoardPair:
 
     def page(self, side: Side, first_epoch: int) -> bytes:
         """The page of the settings of one robot."""
+        refuse_floor(self.scene, "boards do")
         spec = to_spec(self.scene)
         table = b""
         if self.entry.machines is not None:

@@ -2,7 +2,8 @@
 """Placement: from the rows of a trace to points of robots and object in the world frame.
 
 Frame: x forward (left robot → right robot), y up, metres, radians; the origin is halfway between
-the two pivots at the start of the carry, at their height. Left is index 0 and right is index 1.
+the two pivots at the start of the carry, at their height while they carry from palms to palms. Left
+is index 0 and right is index 1.
 Palm angles are positive where the palm rises outward, contact coordinates where they lie outward.
 
 The animation and the solids of the log draw what this module places.
@@ -51,9 +52,10 @@ def place(
     contact: ArrayLike,
     turn: ArrayLike,
     lift: ArrayLike = 0.0,
+    height: ArrayLike = 0.0,
 ) -> Placement:
-    """Positions from separation (n), midpoint (n), palm angle (n, 2), contact (n, 2), turn (n) and
-    heights of the contact vertices above the palms (n, 2).
+    """Positions from separation (n), midpoint (n), palm angle (n, 2), contact (n, 2), turn (n),
+    heights of the contact vertices above the palms (n, 2), and y of the pivots (n, 2).
 
     The object is placed at its left contact. The loop-closure constraint, which the world keeps,
     then puts its right contact vertex on the right palm.
@@ -68,6 +70,7 @@ def place(
     normal = np.stack([-_OUTWARD * np.sin(angle), np.cos(angle)], axis=-1)  # n
     pivot = np.zeros_like(along)
     pivot[..., 0] = midpoint[:, None] + _OUTWARD * separation[:, None] / 2
+    pivot[..., 1] = height
     foot = pivot + offset[:, None] * normal
     plate = corners[:, :, 0] * along[:, :, None] + corners[:, :, 1] * normal[:, :, None]
 
@@ -100,6 +103,9 @@ def place(
 def placements(spec: Spec, trace: "xr.Dataset", rows: slice | NDArray[np.integer]) -> Placement:
     """Positions at some rows of a carry's trace."""
     chosen = trace.isel(time=rows)
+    height = 0.0
+    if "pivot_height" in chosen:
+        height = chosen["pivot_height"].transpose("time", "side") + floor_level(spec)
     return place(
         spec,
         separation=chosen["separation"],
@@ -108,6 +114,7 @@ def placements(spec: Spec, trace: "xr.Dataset", rows: slice | NDArray[np.integer
         contact=chosen["contact"].transpose("time", "side"),
         turn=chosen["object"],
         lift=chosen["vertex_height"].transpose("time", "side"),
+        height=height,
     )
 
 

@@ -71,6 +71,16 @@ def refuse_heels(scene: Scene) -> None:
             )
 
 
+def refuse_floor(scene: Scene, what: str) -> None:
+    """Raise `SceneError` for a job that begins or ends on the floor, where `what` has no arms."""
+    key = "from" if getattr(scene.task, "from") == "floor" else "to"
+    if getattr(scene.task, key) == "floor":
+        raise SceneError(
+            f'task.{key}: "floor" needs arms that rise and fall, which {what} not have; '
+            "allowed: palms, or carry --world quasistatic"
+        )
+
+
 def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     """The core's description of a scene; left is index 0, right index 1.
 

@@ -80,9 +80,9 @@ FEW_SECONDS = 10_000
 def can_run_in_lanes(entry: ControllerEntry, specs: Sequence[_core.Spec]) -> bool:
     """Whether carries of these run side by side, if the modules are built.
 
-    The lanes know only the two angles that a controller commands.
+    The lanes know only the two angles that a controller commands, and no floor.
     """
-    return entry.runs_in_lanes and not any(spec.may_go_limp for spec in specs)
+    return entry.runs_in_lanes and not any(spec.may_go_limp or spec.uses_floor for spec in specs)
 
 
 def run_batch(

@@ -12,6 +12,7 @@ from palmbots.control.registry import describe
 
 if TYPE_CHECKING:
     from palmbots.control.resilient_timing import Bounds
+    from palmbots.simulation.floor_job import FloorJob
     from palmbots.simulation.outcome_counts import OutcomeCounts
     from palmbots.simulation.result import Carry
 
@@ -52,6 +53,8 @@ def carry_lines(
         hint: a sentence on the reason of the outcome, and after "; run: " a command.
     """
     yield _head(carry)
+    if carry.floor_job is not None and carry.floor_job.failure is not None:
+        yield Line(carry.floor_job.failure, indent=2)
     if carry.reason is not None:
         yield Line(reason_text(carry.reason, carry.world), indent=2)
     elif carry.outcome == "stalled":
@@ -66,6 +69,8 @@ def carry_lines(
             yield Line(f"run: {command}", indent=2, is_whole=True)
     if abs(carry.rest_angle_deg) >= 0.05:
         yield f"object: outline turned by {carry.rest_angle_deg:.1f}° to rest on its contacts"
+    if carry.floor_job is not None:
+        yield from _floor_job(carry.floor_job)
     yield _contacts(carry)
     yield from _corrections(carry)
     if carry.bounds is not None:
@@ -85,6 +90,23 @@ def _head(carry: "Carry") -> Line:
         bold(f"  {way}"),
         quiet(f"   {carry.controller}, seed {carry.seed}{forks}, {kind}"),
     )
+
+
+def _floor_job(job: "FloorJob") -> Iterator[Item]:
+    """Where the object ends, and when each robot began its phases."""
+    off = "less" if job.missed_m < 0 else "more"
+    yield (
+        f"the object moved {job.moved_m:.2f} m, {100 * abs(job.missed_m):.1f} cm {off} than the "
+        "distance of the task"
+    )
+    if job.stalled_s > 0:
+        yield f"wheels stalled for {job.stalled_s:.2f} s"
+    yield Line("phases", quiet("   begun at"))
+    starts: dict[str, dict[str, str]] = {}
+    for one in job.phases:
+        starts.setdefault(one.phase, {}).setdefault(one.robot, f"{one.start_s:.1f} s")
+    rows = [(f"  {name}", *(by.get(side, "") for side in SIDES)) for name, by in starts.items()]
+    yield Table([("", bold("left"), bold("right")), *rows])
 
 
 def _contacts(carry: "Carry") -> Table:

@@ -11,7 +11,7 @@ from typing import Protocol
 import palmbots._core as _core
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import refuse_floor, to_spec
 from palmbots.scene.unequal_pivots import raise_right_pivot
 
 Pair = tuple[float, float]
@@ -66,6 +66,7 @@ class QuasistaticWorld:
 
     def __init__(self, scene: Scene, pivot_heights_m: Pair = (0.0, 0.0)) -> None:
         """`pivot_heights_m`: of the pivots over where the scene has them."""
+        refuse_floor(scene, "robots that are driven from outside do")
         spec = to_spec(scene)
         self._tilt = raise_right_pivot(spec, pivot_heights_m[1] - pivot_heights_m[0])
         self._world = _core.World(spec)

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import palmbots._core as _core
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import refuse_floor
 from palmbots.simulation.prepare import prepare
 from palmbots.simulation.result import Carry, make_carry
 from palmbots.simulation.worlds import WorldEntry, WorldRun, world_entry
@@ -58,6 +59,7 @@ class Episode:
         entry: str | WorldEntry = "quasistatic",
         moved: MovedWorld | None = None,
     ) -> None:
+        refuse_floor(scene, "robots that are commanded from outside do")
         self._prepared = prepare(scene, "none", entry)
         self.scene, self.spec, self.seed = scene, self._prepared.spec, seed
         self._record, self._moved = record, moved

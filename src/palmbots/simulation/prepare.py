@@ -18,7 +18,7 @@ from palmbots.control.resilient_timing import Bounds, bounds_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mechanics.load_limits import check_load
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import refuse_floor, to_spec
 from palmbots.simulation.worlds import PRECISIONS, WorldEntry, world_entry, world_names
 
 _CLOCK_FAULTS = (5, 6)  # clock-rate and clock-jump, as the core numbers them
@@ -92,17 +92,8 @@ def check_scene(world: WorldEntry, scene: Scene) -> None:
             f"bumps: the {world.name} world cannot shift contacts; allowed: no bumps "
             f"(mujoco.ridges has bumps of the floor){others}"
         )
-    _check_floor(world, scene)
-
-
-def _check_floor(world: WorldEntry, scene: Scene) -> None:
-    key = "from" if getattr(scene.task, "from") == "floor" else "to"
-    if getattr(scene.task, key) == "floor" and not world.supports_floor:
-        others = _others(lambda entry: entry.supports_floor)
-        raise SceneError(
-            f'task.{key}: "floor" needs a world with a floor below the object, and the '
-            f"{world.name} world has none yet; allowed: palms{others}"
-        )
+    if not world.supports_floor:
+        refuse_floor(scene, f"the robots of the {world.name} world do")
 
 
 def _others(supports: Callable[[WorldEntry], bool]) -> str:

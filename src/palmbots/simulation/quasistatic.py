@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import palmbots._core as _core
+from palmbots.errors import PalmbotsError
 from palmbots.simulation.driven_world import QuasistaticWorld
 from palmbots.simulation.episode import Episode
 from palmbots.simulation.prepare import Prepared
@@ -23,7 +24,29 @@ def run(
 ) -> WorldRun:
     """Run one carry; it takes milliseconds, so the callbacks are not called."""
     core = prepared.controller.for_core(prepared.spec)
-    return WorldRun(_core.run(prepared.spec, core, seed, precision, record, list(forks)))
+    uses_floor = prepared.spec.uses_floor
+    if uses_floor:
+        _refuse_on_floor(precision, forks)
+    measured = _core.run(prepared.spec, core, seed, precision, record, list(forks))
+    more = {name: (measured.pivot_heights_m, attrs) for name, attrs in _HEIGHTS.items()}
+    return WorldRun(measured, trace=more if uses_floor and record else {})
+
+
+_HEIGHTS = {
+    "pivot_height": {
+        "units": "m",
+        "long_name": "height of the pivot over the floor, in a job on the floor",
+        "log_field": "pivot_height_m",
+    }
+}
+
+
+def _refuse_on_floor(precision: str, forks: Sequence[tuple[float, int]]) -> None:
+    where = "a job that begins or ends on the floor (task.from, task.to)"
+    if precision != "double":
+        raise PalmbotsError(f"precision: value is {precision}; allowed: double, for {where}")
+    if forks:
+        raise PalmbotsError(f"forks: {where} cannot change its seed; allowed: none")
 
 
 WORLD = WorldEntry(
@@ -34,6 +57,8 @@ WORLD = WorldEntry(
     driven=QuasistaticWorld,
     precisions=PRECISIONS,
     supports_bumps=True,
+    supports_floor=True,
+    trace_variables=_HEIGHTS,
     supports_forks=True,
     supports_references=True,
 )

@@ -35,6 +35,7 @@ from palmbots._util.text import plural
 from palmbots.control.registry import ControllerLike, refuse_reference, resolve
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.spec import refuse_floor
 from palmbots.simulation.batch import DROPPED, available_cores
 from palmbots.simulation.outcome_counts import carry_seeds
 from palmbots.simulation.prepare import Prepared, prepare
@@ -185,6 +186,7 @@ def estimate_drop_rate(
     seed = seed_of(seed)
     workers = available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
     prepared = prepare(load_scene(scene, overrides), entry)
+    refuse_floor(prepared.scene, "copies of carries that are under way do")
     run = _Splitting(
         prepared, seed, effort, budget, workers, on_progress or (lambda fraction: None)
     )

@@ -15,6 +15,7 @@ from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import ControllerEntry
 from palmbots.control.resilient_timing import Bounds
 from palmbots.scene.scene import Scene
+from palmbots.simulation.floor_job import FloorJob, floor_job
 from palmbots.simulation.outcome_counts import SceneStatistics, scene_statistics
 from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.simulation.trace import trace_dataset
@@ -135,6 +136,8 @@ class Carry(Result):
     wheel_slip_m: BySide[float] | None = None
     """How much farther the wheels of each robot rolled than the robot moved; < 0: the robot moved
     farther (None in a world without wheels, and for a carry that was read from a log)."""
+    floor_job: FloorJob | None = None
+    """The job that began or ended on the floor (None for a carry from palms to palms)."""
     forks: tuple[tuple[float, int], ...] = ()
     """Pairs (time [s], seed): from each time on, the random numbers are those of that seed."""
     controller_source: ControllerSource | None = None
@@ -223,6 +226,7 @@ def make_carry(
         mujoco_record=run.recording,
         lateral_peak_m=None if run.lateral_peak_m is None else BySide.of(run.lateral_peak_m),
         wheel_slip_m=None if run.wheel_slip_m is None else BySide.of(run.wheel_slip_m),
+        floor_job=floor_job(prepared.scene, measured) if prepared.spec.uses_floor else None,
         controller_source=entry.source,
         controller_entry=entry,
     )

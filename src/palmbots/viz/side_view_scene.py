@@ -170,18 +170,18 @@ class _Brush:
     def robot(self, k: int, side: Side, busy: bool) -> None:
         """Body, the arm that holds the pivot, and wheels that turn as they roll."""
         pivot = self._place.pivot[self._row, k]
+        base = np.array([pivot[0], 0.0])  # of the robot, which does not rise with the pivot
         scale = self._view.scale * _FINE
         for solid in self._view.robots[side]:
             shape = solid.shape
             if isinstance(shape, solids.Cylinder):
-                self._wheel(shape, pivot)
+                self._wheel(shape, base)
             elif isinstance(shape, solids.Box):
-                corners = self._pixels(*(pivot + np.array(shape.corners())))
-                if shape.turn:
-                    self._draw.polygon(corners, solid.colour)
-                else:
+                corners = self._pixels(*(base + np.array(shape.corners())))
+                if not shape.turn:
                     self._outlined(corners, HUE[side] if busy else solid.colour, HUE[side], 4)
-        ends = self._pixels(pivot + np.array(solids.shoulder(side, self._floor)), pivot)
+        ends = self._pixels(base + np.array(solids.shoulder(side, self._floor)), pivot)
+        self._draw.line(ends, QUIET, round(solids.ARM_WIDTH * scale))
         for joint, radius in zip(ends, (0.011, 0.009), strict=True):
             self._disc(joint, radius * scale, QUIET, INK, 2)
 

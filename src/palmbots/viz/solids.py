@@ -106,6 +106,9 @@ def body(side: Side, floor: float) -> Solid:
     return Solid(f"{side}_robot", box, PALE[side])
 
 
+ARM_WIDTH = 0.015  # m
+
+
 def shoulder(side: Side, floor: float) -> tuple[float, float]:
     """Where the arm begins (x, z), in the frame of the robot; it ends at the pivot."""
     out, up = chassis.shoulder(floor)
@@ -116,7 +119,7 @@ def arm(side: Side, floor: float) -> list[Solid]:
     """The two bars between shoulder and pivot."""
     x, z = shoulder(side, floor)
     bars = (
-        Box((math.hypot(x, z), 0.015, 0.015), (x / 2, across, z / 2), math.atan2(z, x))
+        Box((math.hypot(x, z), ARM_WIDTH, ARM_WIDTH), (x / 2, across, z / 2), math.atan2(z, x))
         for across in (-ARM_HALF_SPACING, ARM_HALF_SPACING)
     )
     return [Solid(f"{side}_robot", bar, QUIET) for bar in bars]
@@ -179,7 +182,7 @@ def poses(place: Placement, row: int) -> dict[str, tuple[Vector, float]]:
     pivots = place.pivot[row].tolist()
     put("pair", ((pivots[0][0] + pivots[1][0]) / 2, 0.0), 0.0)
     for k, side in enumerate(SIDES):
-        put(f"{side}_robot", pivots[k], 0.0)
+        put(f"{side}_robot", (pivots[k][0], 0.0), 0.0)  # it does not rise with its pivot
         put(f"{side}_palm", pivots[k], float(place.palm_turn[row, k]))
         put(f"{side}_contact", place.contact[row, k].tolist(), float(place.palm_turn[row, k]))
     put("object", place.origin[row].tolist(), float(place.turn[row]))

@@ -61,6 +61,7 @@ def up(
     from palmbots.control.resilient_timing import bounds_of
     from palmbots.links.impairment import Impairment
     from palmbots.pair.launcher import run_live, run_lockstep
+    from palmbots.scene.spec import refuse_floor
     from palmbots.simulation.lockstep_world import remote
     from palmbots.simulation.prepare import check_precision, check_scene
     from palmbots.simulation.worlds import world_entry
@@ -69,6 +70,7 @@ def up(
     entry = controller_of(controller, quiet=as_json)
     place = world_entry(world)
     check_scene(place, chosen)
+    refuse_floor(chosen, "robots as processes do")
     check_precision(place, precision)
     remote(entry, lambda *_: [])
     if entry.has_time_bounds:

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+// The phases of a job that begins or ends on the floor, as a table: both robots pick the object up,
+// carry it and put it down. One table for both robots; each runs it beside its controller.
+//
+// A robot's controller corrects the contact as in any carry, from `centre` to `lower`, and drives
+// along the path in `carry` only. Before and after, the table drives the wheels itself.
+//
+//   dock      palms steep, noses on the floor, closer, until the own sign is not −. The first robot
+//             waits there with its brakes on; the object slides along its palm, to the heel if need
+//             be, while the partner gets under it
+//   centre    both are under it: the ordinary corrections, still on the floor
+//   raise     an arm moves only while a message younger than the lease says that the partner is
+//             ready, or moves as well; so do both arms that lower
+//   leave     both palms away, one of them steep, until nothing presses them. The last one is steep:
+//             so it drags the object least
+//
+// A robot knows −, 0, + and whether a switch is closed at all, its timers, its odometry, and what its
+// partner said within the lease. It cannot notice that its wheels stall. Every wait on the floor has
+// a time limit, after which the robot backs off and tries again. In the air everything holds.
+//
+// After a boot a robot whose palm may be under the object holds everything until it hears what its
+// partner does. Arms and palms are assumed to hold while a program does not run.
+//
+// docs/guide/lifting.md describes the phases in prose.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "palmbots/control/table.hpp"
+
+namespace palmbots {
+
+// What an arm is commanded to do.
+enum class ArmMove : std::uint8_t {
+  follow,  // the nose of the palm rests on the floor, also while the palm turns
+  hold,
+  rise,  // to the height at which the pair carries
+  sink,  // until the nose is on the floor
+};
+
+// Who commands palm and wheels in a state.
+enum class Driver : std::uint8_t {
+  table,
+  controller_in_place,  // which does not travel
+  controller,
+};
+
+// What a robot knows besides its sign and its palm.
+struct LiftSenses {
+  bool touches = false;     // a switch is closed
+  bool arm_there = false;   // the arm has reached the height last commanded
+  bool far_enough = false;  // it has travelled the distance of the task
+
+  constexpr bool operator==(const LiftSenses&) const = default;
+};
+
+// The memory of a robot that lifts.
+template <class B, class Count>
+struct LiftMemory {
+  static_assert(sizeof(B) == sizeof(bool), "one robot");
+  static constexpr int most_tries = 3;
+  struct Effect {
+    B ready{};
+    B is_news{};
+  };
+  static constexpr B stopped{};
+
+  LiftSenses senses{};  // the team sets it before each step
+  std::uint8_t tries = 0;
+  bool was_backing = false;
+
+  static constexpr int limits(const auto&) { return 0; }
+  static constexpr void boot(const auto&...) {}
+  static constexpr void pass(const auto&...) {}
+  static constexpr void hear(const auto&...) {}
+  constexpr void meet(TableConditions<B>& met, const auto&...) const {
+    met.touches = senses.touches;
+    met.arm_there = senses.arm_there;
+    met.far_enough = senses.far_enough;
+    met.gave_up = tries >= most_tries;
+  }
+  constexpr Effect finish(const auto&, const auto& robot, const auto&...) {
+    const bool backs = robot.now().message == MessageKind::backing;
+    if (backs && !was_backing && tries < most_tries) ++tries;
+    was_backing = backs;
+    return {};
+  }
+  static constexpr void stay(const auto&...) {}
+  static constexpr void until(const auto&...) {}
+};
+
+struct Lifting {
+  enum class State : std::uint8_t {
+    dock,
+    under,
+    centre,
+    ready,
+    recentre,
+    raise,
+    raise_hold,
+    up,
+    carry,
+    arrived,
+    lower,
+    lower_hold,
+    down,
+    leave_steep,
+    leave_shallow,
+    empty,
+    retreat,
+    done,
+    back_off,
+    stand_back,
+    failed,
+    held,
+  };
+  using S = State;
+  using M = MessageKind;
+  static constexpr int states = 22;
+  static constexpr State initial = S::dock;
+
+  // The name of each state, and its meaning for people.
+  static constexpr StateMeaning meanings[states] = {
+      {"dock", "drives towards the object until its contact is not inward"},
+      {"under", "its palm is under the object; waits for its partner's"},
+      {"centre", "corrects its contact on the floor"},
+      {"ready", "its contact is centred; waits for its partner to be ready"},
+      {"recentre", "corrects its contact again; its partner may be raising"},
+      {"raise", "raises its arm"},
+      {"raise_hold", "holds its arm until its partner raises, too"},
+      {"up", "its arm is up; waits for its partner's"},
+      {"carry", "carries"},
+      {"arrived", "has travelled the distance; waits for its partner to stop"},
+      {"lower", "lowers its arm"},
+      {"lower_hold", "holds its arm until its partner lowers, too"},
+      {"down", "its nose is on the floor; waits for its partner's"},
+      {"leave_steep", "drives away with its palm steep"},
+      {"leave_shallow", "drives away with its palm shallow, because its partner's is steep"},
+      {"empty", "nothing is on its palm; waits for its partner to be empty"},
+      {"retreat", "drives away from the object"},
+      {"done", "the job is over"},
+      {"back_off", "drives back, to try again"},
+      {"stand_back", "waits for its partner to drive back, too"},
+      {"failed", "has tried as often as it may"},
+      {"held", "holds everything after a boot, until it hears its partner"},
+  };
+
+  enum class Limit : std::uint8_t { dock, wait, centre, leave, back };
+  static constexpr std::size_t limits = 5;
+  static constexpr double seconds(Limit limit, const TableTiming& timing) {
+    switch (limit) {
+      case Limit::dock: return timing.reach * 12;
+      case Limit::wait: return timing.reach * 12;
+      case Limit::centre: return timing.reach * 20;
+      case Limit::leave: return timing.reach * 8;
+      case Limit::back: break;
+    }
+    return timing.reach * 3;
+  }
+
+  static constexpr Mail mail = Mail::beacons;
+  template <class B, class Count>
+  using Memory = LiftMemory<B, Count>;
+
+  static constexpr auto dock_limit = static_cast<std::int8_t>(Limit::dock);
+  static constexpr auto wait = static_cast<std::int8_t>(Limit::wait);
+  static constexpr auto centre_limit = static_cast<std::int8_t>(Limit::centre);
+  static constexpr auto leave_limit = static_cast<std::int8_t>(Limit::leave);
+  static constexpr auto back = static_cast<std::int8_t>(Limit::back);
+
+  static constexpr Command stands{Palm::steep, Move::hold, true};
+  static constexpr Command closer{Palm::steep, Move::closer, true};
+  static constexpr Command away{Palm::steep, Move::away, true};
+  static constexpr Command away_shallow{Palm::shallow, Move::away, true};
+
+  // clang-format off
+  static constexpr TableOutput outputs[states] = {
+      /* dock          */ {' ', closer, M::docking, dock_limit},
+      /* under         */ {' ', stands, M::under, wait},
+      /* centre        */ {' ', stands, M::centring, centre_limit},
+      /* ready         */ {' ', stands, M::ready},
+      /* recentre      */ {' ', stands, M::centring},
+      /* raise         */ {' ', stands, M::raising},
+      /* raise_hold    */ {' ', stands, M::raising},
+      /* up            */ {' ', stands, M::lifted},
+      /* carry         */ {' ', stands, M::carrying},
+      /* arrived       */ {' ', stands, M::arrived},
+      /* lower         */ {' ', stands, M::lowering},
+      /* lower_hold    */ {' ', stands, M::lowering},
+      /* down          */ {' ', stands, M::down},
+      /* leave_steep   */ {' ', away, M::leaving, leave_limit},
+      /* leave_shallow */ {' ', away_shallow, M::leaving, leave_limit},
+      /* empty         */ {' ', stands, M::empty, wait},
+      /* retreat       */ {' ', away, M::empty, back},
+      /* done          */ {' ', stands, M::empty},
+      /* back_off      */ {' ', away, M::backing, back},
+      /* stand_back    */ {' ', stands, M::empty, wait},
+      /* failed        */ {' ', stands, M::backing},
+      /* held          */ {' ', stands, M::holding},
+  };
+
+  // What arm and controller do in each state.
+  struct Role {
+    ArmMove arm;
+    Driver driver;
+  };
+  static constexpr Role roles[states] = {
+      /* dock          */ {ArmMove::follow, Driver::table},
+      /* under         */ {ArmMove::follow, Driver::table},
+      /* centre        */ {ArmMove::follow, Driver::controller_in_place},
+      /* ready         */ {ArmMove::follow, Driver::controller_in_place},
+      /* recentre      */ {ArmMove::follow, Driver::controller_in_place},
+      /* raise         */ {ArmMove::rise, Driver::controller_in_place},
+      /* raise_hold    */ {ArmMove::hold, Driver::controller_in_place},
+      /* up            */ {ArmMove::hold, Driver::controller_in_place},
+      /* carry         */ {ArmMove::hold, Driver::controller},
+      /* arrived       */ {ArmMove::hold, Driver::controller_in_place},
+      /* lower         */ {ArmMove::sink, Driver::controller_in_place},
+      /* lower_hold    */ {ArmMove::hold, Driver::controller_in_place},
+      /* down          */ {ArmMove::follow, Driver::table},
+      /* leave_steep   */ {ArmMove::follow, Driver::table},
+      /* leave_shallow */ {ArmMove::follow, Driver::table},
+      /* empty         */ {ArmMove::follow, Driver::table},
+      /* retreat       */ {ArmMove::follow, Driver::table},
+      /* done          */ {ArmMove::follow, Driver::table},
+      /* back_off      */ {ArmMove::follow, Driver::table},
+      /* stand_back    */ {ArmMove::follow, Driver::table},
+      /* failed        */ {ArmMove::follow, Driver::table},
+      /* held          */ {ArmMove::hold, Driver::controller_in_place},
+  };
+
+  using P = ContactCondition;
+  using Set = EnumSet<State>;
+  static constexpr Set on_trial = {S::dock, S::under, S::centre, S::ready, S::recentre};
+  static constexpr Set leaving = {S::leave_steep, S::leave_shallow};
+  // A robot in one of these states may have the object on its palm, or has put it down. It stores that.
+  static constexpr Set assisting = Set::all() - on_trial - Set{S::back_off, S::stand_back, S::failed};
+  static constexpr State initial_assisting = S::held;
+  static constexpr MessageSet rises = {M::ready, M::raising, M::lifted, M::carrying};
+  static constexpr MessageSet sinks = {M::arrived, M::lowering, M::down, M::leaving, M::empty};
+
+  static constexpr TableRow<State> rows[] = {
+      // in state      contact          hears                                  if               go to
+      {on_trial,       P::any,          M::backing,                            {},              S::back_off},
+      // pick up
+      {S::dock,        P::not_negative, any_message,                           If::touches,     S::under},
+      {S::dock,        P::any,          any_message,                           If::timed_out,   S::back_off},
+      {S::under,       P::any,          {M::under, M::centring, M::ready},     {},              S::centre},
+      {S::under,       P::any,          any_message,                           If::timed_out,   S::back_off},
+      {S::centre,      P::zero,         {M::centring, M::ready},   {If::turned, If::touches},   S::ready},
+      {S::centre,      P::any,          any_message,                           If::timed_out,   S::back_off},
+      {S::ready,       P::zero,         rises,                                 {},              S::raise},
+      {S::ready,       P::positive,     any_message,                           {},              S::recentre},
+      {S::ready,       P::negative,     any_message,                           {},              S::recentre},
+      {S::recentre,    P::zero,         any_message,               {If::turned, If::touches},   S::ready},
+      {S::raise,       P::any,          any_message,                           If::arm_there,   S::up},
+      {S::raise,       P::any,          any_message - rises,                   {},              S::raise_hold},
+      {S::raise_hold,  P::any,          rises,                                 {},              S::raise},
+      {S::up,          P::any,          {M::lifted, M::carrying},              {},              S::carry},
+      // carry
+      {S::carry,       P::any,          {M::arrived, M::lowering},             {},              S::arrived},
+      {S::carry,       P::any,          any_message,                           If::far_enough,  S::arrived},
+      // put down
+      {S::arrived,     P::any,          sinks,                                 {},              S::lower},
+      {S::lower,       P::any,          any_message,                           If::arm_there,   S::down},
+      {S::lower,       P::any,          any_message - sinks,                   {},              S::lower_hold},
+      {S::lower_hold,  P::any,          sinks,                                 {},              S::lower},
+      {S::down,        P::any,          {M::down, M::leaving, M::empty},       If::leads,       S::leave_steep},
+      {S::down,        P::any,          {M::down, M::leaving, M::empty},       If::follows,     S::leave_shallow},
+      {leaving,        P::any,          any_message,                           If::is_empty,    S::empty},
+      {S::leave_shallow, P::any,        M::empty,                              {},              S::leave_steep},
+      {leaving,        P::any,          any_message,                           If::timed_out,   S::retreat},
+      {S::empty,       P::any,          any_message,              {If::touches, If::leads},     S::leave_steep},
+      {S::empty,       P::any,          any_message,              {If::touches, If::follows},   S::leave_shallow},
+      {S::empty,       P::any,          M::empty,                              {},              S::retreat},
+      {S::empty,       P::any,          any_message,                           If::timed_out,   S::retreat},
+      {S::retreat,     P::any,          any_message,                           If::timed_out,   S::done},
+      // try again
+      {S::back_off,    P::any,          any_message,                           If::timed_out,   S::stand_back},
+      {S::stand_back,  P::any,          any_message,                           If::gave_up,     S::failed},
+      {S::stand_back,  P::any,          {M::empty, M::docking},                {},              S::dock},
+      {S::stand_back,  P::any,          any_message,                           If::timed_out,   S::dock},
+      // after a boot
+      {S::held,        P::any,          {M::ready, M::raising},                {},              S::raise},
+      {S::held,        P::any,          {M::lifted, M::carrying},              {},              S::carry},
+      {S::held,        P::any,          sinks,                                 {},              S::lower},
+  };
+  // clang-format on
+
+  static constexpr const Role& role(State state) { return roles[static_cast<int>(state)]; }
+};
+
+constexpr const char* name_of(Lifting::State state) {
+  return Lifting::meanings[static_cast<int>(state)].name;
+}
+
+constexpr const char* name_of(Lifting::Limit limit) {
+  constexpr const char* names[] = {"dock", "wait", "centre", "leave", "back"};
+  return names[static_cast<int>(limit)];
+}
+
+}  // namespace palmbots

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// The team of a job that begins or ends on the floor: any team of a carry, with the table that lifts
+// (control/lifting.hpp) beside the controller of each robot.
+//
+// The words of the table travel by a radio of their own, with the properties of the scene's; what
+// both send at the same time does not collide. While the table drives a robot, the controller sees a
+// centred contact.
+#pragma once
+
+#include <utility>
+
+#include "palmbots/control/lifting.hpp"
+#include "palmbots/sim/table_team.hpp"
+
+namespace palmbots {
+
+template <class Inner>
+class LiftTeam {
+ public:
+  using State = Lifting::State;
+  static constexpr bool half_moves = Inner::half_moves;
+  static constexpr bool expects_turns = Inner::expects_turns;
+  LinkTotals link_totals{};
+
+  LiftTeam(const Spec& spec, std::uint64_t seed, Inner inner)
+      : inner_(std::move(inner)), phases_(phases_of(spec, seed)) {
+    if (spec.begins_on == StandsOn::floor) return;
+    for (const std::size_t side : {left, right}) phases_.wake(side).enter(State::carry);
+  }
+
+  // What the robots know besides their observations, before each step.
+  void feel(const PerSide<LiftSenses>& senses) {
+    for (const std::size_t side : {left, right}) {
+      if (phases_.robot(side).clock().own.senses == senses[side]) continue;
+      phases_.wake(side).clock().own.senses = senses[side];
+    }
+  }
+
+  template <class Log>
+  const PerSide<Command>& step(std::uint32_t tick, const PerSide<RobotObservation>& sensed,
+                               Log&& log) {
+    const PerSide<Command> own = phases_.step(tick, sensed, log);
+    PerSide<RobotObservation> shown = sensed;
+    for (const std::size_t side : {left, right}) {
+      if (driver(side) == Driver::table) shown[side] = {Sign::zero, true};
+    }
+    const PerSide<Command>& given = inner_.step(tick, shown, log);
+    for (const std::size_t side : {left, right}) {
+      commands_[side] = driver(side) == Driver::table ? own[side] : given[side];
+      if (driver(side) == Driver::controller_in_place) commands_[side].stop = true;
+    }
+    count_messages();
+    return commands_;
+  }
+
+  std::uint32_t next_decision_tick(std::uint32_t tick) const { return tick + 1; }
+  void close(std::uint32_t tick) {
+    inner_.close(tick);
+    count_messages();
+  }
+  void fork(std::uint64_t seed) {
+    inner_.fork(seed);
+    phases_.fork(seed_of_words(seed));
+  }
+
+  State state(std::size_t side) const { return phases_.robot(side).state(); }
+  ArmMove arm(std::size_t side) const { return Lifting::role(state(side)).arm; }
+  const Inner& inner() const { return inner_; }
+
+  char name(std::size_t side) const { return is_correcting(side) ? inner_.name(side) : ' '; }
+  bool waits(std::size_t side) const { return is_correcting(side) && inner_.waits(side); }
+  MessageKind awaits(std::size_t side) const { return inner_.awaits(side); }
+  CorrectionActivity activity(std::size_t side) const {
+    return is_correcting(side) ? inner_.activity(side) : CorrectionActivity{};
+  }
+
+ private:
+  using Phases = TableTeam<Lifting>;
+
+  // Both radios would else lose the same messages.
+  static constexpr std::uint64_t seed_of_words(std::uint64_t seed) { return seed ^ 0x6C696674; }
+
+  static Phases phases_of(const Spec& spec, std::uint64_t seed) {
+    return {{table_robot_of<Lifting>(spec, left), table_robot_of<Lifting>(spec, right)},
+            {spec.robots[left].clock_drift, spec.robots[right].clock_drift},
+            channel_of(spec),
+            seed_of_words(seed),
+            leader_of(spec),
+            Faults::of(spec, seed)};
+  }
+
+  Driver driver(std::size_t side) const { return Lifting::role(state(side)).driver; }
+  bool is_correcting(std::size_t side) const { return driver(side) != Driver::table; }
+
+  void count_messages() {
+    link_totals = inner_.link_totals;
+    const LinkTotals& words = phases_.link_totals;
+    link_totals.sent += words.sent;
+    link_totals.lost += words.lost;
+    for (std::size_t i = 0; i < link_totals.links.size(); ++i) {
+      link_totals.links[i].sent += words.links[i].sent;
+      link_totals.links[i].lost += words.links[i].lost;
+      link_totals.links[i].duplicated += words.links[i].duplicated;
+      link_totals.links[i].late += words.links[i].late;
+      link_totals.links[i].rejected += words.links[i].rejected;
+    }
+  }
+
+  Inner inner_;
+  Phases phases_;
+  PerSide<Command> commands_{};
+};
+
+}  // namespace palmbots

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A job that begins or ends on the floor: its phases, where the object ends, why it failed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import palmbots._core as _core
+from palmbots._types import SIDES
+from palmbots.scene.scene import Scene
+
+MEANINGS: dict[str, str] = _core.lift_states
+"""What a robot does in each phase, in words."""
+
+_ON_FLOOR = {
+    "dock": "did not get under the object",
+    "under": "did not get under the object",
+    "stand_back": "did not get under the object",
+    "back_off": "did not get under the object",
+    "failed": "did not get under the object",
+    "centre": "did not centre the contacts on the floor",
+    "ready": "did not centre the contacts on the floor",
+    "recentre": "did not centre the contacts on the floor",
+    "raise": "did not raise the object",
+    "raise_hold": "did not raise the object",
+    "up": "did not raise the object",
+    "carry": "did not arrive",
+    "arrived": "did not arrive",
+    "lower": "did not lower the object",
+    "lower_hold": "did not lower the object",
+    "down": "did not lower the object",
+    "leave_steep": "did not get away from the object",
+    "leave_shallow": "did not get away from the object",
+    "empty": "did not get away from the object",
+    "retreat": "did not get away from the object",
+    "done": "did not get away from the object",
+    "held": "a robot that had restarted did not hear its partner",
+}
+"""What a job did not achieve that ends in a phase."""
+
+
+@dataclass(frozen=True, slots=True)
+class JobPhase:
+    """One phase of one robot."""
+
+    robot: Literal["left", "right"]
+    phase: str
+    """Its name in the table of phases (`palmbots.simulation.floor_job.MEANINGS` explains them)."""
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class FloorJob:
+    """What a job that begins or ends on the floor was like."""
+
+    phases: tuple[JobPhase, ...]
+    """The first 128 phases of both robots, in the order in which they began."""
+    failure: str | None
+    """What was not achieved; None: the job succeeded."""
+    moved_m: float
+    """How far the centre of mass moved in the direction of travel."""
+    missed_m: float
+    """How much farther that is than the distance of the task; < 0: it fell short."""
+    stalled_s: float
+    """How long wheels stalled, because the object could not give way."""
+
+
+def floor_job(scene: Scene, measured: Any) -> FloorJob:
+    """The job of a finished carry."""
+    end = measured.time_s
+    rows = [(SIDES[side], name, start) for side, name, start in measured.phases]
+    phases = []
+    for i, (side, name, start) in enumerate(rows):
+        later = (begin for other, _, begin in rows[i + 1 :] if other == side)
+        phases.append(JobPhase(side, name, start, next(later, end)))
+    sense = 1 if scene.task.direction == "forward" else -1
+    moved = sense * measured.moved_m
+    return FloorJob(
+        phases=tuple(phases),
+        failure=_failure(measured.outcome, phases),
+        moved_m=moved,
+        missed_m=moved - scene.task.distance_m,
+        stalled_s=measured.stalled_s,
+    )
+
+
+def _failure(outcome: str, phases: list[JobPhase]) -> str | None:
+    """In words: from the last phase of the robot that is less far."""
+    if outcome == "delivered":
+        return None
+    last = {phase.robot: phase.phase for phase in phases}
+    order = list(_ON_FLOOR)
+    behind = min(last.values(), key=order.index)
+    return ("fell: " if outcome == "dropped" else "") + _ON_FLOOR[behind]

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Jobs that begin or end on the floor: pick up, carry, put down, against closed forms, the world
+without robots, and symmetry."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+from palmbots._types import SIDES
+from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.simulation import Carry, FloorWorld, run_seeds
+from palmbots.simulation.floor_job import FloorJob
+
+LIFT = load_scene("lift")
+RADIUS_M = 0.003
+HALF_M = 0.075
+GAP_M = 0.03
+
+
+def job(carry: Carry) -> FloorJob:
+    assert carry.floor_job is not None
+    return carry.floor_job
+
+
+def starts(carry: Carry, phase: str) -> list[float]:
+    """When each robot first began a phase [s]."""
+    first: dict[str, float] = {}
+    for one in job(carry).phases:
+        if one.phase == phase:
+            first.setdefault(one.robot, one.start_s)
+    return [first[side] for side in SIDES]
+
+
+def rows(carry: Carry, name: str, since_s: float, until_s: float) -> np.ndarray:
+    assert carry.trace is not None
+    return carry.trace[name].sel(time=slice(since_s, until_s)).values
+
+
+@pytest.fixture(scope="module")
+def lifted() -> Carry:
+    return pb.carry("lift", "shared-sign")
+
+
+@pytest.mark.parametrize("controller", ["shared-sign", "resilient", "distributed"])
+def test_the_whole_job_succeeds(controller: str) -> None:
+    outcomes = run_seeds(to_spec(LIFT), controller, 0, 60, threads=2)["outcome"]
+    assert (outcomes == 1).all()
+
+
+@pytest.mark.parametrize("overrides", [{"task.from": "palms"}, {"task.to": "palms"}])
+def test_half_a_job_succeeds(overrides: dict[str, str]) -> None:
+    carry = pb.carry("lift", "shared-sign", overrides=overrides)
+    names = {phase.phase for phase in job(carry).phases}
+    assert carry.outcome == "delivered" and job(carry).failure is None
+    assert ("dock" in names) == ("task.to" in overrides)
+    assert ("leave_steep" in names) == ("task.from" in overrides)
+
+
+def test_it_ends_on_the_floor_flat_and_alone(lifted: Carry) -> None:
+    assert lifted.trace is not None
+    end = lifted.trace.isel(time=-1)
+    assert float(end["object"]) == pytest.approx(0, abs=1e-12)
+    # Each vertex is at the height of its arc's centre: p and lift are seen from a palm at θ.
+    for k in range(2):
+        theta, p = float(end.palm[k]), float(end.contact[k])
+        high = float(end.pivot_height[k]) + p * math.sin(theta)
+        high += (float(end.vertex_height[k]) + RADIUS_M) * math.cos(theta)
+        assert high == pytest.approx(RADIUS_M, abs=1e-12)
+        assert p < -HALF_M
+
+
+def test_where_the_object_ends(lifted: Carry) -> None:
+    """The displacement of the COM in the trace is that which is reported."""
+    assert lifted.trace is not None
+    from palmbots.scene.placement import placements
+
+    place = placements(to_spec(LIFT), lifted.trace, np.array([0, lifted.trace.sizes["time"] - 1]))
+    moved = place.com[1, 0] - place.com[0, 0]
+    assert job(lifted).moved_m == pytest.approx(moved, abs=1e-12)
+    assert job(lifted).missed_m == pytest.approx(moved - 1.5, abs=1e-12)
+
+
+def test_noses_follow_the_floor_until_both_are_ready(lifted: Carry) -> None:
+    """The pivot is at the height ℓ sin θ + n cos θ while its nose, n thick, is on the floor."""
+    raised = min(starts(lifted, "raise"))
+    angle = rows(lifted, "palm", 0, raised)
+    height = rows(lifted, "pivot_height", 0, raised)
+    level = HALF_M * np.sin(angle) + np.maximum(
+        0.0003 * np.cos(angle), 0.0015 * np.cos(angle) - 0.008 * np.sin(angle)
+    )
+    assert np.abs(height - level).max() < 1e-12
+    assert len(np.unique(angle)) > 10  # they turn meanwhile
+
+
+def test_arms_keep_rate_height_and_company(lifted: Carry) -> None:
+    """In the air the arms differ by at most what one moves while the other does not know it, and
+    by what the palms differed on the floor."""
+    begin, end = min(starts(lifted, "raise")), max(starts(lifted, "down"))
+    height = rows(lifted, "pivot_height", begin, end)
+    assert np.abs(np.diff(height, axis=0)).max() <= 0.05 * 0.01 + 1e-12
+    carried = rows(lifted, "pivot_height", max(starts(lifted, "carry")) + 0.1, begin + 20)
+    assert np.ptp(carried, axis=0).max() == 0
+    assert np.abs(carried - 0.15).max() <= 0.002
+    spread = HALF_M * (math.sin(math.radians(15)) - math.sin(math.radians(5)))
+    lease_s = 2 * (0.05 + 0.05 + 0.01) + 3 * 0.05
+    apart = np.abs(height[:, 0] - height[:, 1]).max()
+    assert apart <= spread + 0.05 * (lease_s + 0.05 + 0.01) + 2 * 0.002
+
+
+def test_no_arm_rises_without_the_partners_word() -> None:
+    carry = pb.carry("lift", "shared-sign", overrides={"radio.loss": 1.0, "task.timeout_s": 60})
+    assert carry.outcome == "stalled"
+    assert job(carry).failure == "did not get under the object"
+    height = rows(carry, "pivot_height", 0, 60)
+    assert height.max() <= HALF_M * math.sin(math.radians(15)) + 0.0003
+
+
+@pytest.mark.parametrize("at_s", [3.0, 9.0, 20.0, 38.0, 40.5])
+@pytest.mark.parametrize("robot", SIDES)
+def test_a_robot_restarts_in_any_phase(at_s: float, robot: str) -> None:
+    fault = {"kind": "reboot", "robot": robot, "at_s": at_s, "duration_s": 0.5}
+    carry = pb.carry("lift", "shared-sign", overrides={"faults.script": [fault]})
+    assert carry.outcome == "delivered", (job(carry).failure, carry.reason)
+
+
+def test_a_robot_that_stays_off_leaves_the_object_in_the_air() -> None:
+    """Its partner stops and holds; it does not lower alone."""
+    fault = {"kind": "reboot", "robot": "left", "at_s": 9.0, "duration_s": 100}
+    carry = pb.carry(
+        "lift", "shared-sign", overrides={"faults.script": [fault], "task.timeout_s": 60}
+    )
+    assert (carry.outcome, job(carry).failure) == ("stalled", "did not raise the object")
+    later = rows(carry, "pivot_height", 11, 60)
+    assert np.ptp(later, axis=0).max() == 0 and later[0].min() > 0.03
+
+
+def test_without_a_heel_it_fails_and_says_why() -> None:
+    carry = pb.carry("lift", "shared-sign", overrides={"palm.heel_m": 0.0, "task.timeout_s": 60})
+    assert carry.outcome != "delivered" and job(carry).failure
+
+
+def test_the_same_motions_without_robots_lead_to_the_same_place() -> None:
+    """The palms of `FloorWorld`, moved as the trace says, until both are up, without inertia."""
+    carry = pb.carry("lift", "shared-sign", overrides={"task.inertia": False})
+    assert carry.trace is not None
+    until = round(max(starts(carry, "up")) / 0.01)
+    trace = carry.trace
+    angle = np.degrees(trace.palm.values[: until + 1])
+    height = trace.pivot_height.values[: until + 1]
+    side = np.array([-0.5, 0.5])
+    pivot = trace.midpoint.values[:, None] + side * trace.separation.values[:, None]
+    world = FloorWorld("lift", gaps_m=(GAP_M, GAP_M))
+    for k in range(until):
+        left, right = (pivot[k + 1] - pivot[k]).tolist()
+        rise = (height[k + 1] - height[k]).tolist()
+        state = world.move(
+            left, right, up_m=(rise[0], rise[1]), palms_deg=(angle[k + 1, 0], angle[k + 1, 1])
+        )
+        assert not state.end, k
+    for k, one in enumerate(SIDES):
+        assert getattr(state.touched_m, one) == pytest.approx(
+            float(trace.contact[until, k]), abs=1e-9
+        )
+    assert state.tilt_deg == pytest.approx(math.degrees(float(trace.object[until])), abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("controller", ["shared-sign", "resilient"])
+def test_the_mirrored_job_is_the_mirror_image_to_the_last_bit(seed: int, controller: str) -> None:
+    ours = pb.carry("lift", controller, seed=seed)
+    theirs = pb.carry(LIFT.mirrored(), controller, seed=seed)
+    assert (ours.outcome, ours.time_s) == (theirs.outcome, theirs.time_s)
+    assert job(ours).moved_m == job(theirs).moved_m
+    assert ours.trace is not None and theirs.trace is not None
+    for name in ("contact", "vertex_height", "palm", "pivot_height"):
+        assert (ours.trace[name].values == theirs.trace[name].values[:, ::-1]).all(), name
+    assert (ours.trace.midpoint.values == -theirs.trace.midpoint.values).all()
+
+
+def test_any_number_of_threads_gives_the_same_bits() -> None:
+    one, three = (run_seeds(to_spec(LIFT), "resilient", 0, 70, threads=n) for n in (1, 3))
+    assert all((one[name] == three[name]).all() for name in one)
+
+
+def test_a_carry_from_palms_to_palms_has_no_floor() -> None:
+    """Keys of arms and floor change nothing of a carry from palms to palms."""
+    changed: dict[str, Any] = {"arm.rate_m_per_s": 0.2, "floor.friction": 1.0}
+    one, two = (pb.carry("plate", overrides=keys) for keys in ({}, changed))
+    assert one.trace_hash == two.trace_hash and one.floor_job is None
