@@ -12,5 +12,6 @@
 #include "palmbots/world/quasistatic_world.hpp"
 #include "palmbots/world/regime_choice.hpp"
 #include "palmbots/world/regime_conditions.hpp"
+#include "palmbots/world/rolling_step.hpp"
 #include "palmbots/world/state.hpp"
 #include "palmbots/world/travel.hpp"

@@ -142,9 +142,11 @@ void bind_world(nb::module_& m) {
           },
           "Where each palm is touched [m]; None: nowhere.");
   m.def(
-      "takes_general_steps",
-      [](const Spec& spec) { return takes_general_steps(model_of<double>(spec)); }, nb::arg("spec"),
-      "Whether every step of a carry is the general one, which lanes do not speed up.");
+      "takes_single_steps",
+      [](const Spec& spec) { return takes_single_steps(model_of<double>(spec)); }, nb::arg("spec"),
+      "Whether lanes take the steps of a carry one by one: a contact vertex is rounded, or a nose "
+      "or "
+      "a heel may touch the object within reach.");
 }
 
 }  // namespace palmbots::bindings

@@ -93,7 +93,7 @@ def test_carries_between_heels_are_those_of_the_general_step() -> None:
     noisy = HEEL | {"robot.noise_m_s": 0.1, "task.distance_m": 1.0}
     limp = {"kind": "reboot", "robot": "left", "at_s": 900, "duration_s": 1, "limp_deg": 0}
     specs = [to_spec(load_scene("paper", noisy | key)) for key in ({}, {"faults.script": [limp]})]
-    assert [_core.takes_general_steps(spec) for spec in specs] == [False, True]
+    assert [_core.takes_single_steps(spec) for spec in specs] == [False, True]
     beyond = 0
     for seed in range(12):
         usual, general = (

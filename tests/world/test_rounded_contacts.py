@@ -97,6 +97,44 @@ def test_a_contact_that_sticks_rolls(radius: Any) -> None:
     assert compared > 100
 
 
+def over_a_floor(at: Any, pivots_m: float) -> Any:
+    """The same world with a floor so far below that nothing touches it: there every step looks for
+    contacts of any kind."""
+    spec = to_spec(at)
+    world, plain = _core.World(spec, 0.3), _core.World(spec)
+    x, y, angle = plain.pose
+    pivots = tuple((place, height + pivots_m) for place, height in plain.pivots)
+    world.put(pivots, plain.palms, (x, y + pivots_m), angle)
+    return world
+
+
+@pytest.mark.parametrize("radius", [0.003, 0.06, [0.03, 0.01, 0.0, 0.0], [0.04, 0.0, 0.0, 0.02]])
+def test_steps_agree_with_those_that_look_for_any_contact(radius: Any) -> None:
+    """In which the motion follows from the contact modes that are possible and in balance."""
+    draw = np.random.default_rng(2)
+    alike = switched = 0
+    for _ in range(12):
+        at = scene(radius, start__left_m=draw.uniform(-0.03, 0.03))
+        one, other = _core.World(to_spec(at)), over_a_floor(at, 10.0)
+        for _ in range(60):
+            palms = one.palms
+            if draw.random() < 0.6:
+                palms = tuple(np.clip(palms + np.radians(draw.uniform(-1, 1, 2)), 0.08, 0.3))
+            change, push = draw.uniform(-0.002, 0.002), draw.choice([0.0, 0.01])
+            ended, fraction, *_, pieces = one.advance(change, palms, push)
+            ended_there, fraction_there, *_, pieces_there = other.advance(change, palms, push)
+            if pieces_there > 200:
+                break  # contacts that slide in turn: the other world gives up
+            assert ended == ended_there and fraction == pytest.approx(fraction_there, abs=1e-9)
+            if ended:
+                break
+            assert one.contacts == pytest.approx(other.contacts, abs=1e-9)
+            assert one.pose[2] == pytest.approx(other.pose[2], abs=1e-9)
+            alike += 1
+            switched += pieces == 2
+    assert alike > 300 and switched > 10, (alike, switched)
+
+
 @pytest.mark.parametrize("controller", ["distributed", "shared-sign"])
 def test_a_tiny_radius_changes_nothing(controller: str) -> None:
     """The step that knows rolling agrees with the one that knows sharp vertices only."""

@@ -26,14 +26,23 @@ ActingObject<Real> acting_object(const ObjectParams<Real>& object, const PerSide
   if (radius[left] == Real(0) && radius[right] == Real(0)) return {object, centres};
   const Real dx = centres.dx + (radius[left] * palms[left].sin + radius[right] * palms[right].sin);
   const Real dy = centres.dy + (radius[left] * palms[left].cos - radius[right] * palms[right].cos);
-  // The COM from the left point, level and up.
-  const Real x = (object.com_left * centres.dx - object.com_height * centres.dy) / object.width +
-                 radius[left] * palms[left].sin;
-  const Real y = (object.com_left * centres.dy + object.com_height * centres.dx) / object.width +
-                 radius[left] * palms[left].cos;
   const Real width = square_root(dx * dx + dy * dy);
-  const Real com_left = (x * dx + y * dy) / width;
-  return {{width, com_left, width - com_left, (y * dx - x * dy) / width, object.slope}, {dx, dy}};
+  // The COM seen from both points, so that the mirrored state has mirrored numbers to the last bit.
+  PerSide<Real> along{};
+  PerSide<Real> height{};
+  for (const std::size_t side : {left, right}) {
+    const Real com = side == left ? object.com_left : object.com_right;
+    const Real rise = mirrored(side, centres.dy);
+    // Level, inward, and up.
+    const Real x = (com * centres.dx - object.com_height * rise) / object.width +
+                   radius[side] * palms[side].sin;
+    const Real y = (com * rise + object.com_height * centres.dx) / object.width +
+                   radius[side] * palms[side].cos;
+    along[side] = (x * dx + y * mirrored(side, dy)) / width;
+    height[side] = (y * dx - x * mirrored(side, dy)) / width;
+  }
+  const Real up = Real(0.5) * (height[left] + height[right]);
+  return {{width, along[left], along[right], up, object.slope}, {dx, dy}};
 }
 
 }  // namespace palmbots

@@ -67,22 +67,19 @@ struct Statics {
 
 // Sufficient test, without a branch, that the object is held; it settles almost every tick. It may
 // return false although the object is held, because of a wedged edge or a palm that passes below an
-// overhang.
+// overhang. `moments` and `touching` are about the points that touch the palms; `contact_vector` is
+// about the centres of the arcs if contact vertices are rounded (mechanics/acting_object.hpp).
 template <class Real>
-[[gnu::always_inline]] inline MaskOf<Real> certainly_held(const ModelParams<Real>& params,
-                                                          const PerSide<FrictionCone<Real>>& cones,
-                                                          const PerSide<PalmAngle<Real>>& palms,
-                                                          const PerSide<Real>& contacts,
-                                                          ContactVector<Real> contact_vector) {
-  const Real left_up =
-      slip_order(params.moments, cones[left].up, cones[right].down).at(contact_vector);
-  const Real right_up =
-      slip_order(params.moments, cones[left].down, cones[right].up).at(contact_vector);
+[[gnu::always_inline]] inline MaskOf<Real> certainly_held(
+    const ModelParams<Real>& params, const Moments<Real>& moments, ContactVector<Real> touching,
+    const PerSide<FrictionCone<Real>>& cones, const PerSide<PalmAngle<Real>>& palms,
+    const PerSide<Real>& contacts, ContactVector<Real> contact_vector) {
+  const Real left_up = slip_order(moments, cones[left].up, cones[right].down).at(touching);
+  const Real right_up = slip_order(moments, cones[left].down, cones[right].up).at(touching);
   MaskOf<Real> held = (left_up >= Real(0)) & (right_up <= Real(0));
   on_both_sides([&](std::size_t side) {
     const MaskOf<Real> on_palm = within(contacts[side], params.reach[side]);
-    const Real arm =
-        params.moments.moment_arm(side, contact_vector.dx, mirrored(side, contact_vector.dy));
+    const Real arm = moments.moment_arm(side, touching.dx, mirrored(side, touching.dy));
     const MaskOf<Real> clear =
         params.clear[side].contains(palm_frame_vector(contact_vector, side, palms[side]));
     held = held & on_palm & (arm >= Real(0)) & clear;

@@ -178,8 +178,9 @@ template <class V>
   }
   // Few contacts are outside the safe reach. Only then all conditions are evaluated.
   if (any(good & (!held))) {
-    held = held | certainly_held(params, detail::cones_at(params, turned), turned, after,
-                                 to.contact_vector);
+    held =
+        held | certainly_held(params, params.moments, to.contact_vector,
+                              detail::cones_at(params, turned), turned, after, to.contact_vector);
   }
   good = good & held;
   slip.tied = select(good, V(0), slip.tied);

@@ -21,6 +21,7 @@
 #include "palmbots/world/contact_shapes.hpp"
 #include "palmbots/world/contact_step.hpp"
 #include "palmbots/world/general_step.hpp"
+#include "palmbots/world/rolling_step.hpp"
 
 namespace palmbots {
 
@@ -28,15 +29,19 @@ namespace palmbots {
 template <class Real>
 inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
 
-// Whether every step is the general one: a contact vertex is rounded and rolls, or a nose or a heel
-// may touch the object within reach.
+// Whether a contact vertex is rounded and rolls.
 template <class Real>
-bool takes_general_steps(const Model<Real>& model) {
-  for (const std::size_t side : {left, right}) {
-    if (contact_radii(model.outline)[side] > Real(0) || model.profile[side].touches_within_reach)
-      return true;
-  }
-  return false;
+bool rolls(const Model<Real>& model) {
+  const PerSide<Real> radius = contact_radii(model.outline);
+  return radius[left] > Real(0) || radius[right] > Real(0);
+}
+
+// Whether no step can be one of lanes: a contact vertex rolls, or a nose or a heel may touch the
+// object within reach.
+template <class Real>
+bool takes_single_steps(const Model<Real>& model) {
+  return rolls(model) || model.profile[left].touches_within_reach ||
+         model.profile[right].touches_within_reach;
 }
 
 // The world of one carry.
@@ -46,8 +51,9 @@ class World {
   World() = default;
   World(const Model<Real>& model, const Configuration<Real>& configuration)
       : model_(model),
+        rolls_(rolls(model)),
         state_{{configuration, palmbots::contact_vector(configuration, model.offset)},
-               {Real(0), Real(0), Real(is_general() ? 1 : 0)}} {}
+               {Real(0), Real(0), Real(takes_single_steps(model) ? 1 : 0)}} {}
 
   const Configuration<Real>& configuration() const { return state_.configuration; }
   const Model<Real>& model() const { return model_; }
@@ -124,7 +130,7 @@ class World {
   // Why the object is not held in its present position, or `none`.
   DropReason check() const {
     const Configuration<Real>& here = state_.configuration;
-    if (posed_ || is_general()) return check_all();
+    if (posed_ || rolls_ || is_general()) return check_all();
     const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
     const DropReason reason =
         drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
@@ -145,25 +151,21 @@ class World {
     state_.tied = Real(0);
     regime_ = {};
     posed_ = false;
-    state_.multi_contact = Real(is_general() ? 1 : 0);
+    state_.multi_contact = Real(takes_single_steps(model_) ? 1 : 0);
     return check();
   }
 
   // Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly.
   // Returns the events of the step; the reference is valid until the next step.
   const Advance<Real>& advance(Real change, const PerSide<Real>& angles, Real push = Real(0)) {
+    if (rolls_) [[unlikely]] {
+      state_.push = push;
+      return take_apart(change, angles);
+    }
     const ModelParams<Real>& params = model_;
     const FastStep<Real> step = step_fast(params, state_, change, angles, push);
-    if (step.done) {
-      const std::size_t side = step.on_left ? left : right;
-      last_.reason = DropReason::none;
-      last_.fraction = Real(1);
-      last_.motion[side] = step.closing ? SlipDirection::up : SlipDirection::down;
-      last_.motion[other(side)] = SlipDirection::stick;
-      last_.segments = step.switched ? 2 : 1;
-    } else {
-      take_apart(change, angles);
-    }
+    if (!step.done) return take_apart(change, angles);
+    note(step.on_left ? left : right, step.closing, step.switched);
     return last_;
   }
 
@@ -183,17 +185,36 @@ class World {
   // The same, for a step that the fast step (world/fast_step.hpp) has tried and left
   // undone. Both robots travel alike.
   const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
+    if (rolls_ && !posed_ && !is_general() && model_.surroundings.none()) {
+      const auto step = RollingStep<Real>{model_, state_, change, angles}.run();
+      if (step.done) {
+        note(step.slides, step.closing, step.switched);
+        return last_;
+      }
+    }
     return take_apart({Vec{-0.5 * double(change), 0.0}, Vec{0.5 * double(change), 0.0}}, angles);
   }
 
  private:
+  // Of a step that is done: the contact of this side slid, at last or all the time.
+  [[gnu::always_inline]] void note(std::size_t side, bool closing, bool switched) {
+    last_.reason = DropReason::none;
+    last_.fraction = Real(1);
+    last_.motion[side] = closing ? SlipDirection::up : SlipDirection::down;
+    last_.motion[other(side)] = SlipDirection::stick;
+    last_.segments = switched ? 2 : 1;
+  }
+
   const Advance<Real>& take_apart(const PerSide<Vec>& by, const PerSide<Real>& angles) {
     last_ = go(by, angles);
-    state_.multi_contact = Real(posed_ || is_general() ? 1 : 0);
+    state_.multi_contact = Real(posed_ || takes_single_steps(model_) ? 1 : 0);
     return last_;
   }
 
-  bool is_general() const { return takes_general_steps(model_); }
+  // Whether every step looks for further contacts.
+  bool is_general() const {
+    return model_.profile[left].touches_within_reach || model_.profile[right].touches_within_reach;
+  }
 
   // Whether contacts may leave the part of the palm on which the heel touches nothing, up to the heel.
   bool may_leave_reach() const { return model_.profile[left].stops || model_.profile[right].stops; }
@@ -281,7 +302,8 @@ class World {
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
     bool on_vertices = rests_on_vertices();
     if (!posed_) {
-      const bool alone = model_.surroundings.none() && by[left].y == by[right].y && !is_general();
+      const bool alone =
+          model_.surroundings.none() && by[left].y == by[right].y && !rolls_ && !is_general();
       if (alone) total = GeneralStep<Real>{model_, state_, Real(widens), goals}.run();
       const bool goes_on =
           adds_contact(total.reason) || (total.reason == DropReason::off_palm && may_leave_reach());
@@ -375,6 +397,7 @@ class World {
   }
 
   Model<Real> model_{};
+  bool rolls_ = false;  // a contact vertex is rounded
   mutable ContactShapes shapes_{};
   bool on_both_ = true;
   double middle_ = 0.0;       // of the pivots, along the floor [m]

@@ -154,7 +154,7 @@ def _carries_of_a_second(prepared: Prepared) -> float:
 
 def _in_lanes(prepared: Prepared) -> bool:
     spec = prepared.spec
-    is_fast = is_built() and not _core.takes_general_steps(spec)
+    is_fast = is_built() and not _core.takes_single_steps(spec)
     return is_fast and can_run_in_lanes(prepared.controller, [spec])
 
 
