@@ -177,6 +177,13 @@ void bind_wire(nb::module_& core) {
   m.attr("roles") = names_to(wire::Role::station);
   m.attr("verdicts") = names_to(wire::Verdict::no_session);
   m.attr("languages") = names_to(wire::Language::signs);
+  m.def(
+      "has_message",
+      [](std::uint8_t language, std::uint8_t message) {
+        return wire::has_message(static_cast<wire::Language>(language),
+                                 static_cast<MessageKind>(message));
+      },
+      nb::arg("language"), nb::arg("message"), "Whether the language has this message.");
   m.attr("messages") = names_to(MessageKind::minus_shallow);
   m.attr("robot_modes") = names_to(wire::RobotMode::fault);
   m.attr("fault_codes") = names_to(wire::FaultCode::stop);

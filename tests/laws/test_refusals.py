@@ -20,6 +20,7 @@ only faults of usage begin with the command, as in ``palmbots carry: No such opt
 """
 
 import builtins
+import functools
 import math
 import os
 import re
@@ -38,6 +39,7 @@ import palmbots as pb
 from commands import runner
 from palmbots import errors
 from palmbots.control.registry import shipped_names
+from palmbots.scene.scene import Scene
 from palmbots.simulation import world_names
 
 FOLDER = Path(__file__).parent / "refusals"
@@ -106,6 +108,24 @@ def named(names: dict[str, Any], found: re.Match[str]) -> str:
     return value if isinstance(value, str) else found[0]
 
 
+@functools.cache
+def of_scenes() -> dict[str, str]:
+    """Lists that grow with each scene, object and key."""
+    scene = pb.load_scene("paper")
+    tables = {name: type(getattr(scene, name)) for name in Scene.model_fields}
+    tables["path"] = type(scene.task.path)
+    keys = {
+        f"keys_of_{name}": ", ".join(field.alias or key for key, field in table.model_fields.items())
+        for name, table in tables.items()
+    }
+    return keys | {
+        "scenes": ", ".join(row.name for row in pb.scenes()),
+        "objects": ", ".join(row.name for row in pb.objects()),
+        "sections": ", ".join(Scene.model_fields),
+        "sorted_sections": ", ".join(sorted(Scene.model_fields)),
+    }
+
+
 @pytest.fixture
 def here(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """An empty working directory."""
@@ -123,7 +143,7 @@ def test_bad_input_is_refused_in_one_line(
         "pb": pb, "np": np, "math": math, "Path": Path, "write": write, "edited": edited,
         "monkeypatch": monkeypatch, "row": row.text, "here": str(here),
         "version": pb.__version__, "controllers": ", ".join(shipped_names()),
-        "worlds": ", ".join(world_names()),
+        "worlds": ", ".join(world_names()), **of_scenes(),
     }  # fmt: skip
     exec(row.given, names)
     before = files(here, row.changes)

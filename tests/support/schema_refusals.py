@@ -9,6 +9,7 @@ from typing import Any
 from jsonschema import Draft202012Validator
 
 ODD = {"odd": [{"odd": None}]}
+OPTIONAL: set[str] = set()  # keys that not every value has
 
 
 def assert_fits_exactly(schema: Mapping[str, Any], value: Any) -> None:
@@ -27,11 +28,10 @@ def _changes(schema: Mapping[str, Any], node: Any, value: Any) -> Iterator[tuple
     if node.get("$ref") == "#/$defs/Scene":  # tests/cli/test_json_schemas.py tests these
         return
     if isinstance(value, Mapping) and "properties" in node:
-        required = set(node["required"]) if "required" in node else set()
-        assert node["additionalProperties"] is False and required <= set(value), node
+        assert node["additionalProperties"] is False, node
         yield "a further key", {**value, "odd": 0}
         for key, inner in value.items():
-            if key in required:
+            if key not in OPTIONAL:
                 yield f"without {key}", {k: v for k, v in value.items() if k != key}
             yield from _within(schema, node["properties"][key], value, key, inner)
     elif isinstance(value, Mapping) and value:
@@ -49,10 +49,25 @@ def _within(
         return
     accepts = Draft202012Validator(node | {"$defs": schema.get("$defs", {})}).is_valid
     odd = next(one for one in (ODD, [ODD]) if not accepts(one))
-    for what, changed in [("of another type", odd), *_changes(schema, node, inner)]:
+    changes = [("of another type", odd), *_changes(schema, node, inner)]
+    types = _types(schema, node)
+    if isinstance(inner, bool | int | float) and "string" not in types:
+        changes.append(("a number as text", str(inner)))
+    if inner is not None and "null" not in types:
+        changes.append(("null", None))
+    for what, changed in changes:
         whole = copy.copy(value)
         whole[key] = changed
         yield f"{key}: {what}", whole
+
+
+def _types(schema: Mapping[str, Any], node: Any) -> set[str]:
+    """The types that a part of a schema names."""
+    if "$ref" in node:
+        return _types(schema, schema["$defs"][node["$ref"].removeprefix("#/$defs/")])
+    types = node.get("type", [])
+    found = {types} if isinstance(types, str) else set(types)
+    return found.union(*(_types(schema, one) for one in node.get("anyOf", [])))
 
 
 def _chosen(schema: Mapping[str, Any], node: Any, value: Any) -> Any:

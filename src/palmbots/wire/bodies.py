@@ -82,10 +82,8 @@ STATUS_ITEMS: tuple[StatusItem, ...] = (*_core.wire.status_numbers, *_core.wire.
 _CASES = tuple(_core.wire.cases)
 _SIGNS: tuple[Literal[-1, 0, 1], ...] = (-1, 0, 1)
 _MESSAGES_OF: dict[str, tuple[MessageName, ...]] = {
-    "none": _MESSAGES[:1],
-    "messages": _MESSAGES[1:4],
-    "beacons": _MESSAGES[1:6],
-    "signs": _MESSAGES[6:],
+    language: tuple(said for m, said in enumerate(_MESSAGES) if _core.wire.has_message(k, m))
+    for k, language in enumerate(_LANGUAGES)
 }
 
 
