@@ -89,6 +89,18 @@ def test_single_keys_count_more_than_files(here: Run, tmp_path: Path) -> None:
     assert scene["radio"]["loss"] == 0.2
 
 
+def test_parts_that_set_nothing_are_named(here: Run, tmp_path: Path) -> None:
+    one, other = tmp_path / "one.toml", tmp_path / "other.toml"
+    one.write_text("# robot.gain: needs 5 stretches\n[robot]\n[radio]\nloss = 0.1\n")
+    other.write_text("# nothing\n")
+    words = ("--with", one, "--with", other)
+    shown = here("analyze", "paper", *words).stderr.splitlines()
+    assert shown == [
+        f"palmbots: warning: {one}: [robot] sets nothing",
+        f"palmbots: warning: {other}: sets nothing",
+    ]
+
+
 def test_few_stretches_give_the_gain_only(tmp_path: Path) -> None:
     found = pb.fit(recorded(tmp_path, HIDDEN, seed=2, stretches=12), motion=True)
     assert set(found.keys) <= {"robot.gain", "robot.bias_m_s"}

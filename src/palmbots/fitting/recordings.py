@@ -149,6 +149,20 @@ def _table(
     width = len(_split(lines[0][1]))
     if width < needed:
         raise PalmbotsError(f"{name}: has {plural(width, 'column')}; {expected}")
+    try:  # in compiled code; the loop below names the line of a fault
+        plain = [line.replace(",", " ").replace(";", " ") for _, line in lines]
+        rows = np.loadtxt(plain, comments=None, ndmin=2)
+    except ValueError:
+        rows = np.array(_rows(name, lines, width, expected))
+    table = rows[:, : len(names)]
+    bad = np.flatnonzero(~np.isfinite(table).all(axis=1))
+    if bad.size:
+        number = lines[int(bad[0])][0]
+        raise PalmbotsError(f"{name}: line {number} has a value that is not finite; {expected}")
+    return table
+
+
+def _rows(name: str, lines: list[tuple[int, str]], width: int, expected: str) -> list[list[float]]:
     rows = []
     for number, line in lines:
         words = _split(line)
@@ -164,12 +178,7 @@ def _table(
                 "the first row"
             )
         rows.append(row)
-    table = np.array(rows)[:, : len(names)]
-    bad = np.flatnonzero(~np.isfinite(table).all(axis=1))
-    if bad.size:
-        number = lines[int(bad[0])][0]
-        raise PalmbotsError(f"{name}: line {number} has a value that is not finite; {expected}")
-    return table
+    return rows
 
 
 def _check_times(name: str, times_s: Floats, numbers: list[int]) -> None:

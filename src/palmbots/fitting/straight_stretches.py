@@ -44,8 +44,9 @@ _SLOWEST_M_S = 0.02
 _LEAST_ROWS = 10
 _GAP = 8.0  # a longer step than this many usual ones is a gap
 _WINDOW_S = 0.2  # over which the speed is measured
-_GRID_S = 0.05  # between the times at which speeds are compared
+_GRID_S = 0.03  # between the times at which speeds are compared: no part of 0.05, a usual period
 _LAGS_S = 0.02  # between the lags that are tried
+_FINE_S = 0.01  # a part of both
 _FARTHEST_S = 2.0
 _LEAST_CORRELATION = 0.3
 _SCALE = 10.0  # a ratio of speeds beyond this is another unit
@@ -126,9 +127,18 @@ def _lag(
 ) -> tuple[float, float]:
     times = np.arange(first, last, _GRID_S)
     measured = _speed(positions, times)
-    wanted = _wanted(commands, positions)
-    lags = np.arange(-_FARTHEST_S, _FARTHEST_S + _LAGS_S / 2, _LAGS_S)
-    found = np.array([_correlation(_held(commands, times - lag, wanted), measured) for lag in lags])
+    # The commands once on a grid that has the times of all lags.
+    steps, shifts = round(_GRID_S / _FINE_S), round(_LAGS_S / _FINE_S)
+    count = round(2 * _FARTHEST_S / _LAGS_S)
+    lags = _LAGS_S * np.arange(count + 1) - _FARTHEST_S
+    grid = first - _FARTHEST_S + _FINE_S * np.arange(len(times) * steps + count * shifts)
+    fine = _held(commands, grid, _wanted(commands, positions))
+    found = np.array(
+        [
+            _correlation(fine[(count - k) * shifts :: steps][: len(times)], measured)
+            for k in range(count + 1)
+        ]
+    )
     best = int(found.argmax())
     if 0 < best < len(lags) - 1:  # the vertex of a parabola through three points
         low, middle, high = found[best - 1 : best + 2]

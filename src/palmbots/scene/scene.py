@@ -197,7 +197,7 @@ def load_scene(
         )
     if on_warning is not None:
         name = "scene" if isinstance(source, Mapping | Scene) else os.fspath(source)
-        for line in lines_of_empty_parts(data, "the scene paper"):
+        for line in _lines_of_empty(data):
             on_warning(f"{name}: {line}")
     if not overrides:
         return scene
@@ -210,17 +210,17 @@ def load_scene(
     return changed
 
 
-def lines_of_empty_parts(data: Mapping[str, Any], otherwise: str) -> list[str]:
-    """A line for each table that sets no key, or one line if no table sets any.
+def empty_tables(data: Mapping[str, Any]) -> list[str]:
+    """The tables that set no key."""
+    return [key for key, value in data.items() if isinstance(value, Mapping) and not value]
 
-    Args:
-        data: the tables.
-        otherwise: the scene whose values hold for keys that are not set.
-    """
-    empty = [key for key, value in data.items() if isinstance(value, Mapping) and not value]
+
+def _lines_of_empty(data: Mapping[str, Any]) -> list[str]:
+    """A line for each table that sets no key, or one line if no table sets any."""
+    empty = empty_tables(data)
     if len(empty) == len(data):
-        return [f"nothing is set; this is {otherwise}"]
-    return [f"[{key}] sets nothing; it has the values of {otherwise}" for key in empty]
+        return ["nothing is set; this is the scene paper"]
+    return [f"[{key}] sets nothing; it has the values of the scene paper" for key in empty]
 
 
 def _beside(name: str, data: dict[str, Any]) -> dict[str, Any]:
