@@ -131,7 +131,8 @@ def _lag(
     steps, shifts = round(_GRID_S / _FINE_S), round(_LAGS_S / _FINE_S)
     count = round(2 * _FARTHEST_S / _LAGS_S)
     lags = _LAGS_S * np.arange(count + 1) - _FARTHEST_S
-    grid = first - _FARTHEST_S + _FINE_S * np.arange(len(times) * steps + count * shifts)
+    size = len(times) * steps + count * shifts
+    grid: Floats = np.arange(size, dtype=np.float64) * _FINE_S + (first - _FARTHEST_S)
     fine = _held(commands, grid, _wanted(commands, positions))
     found = np.array(
         [
