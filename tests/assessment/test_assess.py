@@ -14,6 +14,7 @@ from palmbots._util.confidence_intervals import rate_interval
 from palmbots.assessment.angles import FRESH, AngleTrial, NoPair, count_failures, try_angles
 from palmbots.assessment.assess import QUESTIONS, _with_losses
 from palmbots.assessment.changes import ChangeTrial, NoChange, _plans, _revealing_noise, try_changes
+from palmbots.assessment.friction import try_friction
 from palmbots.assessment.load import try_load
 from palmbots.assessment.page import write_page
 from palmbots.assessment.verdicts import on_angles, on_change, on_controllers, on_radio
@@ -223,6 +224,19 @@ def test_rough_friction_is_proved_and_carried_at_both_ends() -> None:
     certificate = pb.certify("paper", friction=(0.2, 0.5), overrides=near)
     assert certificate.verdict == found.friction.unlike
     assert pb.assess(friction=(0.02, 0.5), turn_radius_m=0.0, overrides=near).verdict == "no"
+
+
+def test_friction_of_rounded_objects_is_computed_and_reversed_ends_are_refused_at_once() -> None:
+    round_ = pb.load_scene("paper", {"object.edge_radius_m": 0.004, "task.distance_m": 0.2})
+    analysis = pb.analyze(round_)
+    (least, most), *_ = analysis.friction
+    inside, beyond = ((least + 0.01, most - 0.01), (least + 0.01, most + 0.01))
+    assert [try_friction(analysis, ends, None, 0).alike for ends in (inside, beyond)] == [
+        "holds", "fails",
+    ]  # fmt: skip
+    assert try_friction(analysis, inside, None, 0).unlike is None
+    with pytest.raises(pb.PalmbotsError, match="the lower one first"):
+        pb.assess(round_, friction=(0.36, 0.28), on_progress=lambda done: pytest.fail("too late"))
 
 
 CHANGES = [

@@ -245,6 +245,8 @@ BOTH, SOME = "any friction from 0.2 to 0.3 all properties hold", "some friction 
 FRICTIONS: list[tuple[FrictionTrial, str, list[str]]] = [
     (friction("holds", "holds", 0, 0), "yes", [f"{BOTH} (accelerations neglected; proved)"]),
     (friction("holds", "fails", 0, 0), "likely", ["same on both", "fails for some pairs"]),
+    (friction("holds", None, 0, 0), "likely", ["properties 1 and 2 hold", "not proved"]),
+    (friction("fails", None, 0, 0), "no", ["do not all hold", "not proved"]),
     (friction("holds", "undecided", 0, 0), "likely", ["same on both", "a property may fail"]),
     (friction("undecided", "undecided", 0, 0), "partly", [f"{SOME} a property may fail ("]),
     (friction("undecided", "fails", 0, 0), "partly", [f"{SOME} a property may", "not: proved"]),
@@ -261,6 +263,9 @@ def test_friction(trial: FrictionTrial, verdict: str, words: list[str]) -> None:
     answer = on_friction(trial, pb.analyze("paper"), "SCENE")
     check(answer, verdict, words)
     alike = " --common-friction" * (trial.alike == "holds" != trial.unlike)
+    if trial.unlike is None:
+        assert answer.command == "palmbots compare SCENE --sweep palm.friction --values 0.2,0.3"
+        return
     assert answer.command == f"palmbots certify SCENE --friction 0.2 0.3{alike}"
 
 

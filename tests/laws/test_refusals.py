@@ -115,12 +115,14 @@ def of_scenes() -> dict[str, str]:
     tables = {name: type(getattr(scene, name)) for name in Scene.model_fields}
     tables["path"] = type(scene.task.path)
     keys = {
-        f"keys_of_{name}": ", ".join(field.alias or key for key, field in table.model_fields.items())
+        f"keys_of_{name}": ", ".join(
+            field.alias or key for key, field in table.model_fields.items()
+        )
         for name, table in tables.items()
     }
     return keys | {
-        "scenes": ", ".join(row.name for row in pb.scenes()),
-        "objects": ", ".join(row.name for row in pb.objects()),
+        "scenes": ", ".join(row.name for row in pb.scenes().scenes),
+        "objects": ", ".join(row.name for row in pb.objects().objects),
         "sections": ", ".join(Scene.model_fields),
         "sorted_sections": ", ".join(sorted(Scene.model_fields)),
     }

@@ -154,6 +154,7 @@ def test_the_same_motions_without_robots_lead_to_the_same_place() -> None:
     side = np.array([-0.5, 0.5])
     pivot = trace.midpoint.values[:, None] + side * trace.separation.values[:, None]
     world = FloorWorld("lift", gaps_m=(GAP_M, GAP_M))
+    state = world.state
     for k in range(until):
         left, right = (pivot[k + 1] - pivot[k]).tolist()
         rise = (height[k + 1] - height[k]).tolist()

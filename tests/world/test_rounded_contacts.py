@@ -103,8 +103,8 @@ def over_a_floor(at: Any, pivots_m: float) -> Any:
     spec = to_spec(at)
     world, plain = _core.World(spec, 0.3), _core.World(spec)
     x, y, angle = plain.pose
-    pivots = tuple((place, height + pivots_m) for place, height in plain.pivots)
-    world.put(pivots, plain.palms, (x, y + pivots_m), angle)
+    left, right = ((place, height + pivots_m) for place, height in plain.pivots)
+    world.put((left, right), plain.palms, (x, y + pivots_m), angle)
     return world
 
 

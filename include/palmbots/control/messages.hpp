@@ -49,7 +49,9 @@ enum class MessageKind : std::uint8_t {
 inline constexpr int message_kinds = 11;  // that controllers send
 inline constexpr int word_count = 25;     // of all tables
 
-constexpr bool is_sign(MessageKind kind) { return kind >= MessageKind::zero; }
+constexpr bool is_sign(MessageKind kind) {
+  return kind >= MessageKind::zero && kind <= MessageKind::minus_shallow;
+}
 
 // The names that the paper, the logs and the tables use.
 constexpr const char* name_of(MessageKind kind) {

@@ -34,9 +34,13 @@ inline PalmProfile profile_of(const PalmSpec& palm) {
 // while they are within reach (`clear_of_heel`).
 inline bool touches_within_reach(const Spec& spec, std::size_t side) {
   const PalmSpec& palm = spec.palms[side];
+  const PerSide<double> radius = contact_radii(spec.outline);
+  const double lowest = -smaller(radius[left], radius[right]) - 1e-9 * spec.width;
   bool hangs = false;
-  for (std::size_t i = 0; i < spec.outline.count; ++i)
-    hangs = hangs || spec.outline.vertices[i].height < -1e-9 * spec.width;
+  for (std::size_t i = 0; i < spec.outline.count; ++i) {
+    const bool rests = i == spec.outline.contact[left] || i == spec.outline.contact[right];
+    hangs = hangs || (!rests && spec.outline.vertices[i].height < lowest);
+  }
   const bool is_clear = palm.stops && palm.usable > least_usable && !may_go_limp(spec);
   return (palm.nose > 0 && hangs) || (palm.heel > 0 && !is_clear);
 }

@@ -17,7 +17,12 @@ from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots.assessment.angles import AngleTrial, NoPair, try_angles
 from palmbots.assessment.changes import ChangeTrial, NoChange, try_changes
-from palmbots.assessment.friction import FrictionTrial, hardest_to_hold, try_friction
+from palmbots.assessment.friction import (
+    FrictionTrial,
+    hardest_to_hold,
+    interval_of_friction,
+    try_friction,
+)
 from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
 from palmbots.assessment.verdicts import (
     WORDS,
@@ -225,16 +230,17 @@ def assess(
     name = chosen.spelled
     planar = respelled(name, {"task.path.kind": "straight"} if chosen.task.path.is_curved else {})
     report = on_progress or (lambda fraction: None)
+    interval = None if friction is None else interval_of_friction(friction)
     straight = _straightened(chosen)
     analysis = analyze(straight)
     counts = tuple(_counted(straight))
     report(0.1)
     best = best_of(counts)
     rough, loaded = None, chosen
-    if friction is not None:
+    if interval is not None:
         rules = best.controller if best else None
-        rough = try_friction(straight, friction, rules, counts[0].carries if counts else 0)
-        loaded = hardest_to_hold(chosen, friction)
+        rough = try_friction(analysis, interval, rules, counts[0].carries if counts else 0)
+        loaded = hardest_to_hold(chosen, interval)
     angles: AngleTrial | NoPair | None = None
     curve = load = None
     change: ChangeTrial | NoChange | None = None

@@ -11,7 +11,9 @@ from palmbots.errors import PalmbotsError
 from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side
+from palmbots.scene.spec import contact_radii, to_spec
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
+from palmbots.stability.analysis import Analysis
 from palmbots.stability.certificates.prover import Verdict, certify
 
 LEAST, MOST = (ROWS["palm.friction"][end] for end in ("least", "most"))
@@ -23,21 +25,21 @@ class FrictionTrial:
 
     friction: Interval
     alike: Verdict
-    """Whether all properties hold if both palms have the same friction, as `certify` proves."""
-    unlike: Verdict
-    """Whether they hold if each palm has a friction of its own."""
+    """Whether all properties hold if both palms have the same friction, as `certify` proves. If
+    contact vertices are rounded: as `analyze` computes."""
+    unlike: Verdict | None
+    """Whether they hold if each palm has a friction of its own; None if contact vertices are
+    rounded, because `certify` does not prove anything about them."""
     counts: tuple[OutcomeCounts, ...]
     """With the friction of both palms at the lower and at the upper end; empty: no controller
     delivers the scene."""
 
 
-def try_friction(
-    scene: Scene, friction: Interval, controller: str | None, carries: int
-) -> FrictionTrial:
-    """Prove the properties for an interval of friction, and carry at its ends.
+def interval_of_friction(friction: Interval) -> Interval:
+    """The interval.
 
     Raises:
-        PalmbotsError: the interval is not one of friction, or a scene refuses an end of it.
+        PalmbotsError: it is not one of friction.
     """
     low, high = two_numbers("friction", friction)
     if not (LEAST <= low < high <= MOST):
@@ -45,9 +47,33 @@ def try_friction(
             f"friction: value is {show([low, high])}; allowed: two numbers, the lower one first, "
             f"from {LEAST:g} to {MOST:g}"
         )
+    return low, high
+
+
+def try_friction(
+    analysis: Analysis, friction: Interval, controller: str | None, carries: int
+) -> FrictionTrial:
+    """Prove the properties for an interval of friction, and carry at its ends.
+
+    Args:
+        analysis: of the scene.
+        friction: from `interval_of_friction`.
+        controller: which carries; None: none does.
+        carries: how many, at each end.
+
+    Raises:
+        PalmbotsError: a scene refuses an end of the interval.
+    """
+    scene, (low, high) = analysis.scene, friction
     ends = [_with_friction(scene, end) for end in (low, high)]
-    alike = certify(scene, friction=(low, high), common_friction=True).verdict
-    unlike = certify(scene, friction=(low, high)).verdict
+    alike: Verdict
+    unlike: Verdict | None
+    if any(contact_radii(to_spec(scene))):
+        inside = any(least <= low and high <= most for least, most in analysis.friction)
+        alike, unlike = "holds" if inside else "fails", None
+    else:
+        alike = certify(scene, friction=(low, high), common_friction=True).verdict
+        unlike = certify(scene, friction=(low, high)).verdict
     counts = tuple(
         count_outcomes(end, controller, seeds=carries) for end in ends if controller is not None
     )
