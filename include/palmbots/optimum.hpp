@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The room optimum: the least drop rate that any controller can reach, and references with
-// more information than robots have.
+// The room optimum: the least drop rate that a controller can reach whose robots keep driving, and
+// references with more information than robots have.
 #pragma once
 
 #include "palmbots/optimum/linear_team.hpp"

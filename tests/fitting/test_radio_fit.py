@@ -19,8 +19,8 @@ import palmbots as pb
 from palmbots.fitting.fit import write_fit
 from palmbots.fitting.fitted_values import Estimate
 from palmbots.fitting.loss_likelihood import Floats, LossFit, burst_log_density
-from palmbots.fitting.packets import above_line
 from palmbots.fitting.radio_fit import RadioFit, fit_radio
+from palmbots.fitting.recorded_packets import above_line
 from recordings import gilbert, packets_csv
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "radio"

@@ -42,16 +42,19 @@ COARSE: dict[str, Any] = {"relative_half_width": 0.1, "overrides": SHORT}
 ARC = {"task.path.kind": "arc", "task.path.radius_m": 0.5, **SHORT}
 
 # What labels may state in square brackets, and labels that have no unit.
-UNITS = {"%", "cm/s", "m", "m/s", "m/s²", "mm", "s", "weight", "°"}
+UNITS = {"%", "cm/s", "m", "m/s", "m/s²", "mm", "ms", "s", "weight", "°"}
 WITHOUT_UNIT = {
     "correction\n(case)",
     "density of the residuals",
     "friction μ",
     "messages per metre",
     "multiple of the scene's value",
+    "number of bursts",
+    "packets lost together, at least",
     "palm friction",
     "residual / its standard deviation",
     "sensor",
+    "share of packets with more",
     "share of the variance (Sobol index)",
     "tolerance of friction, ±",
 }

@@ -18,7 +18,7 @@ from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import Estimate, Source, estimate_rows, shown
 from palmbots.fitting.loss_likelihood import LossFit
-from palmbots.fitting.packets import Packets, read_packets
+from palmbots.fitting.recorded_packets import Packets, read_packets
 
 Floats = NDArray[np.float64]
 
