@@ -214,7 +214,12 @@ def required_mode(number: int) -> str:
 
 def tables() -> dict[str, Any]:
     """Everything."""
-    scenes = built_in_meanings("scenes")
+    # The page has no floor.
+    scenes = {
+        name: meaning
+        for name, meaning in built_in_meanings("scenes").items()
+        if {(task := load_scene(name).task).model_dump()["from"], task.to} == {"palms"}
+    }
     objects = built_in_meanings("objects")
     return {
         "version": __version__,

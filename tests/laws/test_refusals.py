@@ -20,7 +20,6 @@ only faults of usage begin with the command, as in ``palmbots carry: No such opt
 """
 
 import builtins
-import functools
 import math
 import os
 import re
@@ -39,8 +38,8 @@ import palmbots as pb
 from commands import runner
 from palmbots import errors
 from palmbots.control.registry import shipped_names
-from palmbots.scene.scene import Scene
 from palmbots.simulation import world_names
+from scene_lists import of_scenes
 
 FOLDER = Path(__file__).parent / "refusals"
 
@@ -106,26 +105,6 @@ def named(names: dict[str, Any], found: re.Match[str]) -> str:
     """What a name in braces stands for, if it is that of a text."""
     value = names.get(found[1])
     return value if isinstance(value, str) else found[0]
-
-
-@functools.cache
-def of_scenes() -> dict[str, str]:
-    """Lists that grow with each scene, object and key."""
-    scene = pb.load_scene("paper")
-    tables = {name: type(getattr(scene, name)) for name in Scene.model_fields}
-    tables["path"] = type(scene.task.path)
-    keys = {
-        f"keys_of_{name}": ", ".join(
-            field.alias or key for key, field in table.model_fields.items()
-        )
-        for name, table in tables.items()
-    }
-    return keys | {
-        "scenes": ", ".join(row.name for row in pb.scenes().scenes),
-        "objects": ", ".join(row.name for row in pb.objects().objects),
-        "sections": ", ".join(Scene.model_fields),
-        "sorted_sections": ", ".join(sorted(Scene.model_fields)),
-    }
 
 
 @pytest.fixture

@@ -11,10 +11,14 @@ from playwright.sync_api import Page, expect
 
 import palmbots as pb
 from palmbots.errors import PalmbotsError
+from scene_lists import of_scenes
 from site_pages import ROOT, Open, assert_reproduced, command_of, hash_of
 
 REFUSALS = ROOT / "tests" / "laws" / "refusals" / "scenes.toml"
-BAD = tomllib.loads(REFUSALS.read_text("utf-8"))["scenes"]["rows"]
+BAD = [
+    (text, re.sub(r"\{(\w+)\}", lambda found: of_scenes().get(found[1], found[0]), line))
+    for text, line in tomllib.loads(REFUSALS.read_text("utf-8"))["scenes"]["rows"]
+]
 MORE_BAD = (
     "[palm]\nlength_m = 150", '[palm]\nlength_m = "15 cm"', "[palm]\nfriction = true",
     "[radio]\nloss = nan", "[robot.left]\nspeed_m_s = -inf", "[palm.right]\nlength_m = -0.15",

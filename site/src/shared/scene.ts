@@ -106,8 +106,17 @@ export function overridesOf(
   return found;
 }
 
-// Refuses what the page does not carry: a curved path and more time than it records.
+// Refuses what the page does not carry: a job that begins or ends on the floor, a curved path and more
+// time than it records.
 export function checkPage(scene: Scene, facts: SceneFacts): void {
+  for (const key of ["task.from", "task.to"]) {
+    const on = get(scene, key) ?? "palms";
+    if (on === "palms") continue;
+    refuse(
+      key, on, "is not on the palms, but the page has no floor",
+      '"palms" here, or palmbots carry scene.toml on your computer',
+    );
+  }
   for (const [key, value] of Object.entries((get(scene, "task.path") ?? {}) as Scene)) {
     if (key === "kind" && value === "straight") continue;
     refuse(
