@@ -10,10 +10,11 @@ import pytest
 
 import palmbots as pb
 from palmbots._types import SIDES
+from palmbots.scene.placement import placements
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import Carry, FloorWorld, run_seeds
-from palmbots.simulation.floor_job import FloorJob
+from palmbots.simulation.floor_job import MEANINGS, MISSED, FloorJob
 
 LIFT = load_scene("lift")
 RADIUS_M = 0.003
@@ -76,8 +77,6 @@ def test_it_ends_on_the_floor_flat_and_alone(lifted: Carry) -> None:
 def test_where_the_object_ends(lifted: Carry) -> None:
     """The displacement of the COM in the trace is that which is reported."""
     assert lifted.trace is not None
-    from palmbots.scene.placement import placements
-
     place = placements(to_spec(LIFT), lifted.trace, np.array([0, lifted.trace.sizes["time"] - 1]))
     moved = place.com[1, 0] - place.com[0, 0]
     assert job(lifted).moved_m == pytest.approx(moved, abs=1e-12)
@@ -140,7 +139,20 @@ def test_a_robot_that_stays_off_leaves_the_object_in_the_air() -> None:
 
 def test_without_a_heel_it_fails_and_says_why() -> None:
     carry = pb.carry("lift", "shared-sign", overrides={"palm.heel_m": 0.0, "task.timeout_s": 60})
-    assert carry.outcome != "delivered" and job(carry).failure
+    assert carry.outcome == "stalled"
+    assert job(carry).failure == "did not centre the contacts on the floor"
+
+
+@pytest.mark.parametrize(("nose_m", "delivers"), [(0.0005, True), (0.001, False)])
+def test_how_thick_a_nose_may_be(nose_m: float, delivers: bool) -> None:
+    """As the guide says: with a thicker one, the object slides as the robots leave."""
+    carry = pb.carry("lift", "shared-sign", overrides={"palm.nose_m": nose_m})
+    assert (carry.outcome == "delivered") == delivers
+    assert job(carry).failure == (None if delivers else "fell: did not get away from the object")
+
+
+def test_every_phase_says_what_was_missed() -> None:
+    assert set(MISSED) == set(MEANINGS)
 
 
 def test_the_same_motions_without_robots_lead_to_the_same_place() -> None:

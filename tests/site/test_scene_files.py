@@ -19,7 +19,9 @@ BAD = [
     (text, re.sub(r"\{(\w+)\}", lambda found: of_scenes().get(found[1], found[0]), line))
     for text, line in tomllib.loads(REFUSALS.read_text("utf-8"))["scenes"]["rows"]
 ]
+ON_FLOOR = ('[task]\nfrom = "floor"', '[task]\nto = "floor"')  # for the page only
 MORE_BAD = (
+    *ON_FLOOR,
     "[palm]\nlength_m = 150", '[palm]\nlength_m = "15 cm"', "[palm]\nfriction = true",
     "[radio]\nloss = nan", "[robot.left]\nspeed_m_s = -inf", "[palm.right]\nlength_m = -0.15",
     "[palm]\nsteep_deg = 80", '[task]\ndirection = "left"', "[task]\ninertia = 1",
@@ -62,7 +64,11 @@ def test_every_bad_scene_is_refused_in_one_line(open_page: Open, tmp_path: Path)
         page.get_by_role("button", name="close").click()
         expect(page.locator(".failure")).to_have_count(0)
         assert page.locator("#hash").inner_text() == before
-        if text not in (*TOO_LONG, CURVED):  # the list is one of scenes that the package refuses
+        if text not in (
+            *TOO_LONG,
+            *ON_FLOOR,
+            CURVED,
+        ):  # the list is one of scenes that the package refuses
             with pytest.raises(PalmbotsError):
                 pb.carry(tomllib.loads(text))
 

@@ -23,6 +23,6 @@ def amounts(few: Any, many: Any) -> list[Any]:
     return [few, in_soak(many)]
 
 
-def in_soak(*values: Any, id: str | None = None) -> Any:
+def in_soak(*values: Any) -> Any:
     """Parameters with which only `make soak` runs a test."""
-    return pytest.param(*values, marks=pytest.mark.soak, id=id)
+    return pytest.param(*values, marks=pytest.mark.soak)

@@ -9,7 +9,6 @@ from typing import Any
 from jsonschema import Draft202012Validator
 
 ODD = {"odd": [{"odd": None}]}
-OPTIONAL: set[str] = set()  # keys that not every value has
 
 
 def assert_fits_exactly(schema: Mapping[str, Any], value: Any) -> None:
@@ -31,8 +30,7 @@ def _changes(schema: Mapping[str, Any], node: Any, value: Any) -> Iterator[tuple
         assert node["additionalProperties"] is False, node
         yield "a further key", {**value, "odd": 0}
         for key, inner in value.items():
-            if key not in OPTIONAL:
-                yield f"without {key}", {k: v for k, v in value.items() if k != key}
+            yield f"without {key}", {k: v for k, v in value.items() if k != key}
             yield from _within(schema, node["properties"][key], value, key, inner)
     elif isinstance(value, Mapping) and value:
         key = next(iter(value))

@@ -14,6 +14,9 @@ from palmbots._util.report import Item, Line
 from palmbots._util.toml_writer import toml_value
 from palmbots._version import __version__
 
+LEAST_RUNS = 5
+"""Fewest runs that intervals are bootstrapped over."""
+
 
 @dataclass(frozen=True)
 class Source:
@@ -49,6 +52,15 @@ class Estimate:
 def shown(value: float | bool) -> float | bool:
     """A value with the digits that a file has."""
     return value if isinstance(value, bool) else float(f"{value:.4g}")
+
+
+def fitted_keys(estimates: Sequence[Estimate]) -> dict[str, float | bool]:
+    """What was identified, as overrides of a scene."""
+    return {
+        one.key: shown(one.value)
+        for one in estimates
+        if one.is_identified and one.is_key and one.value is not None
+    }
 
 
 def estimate_rows(estimates: Sequence[Estimate]) -> list[tuple[str, str, str]]:

@@ -16,7 +16,13 @@ from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
-from palmbots.fitting.fitted_values import Estimate, Source, estimate_rows, shown
+from palmbots.fitting.fitted_values import (
+    LEAST_RUNS,
+    Estimate,
+    Source,
+    estimate_rows,
+    fitted_keys,
+)
 from palmbots.fitting.motion_likelihood import Stretch, Stretches
 from palmbots.fitting.profile_likelihood import Function, Maximum, bootstrap, interval, maximum
 from palmbots.fitting.recordings import read_recording
@@ -37,9 +43,6 @@ Floats = NDArray[np.float64]
 LEAST_STRETCHES = 50
 """Fewest stretches for the parameters of the noise."""
 LEAST_FOR_GAIN = 5
-LEAST_RUNS = 5
-"""Fewest runs that the intervals are bootstrapped over."""
-
 _GAIN, _BIAS, _GAIN_SD, _NOISE, _LOG_TAU, _WHITE, _POSITION = range(7)
 _DEVIATIONS = [_GAIN_SD, _NOISE, _WHITE, _POSITION]
 _STEPS = np.array([0.003, 2e-4, 0.003, 4e-4, 0.1, 2e-4, 5e-5])
@@ -77,11 +80,7 @@ class MotionFit(Result):
     @property
     def keys(self) -> dict[str, float | bool]:
         """What was fitted, as overrides of a scene."""
-        return {
-            one.key: shown(one.value)
-            for one in self.estimates
-            if one.is_identified and one.is_key and one.value is not None
-        }
+        return fitted_keys(self.estimates)
 
     def lines(self) -> Iterator[Item]:
         """What was fitted, with intervals, and what the data are."""

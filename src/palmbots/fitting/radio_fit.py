@@ -16,15 +16,19 @@ from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
-from palmbots.fitting.fitted_values import Estimate, Source, estimate_rows, shown
+from palmbots.fitting.fitted_values import (
+    LEAST_RUNS,
+    Estimate,
+    Source,
+    estimate_rows,
+    fitted_keys,
+)
 from palmbots.fitting.loss_likelihood import LossFit
 from palmbots.fitting.recorded_packets import Packets, read_packets
 
 Floats = NDArray[np.float64]
 
-LEAST_RUNS = 5
-"""Fewest runs that the intervals are bootstrapped over. With fewer, each run is cut in pieces."""
-_PIECES = 20
+_PIECES = 20  # of each run, if there are fewer runs than `LEAST_RUNS`
 _DRAWS = 1000
 _LEAST_GAIN = 3.0
 """By less, bursts do not raise the log-likelihood clearly: half the 95 % quantile of χ² with two
@@ -81,11 +85,7 @@ class RadioFit(Result):
     @property
     def keys(self) -> dict[str, float | bool]:
         """What was fitted, as overrides of a scene."""
-        return {
-            one.key: shown(one.value)
-            for one in self.estimates
-            if one.is_identified and one.is_key and one.value is not None
-        }
+        return fitted_keys(self.estimates)
 
     def lines(self) -> Iterator[Item]:
         """What was fitted, with intervals, and what the data are."""

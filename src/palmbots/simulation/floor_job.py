@@ -13,30 +13,19 @@ from palmbots.scene.scene import Scene
 MEANINGS: dict[str, str] = _core.lift_states
 """What a robot does in each phase, in words."""
 
-_ON_FLOOR = {
-    "dock": "did not get under the object",
-    "under": "did not get under the object",
-    "stand_back": "did not get under the object",
-    "back_off": "did not get under the object",
-    "failed": "did not get under the object",
-    "centre": "did not centre the contacts on the floor",
-    "ready": "did not centre the contacts on the floor",
-    "recentre": "did not centre the contacts on the floor",
-    "raise": "did not raise the object",
-    "raise_hold": "did not raise the object",
-    "up": "did not raise the object",
-    "carry": "did not arrive",
-    "arrived": "did not arrive",
-    "lower": "did not lower the object",
-    "lower_hold": "did not lower the object",
-    "down": "did not lower the object",
-    "leave_steep": "did not get away from the object",
-    "leave_shallow": "did not get away from the object",
-    "empty": "did not get away from the object",
-    "retreat": "did not get away from the object",
-    "done": "did not get away from the object",
-    "held": "a robot that had restarted did not hear its partner",
-}
+# What a job did not achieve that ends in one of these phases, in their order.
+_GOALS = {
+    "did not get under the object": ("dock", "under", "stand_back", "back_off", "failed"),
+    "did not centre the contacts on the floor": ("centre", "ready", "recentre"),
+    "did not raise the object": ("raise", "raise_hold", "up"),
+    "did not arrive": ("carry", "arrived"),
+    "did not lower the object": ("lower", "lower_hold", "down"),
+    "did not get away from the object": (
+        "leave_steep", "leave_shallow", "empty", "retreat", "done",
+    ),
+    "a robot that had restarted did not hear its partner": ("held",),
+}  # fmt: skip
+MISSED = {phase: goal for goal, phases in _GOALS.items() for phase in phases}
 """What a job did not achieve that ends in a phase."""
 
 
@@ -91,6 +80,6 @@ def _failure(outcome: str, phases: list[JobPhase]) -> str | None:
     if outcome == "delivered":
         return None
     last = {phase.robot: phase.phase for phase in phases}
-    order = list(_ON_FLOOR)
+    order = list(MISSED)
     behind = min(last.values(), key=order.index)
-    return ("fell: " if outcome == "dropped" else "") + _ON_FLOOR[behind]
+    return ("fell: " if outcome == "dropped" else "") + MISSED[behind]
