@@ -85,6 +85,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     for name in ("stability-geometry", "friction-cones", "meeting-points", "operating-region",
                  "permitted-com", "tactile-zones"):  # fmt: skip
         yield name, analysis
+    yield "lifting-forces", pb.analyze("lift")
     for quantity in ("com", "friction"):  # with a unit and without
         angles: dict[str, Any] = {"angle_range_deg": (5, 15), "resolution_deg": 5}
         yield "palm-angles", pb.design("paper", maximize=quantity, overrides=SHORT, **angles)

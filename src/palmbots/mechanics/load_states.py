@@ -35,10 +35,16 @@ class LoadStates:
     holds the object; forces on the palms in units of the object's weight."""
 
     def __init__(
-        self, scene: Scene, spec: _core.Spec, places: list[Array], acceleration: float
+        self,
+        scene: Scene,
+        spec: _core.Spec,
+        places: list[Array],
+        acceleration: float,
+        pivot_height_m: float | None = None,
     ) -> None:
         self._scene, self._spec = scene, spec
-        self._chassis = chassis(-floor_level(spec), axle_out(scene))
+        height = -floor_level(spec) if pivot_height_m is None else pivot_height_m
+        self._chassis = chassis(height, axle_out(scene))
         a = acceleration / _G
         slopes = [spec.slope - a, spec.slope + a] if a else [spec.slope]
         angles = [np.array([palm.shallow, palm.steep]) for palm in spec.palms]
@@ -99,6 +105,23 @@ class LoadStates:
         """Contacts [m] and palm angles [°] of a state."""
         p, theta = self._p[:, k], np.degrees(self._theta[:, k])
         return BySide(*map(float, p)), BySide(*map(float, theta))
+
+    def push(self, i: int) -> tuple[float, float]:
+        """How hard a robot's palm can push inward while it carries the vertical force V [N]: in
+        every state at least a + b V, a pair (a, b). The push itself presses the wheels down."""
+        keys, none = self._scene.mujoco, np.zeros_like(self._slope)
+        tilt = self._slope * (1.0 if i == 0 else -1.0)
+        one = none + 1.0
+        (own, _), _, (along, _) = self._supports(i, tilt, none, none)
+        by_load, by_push = (
+            self._supports(i, tilt, *force)[0][1] for force in ((one, none), (none, one))
+        )
+        friction = keys.floor_friction
+        room = 1.0 - friction * by_push
+        if float(room.min()) <= 0:
+            return math.inf, 0.0
+        wheels, each = (friction * own - np.abs(along)) / room, friction * by_load / room
+        return float(wheels.min()), float(each.min())
 
     def _conditions(self, kind: str, i: int) -> Iterator[tuple[Array, Array]]:
         """Pairs (a, b): the limit allows a weight W where a + b W ≥ 0."""

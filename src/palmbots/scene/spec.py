@@ -48,11 +48,15 @@ def refuse_rounded_contacts(scene: Scene) -> None:
 def refuse_low_noses(scene: Scene) -> None:
     """Raise `SceneError` where the nose of a palm can touch a part of the object below the contact
     vertices. Only worlds consider such a contact."""
-    lowest = min(height for _, _, height, _ in to_spec(scene, unrolled=True).outline)
+    spec = to_spec(scene, unrolled=True)
+    # Heights count from the centres of the arcs that round the contact vertices (`sim/build.hpp`).
+    heights = [height for _, _, height, _ in spec.outline]
+    others = [h for k, h in enumerate(heights) if k not in (0, spec.contact_right)]
+    hangs = min(others) < -min(contact_radii(spec)) - 1e-9 * spec.width
     thick = max(
         (palm.thickness_m for palm in map(scene.palm_of, SIDES) if palm.nose_m != 0), default=0.0
     )
-    if lowest < 0 and thick > 0:
+    if hangs and thick > 0:
         raise SceneError(
             f"palm.thickness_m: {show(thick)} gives the palms noses, which a part "
             "of the object below its contact vertices can touch, but this analysis assumes thin "

@@ -16,6 +16,7 @@ import palmbots._core as _core
 from palmbots._types import BySide, Overrides
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
+from palmbots.mechanics.lifting import check_stands
 from palmbots.scene.scene import SceneLike, load_scene
 from palmbots.scene.spec import contact_radii, to_spec
 
@@ -88,7 +89,7 @@ class FloorWorld:
         self._world = _core.World(spec, floor_friction)
         self._world.set_on_both(False)
         height = spec.com_height + max(contact_radii(spec))
-        self._check_stands(height)
+        check_stands(spec)
         across = [x - spec.com_left for x, _ in spec.silhouette]
         sides = (min(across) - gaps_m[0], max(across) + gaps_m[1])
         pivots = [
@@ -96,21 +97,6 @@ class FloorWorld:
             for side, (x, sense, angle) in enumerate(zip(sides, (-1, 1), angles, strict=True))
         ]
         self._world.put((pivots[0], pivots[1]), angles, (0.0, height), 0.0)
-
-    def _check_stands(self, com_height: float) -> None:
-        spec = self._spec
-        lowest = min(y for _, y in spec.silhouette) + com_height - spec.com_height
-        radii = contact_radii(spec)
-        # Where the line of action meets the floor: a force towards −x moves it back.
-        back = spec.slope * com_height
-        inside = -spec.com_right < back < spec.com_left
-        if lowest < -1e-9 or radii[0] != radii[1] or not inside:
-            raise PalmbotsError(
-                f"object.vertices_m: the outline does not stand on its contact vertices "
-                f"{show(spec.outline[0][0])} and {show(spec.outline[spec.contact_right][0])}; "
-                "allowed: an object whose two contact vertices are its lowest, with equal radii, "
-                "and whose weight acts on the floor between them"
-            )
 
     def _half(self, side: int) -> float:
         return 0.5 * self._spec.palms[side].length

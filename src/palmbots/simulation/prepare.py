@@ -16,6 +16,7 @@ from palmbots.control.registry import (
 )
 from palmbots.control.resilient_timing import Bounds, bounds_of
 from palmbots.errors import PalmbotsError, SceneError
+from palmbots.mechanics.lifting import check_lift
 from palmbots.mechanics.load_limits import check_load
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import refuse_floor, to_spec
@@ -60,6 +61,7 @@ def prepare(
     check_scene(place, scene)
     spec = to_spec(scene, unrolled=place.supports_curved)
     check_load(scene, spec)
+    lifts = check_lift(scene) if spec.uses_floor else ()
     if not place.supports_references:
         refuse_reference(entry, f"the {place.name} world")
     timing = bounds_of(scene) if entry.has_time_bounds else None
@@ -69,7 +71,7 @@ def prepare(
             (kind, side, at, lasts, reads, 0.0 if kind in _CLOCK_FAULTS else value, marks)
             for kind, side, at, lasts, reads, value, marks in spec.faults
         ]
-    return Prepared(scene, entry, place, spec, timing, warnings_before(scene, entry))
+    return Prepared(scene, entry, place, spec, timing, (*warnings_before(scene, entry), *lifts))
 
 
 def check_precision(world: WorldEntry, precision: str) -> None:

@@ -47,6 +47,7 @@ for _name, _function in (
     ("operating-region", "analysis_figures:operating_region"),
     ("permitted-com", "analysis_figures:permitted_com"),
     ("tactile-zones", "analysis_figures:tactile_zones"),
+    ("lifting-forces", "lifting_figure:lifting_forces"),
     ("palm-angles", "palm_angles_figure:palm_angles"),
 ):
     FIGURES.register(_name, f"palmbots.stability.figures.{_function}")

@@ -18,6 +18,7 @@ from palmbots._types import SIDES, BySide, Interval, Overrides, Side
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
+from palmbots.mechanics.lifting import Lifting, lifting
 from palmbots.mechanics.load_limits import LoadLimit, LoadLimits, load_limits
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
@@ -141,12 +142,15 @@ class Analysis(Result):
     sideways: Sideways
     load: LoadLimits = field(metadata=NOT_IN_JSON)
     """What the robots can hold."""
+    lifting: Lifting | None
+    """Whether the object can be picked up and put down; None: the job does neither."""
     warnings: tuple[str, ...]
     """Numbers of the scene that exceed what properties 1 and 2 allow."""
 
     figure = "operating-region"
     more_figures = (
         "stability-geometry", "friction-cones", "meeting-points", "permitted-com", "tactile-zones",
+        "lifting-forces",
     )  # fmt: skip
 
     @derived
@@ -211,7 +215,8 @@ class Analysis(Result):
         Args:
             figure: its name; None: the operating region (the paper's Figure 5). The others are
                 ``stability-geometry``, ``friction-cones``, ``meeting-points``, ``permitted-com``
-                and ``tactile-zones`` (Figures 2, 3, 4, 6 and 7).
+                and ``tactile-zones`` (Figures 2, 3, 4, 6 and 7), and ``lifting-forces`` for a job
+                that begins or ends on the floor.
             options: ``p_m``, the contacts of the state that Figures 2 to 4 draw.
 
         Returns:
@@ -237,7 +242,8 @@ def analyze(
     """Report whether the properties hold, and their margins.
 
     The report also states what limits them and the ranges of COM, friction, slope and acceleration
-    in which they hold.
+    in which they hold. For a job that begins or ends on the floor it states whether the object can
+    be picked up and put down.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
@@ -275,6 +281,7 @@ def analyze(
         wedging=wedging(problem),
         sideways=sideways_of(chosen),
         load=load,
+        lifting=lifting(chosen),
         warnings=limit_warnings(chosen, problem, slope, angle, load),
     )
 

@@ -43,6 +43,8 @@ def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
         f"{math.degrees(tipping.tilt_rad):.1f}° or {tipping.acceleration_g:.2f} g"
     )
     yield analysis.load.sentence()
+    if analysis.lifting is not None:
+        yield from analysis.lifting.lines()
     yield from map(warning, analysis.warnings)
 
 

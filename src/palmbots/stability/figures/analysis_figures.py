@@ -21,6 +21,7 @@ from palmbots.stability.analysis import Analysis
 from palmbots.stability.figures.cone_figures import figure3, figure4
 from palmbots.stability.figures.drawn_state import State, state_of
 from palmbots.stability.figures.geometry_figure import figure2
+from palmbots.stability.figures.lifting_figure import lifting_forces
 from palmbots.stability.figures.region_figures import figure5, figure6
 from palmbots.stability.figures.sensor_figure import figure7
 from palmbots.stability.problem import Pair
@@ -68,7 +69,8 @@ def _state(analysis: Analysis, p_m: Pair | None, share: float) -> State:
 
 
 def draw_all(analysis: Analysis, p_m: Pair | None = None) -> dict[str, Figure]:
-    """The figures by name, ``figure2`` to ``figure7``.
+    """The figures by name, ``figure2`` to ``figure7``, and ``lifting-forces`` for a job that begins
+    or ends on the floor.
 
     Args:
         analysis: of the scene to draw.
@@ -96,6 +98,8 @@ def _of_regions(analysis: Analysis) -> _Figures:
     yield "figure5", operating_region(analysis)
     yield "figure6", permitted_com(analysis)
     yield "figure7", tactile_zones(analysis)
+    if analysis.lifting is not None:
+        yield "lifting-forces", lifting_forces(analysis)
 
 
 @writes(

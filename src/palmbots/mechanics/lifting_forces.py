@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Closed forms for an object that two palms pick up from the floor and put down.
+
+Frame: x forward, y up from the floor, metres, newtons. *Inward* is towards the other palm. The
+*lean* of a contact is the angle from the vertical, inward, of its normal. A contact that slips
+outward on its surface presses along its lean plus the friction angle φ. Everything is quasistatic.
+Source: docs/theory/lifting.md.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import palmbots._core as _core
+from palmbots.scene.spec import contact_radii
+
+Point = tuple[float, float]
+
+_LEVEL = math.pi / 2
+_NONE = 1e-12  # rad; a force that leans by a right angle lifts nothing
+
+
+def edge_lean(height: float, radius: float) -> float:
+    """Lean ψ of the contact of a step of this height with an arc that stands beside it: a nose on
+    the floor, or a heel on its palm. A right angle: the step is as high as the arc's centre."""
+    if height <= 0:
+        return 0.0
+    return math.acos(1 - height / radius) if height < radius else _LEVEL
+
+
+def squeeze_of(load: float, direction: float) -> float:
+    """The horizontal force of a contact that carries a load and leans by this angle: V tan; with a
+    load, infinite from a right angle on."""
+    return math.inf if direction >= _LEVEL - _NONE else load * math.tan(direction)
+
+
+@dataclass(frozen=True)
+class Climb:
+    """A balance in which one corner is about to slip up its surface, or along it."""
+
+    load: float
+    """Vertical force on that corner [N]."""
+    squeeze: float
+    """Horizontal force of its palm on the object, inward [N]; infinite: no force suffices."""
+    other_load: float
+    """Vertical force of all that carries the other corner [N]."""
+    other_squeeze: float
+    """Horizontal force there, inward [N]."""
+
+
+@dataclass(frozen=True)
+class Standing:
+    """An object whose contact arcs have their centres at given heights; 0 is left and 1 is right.
+
+    The slope is that of the floor, as in a `Spec`: the weight W has the part −W s along x.
+    """
+
+    width: float
+    com: Point
+    """From the left centre: along the line of centres, and above it."""
+    radii: tuple[float, float]
+    weight: float
+    slope: float = 0.0
+    heights: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def tilt(self) -> float:
+        """Anticlockwise turn [rad]."""
+        return math.asin((self.heights[1] - self.heights[0]) / self.width)
+
+    @property
+    def centres(self) -> tuple[Point, Point]:
+        """Of the arcs; the left one is at x = 0."""
+        return (0.0, self.heights[0]), (self.width * math.cos(self.tilt), self.heights[1])
+
+    @property
+    def com_at(self) -> Point:
+        """The centre of mass."""
+        (along, up), c, s = self.com, math.cos(self.tilt), math.sin(self.tilt)
+        return along * c - up * s, self.heights[0] + along * s + up * c
+
+    def touching(self, side: int, lean: float) -> Point:
+        """The point of an arc that meets a surface whose normal leans by this angle."""
+        (x, y), r = self.centres[side], self.radii[side]
+        return x - (1, -1)[side] * r * math.sin(lean), y - r * math.cos(lean)
+
+    def climb(self, side: int, lean: float, direction: float, support: Point) -> Climb:
+        """The balance with a force that leans by `direction` on one arc, and the reaction of all
+        other contacts through one point.
+
+        The moments about that point give V ((x_B − x_A) + (y_A − y_B) tan α) = W (x_B − x_G) +
+        W s (y_G − y_B), with x towards the other side.
+        """
+        sense = (1, -1)[side]
+        (xa, ya), (xb, yb), (xg, yg) = self.touching(side, lean), support, self.com_at
+        slope = sense * self.slope
+        if direction >= _LEVEL - _NONE:
+            return Climb(0.0, math.inf, self.weight, math.inf)
+        tangent = math.tan(direction)
+        load = self.weight * (sense * (xb - xg) + slope * (yg - yb))
+        load /= sense * (xb - xa) + (ya - yb) * tangent
+        squeeze = load * tangent
+        return Climb(load, squeeze, self.weight - load, squeeze - slope * self.weight)
+
+
+def standing(spec: _core.Spec, weight: float) -> Standing:
+    """The object of a scene, flat on the floor."""
+    radii = contact_radii(spec)
+    return Standing(
+        spec.width, (spec.com_left, spec.com_height), radii, weight, spec.slope, heights=radii
+    )
+
+
+@dataclass(frozen=True)
+class Plate:
+    """One palm whose inner end is on the floor, at one angle."""
+
+    angle: float
+    friction: float
+    """Friction angle φ."""
+    nose: float
+    """Height of the upper edge of its nose over the floor: t."""
+    pivot: float
+    """Height of the pivot over the floor."""
+    half: float
+    offset: float
+    heel: float
+
+    def nose_lean(self, radius: float) -> float:
+        """ψ, with cos ψ = 1 − t / r."""
+        return edge_lean(self.nose, radius)
+
+    def heel_lean(self, radius: float) -> float:
+        """Lean of the contact with the heel; without a heel that of the surface."""
+        return self.angle + edge_lean(self.heel, radius)
+
+    def at_heel(self, radius: float) -> float:
+        """Contact coordinate of an arc that touches heel and surface."""
+        return self.half - radius * math.sin(edge_lean(self.heel, radius))
+
+    def centre_height(self, p: float, radius: float) -> float:
+        """Of an arc on the surface at the contact coordinate p."""
+        return self.pivot + p * math.sin(self.angle) + (self.offset + radius) * math.cos(self.angle)
+
+
+def plate_on_floor(palm: _core.PalmSpec, angle: float) -> Plate:
+    """A palm of a scene at this angle, its inner end on the floor."""
+    pivot = palm.lowest_pivot(angle)
+    half = 0.5 * palm.length
+    return Plate(
+        angle,
+        math.atan(palm.friction),
+        max(0.0, pivot + palm.offset * math.cos(angle) - half * math.sin(angle)),
+        pivot,
+        half,
+        palm.offset,
+        palm.heel,
+    )
+
+
+@dataclass(frozen=True)
+class Second:
+    """One nose gets under while the other palm is under the object already."""
+
+    squeeze: float
+    """With which it gets under [N]; infinite: none suffices."""
+    held: float
+    """The most that the other palm then holds against it [N]: its corner climbs beyond that."""
+
+    @property
+    def works(self) -> bool:
+        """Whether it gets under before the other corner climbs on."""
+        return math.isfinite(self.squeeze) and self.squeeze <= self.held
+
+
+@dataclass(frozen=True)
+class Docking:
+    """One nose gets under its edge."""
+
+    lean: float
+    """ψ [rad]."""
+    alone: float
+    """Its squeeze while the other corner stands on the floor: the most that this can take [N]."""
+    floor_needed: float
+    """Friction of the floor with which the other corner stays, although nothing holds against it;
+    infinite: none suffices."""
+    just_on: Second
+    """The other corner is just on its palm."""
+    at_heel: Second
+    """The other corner has climbed to the heel, and the contact with the nose has only slipped."""
+    rolled: Second
+    """The same if that contact has only rolled."""
+    has_stop: bool
+    """Whether the heel is at least as high as the arc's centre over the palm. Its face then holds
+    against any squeeze; over a lower heel the arc may roll."""
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether the nose fits under the edge."""
+        return math.isfinite(self.alone)
+
+    @property
+    def gets_under(self) -> bool:
+        """Whether it certainly gets under although the other palm was first."""
+        return self.is_possible and (self.just_on.works or (self.has_stop and self.at_heel.works))
+
+    @property
+    def may_get_under(self) -> bool:
+        """Whether statics permit it for some sequence of slip and roll."""
+        return self.is_possible and any(
+            state.works for state in (self.just_on, self.at_heel, self.rolled)
+        )
+
+    @property
+    def needs_heel(self) -> bool:
+        """Whether only the heel of the other palm can hold against it."""
+        return self.is_possible and not self.just_on.works
+
+    @property
+    def second(self) -> Second:
+        """The state in which it gets under as the second one, or does not."""
+        return self.at_heel if self.needs_heel else self.just_on
+
+    @property
+    def squeeze(self) -> float:
+        """The most that the robots must push with [N]; infinite: no push suffices."""
+        return max(self.alone, self.second.squeeze) if self.may_get_under else math.inf
+
+
+def docking(body: Standing, plates: tuple[Plate, Plate], side: int) -> Docking:
+    """How one nose gets under its edge."""
+    own, other = plates[side], plates[1 - side]
+    r = body.radii
+    lean = own.nose_lean(r[side])
+    direction = lean + own.friction
+    # The other corner stands on the floor and may lean on the nose of its palm as well.
+    feet = [body.touching(1 - side, up) for up in (0.0, other.nose_lean(r[1 - side]))]
+    first = max((body.climb(side, lean, direction, foot) for foot in feet), key=_squeeze)
+    on_floor = body.climb(side, lean, direction, feet[0])
+    needed = _friction_of(on_floor)
+    found = [
+        _second(body, plates, side, *place)
+        for place in ((False, False), (True, False), (True, True))
+    ]
+    has_stop = other.heel >= r[1 - side] and other.heel > 0
+    return Docking(lean, first.squeeze, needed, *found, has_stop)
+
+
+def _second(
+    body: Standing, plates: tuple[Plate, Plate], side: int, at_heel: bool, rolled: bool
+) -> Second:
+    """The nose gets under while the other corner is just on its palm, or at its heel. With `rolled`
+    its contact has rolled on the nose without slip while the other corner climbed, and leans less
+    by the angle through which the object has turned."""
+    own, other = plates[side], plates[1 - side]
+    r = body.radii[1 - side]
+    p, surface = -other.half, other.angle
+    if at_heel:
+        p, surface = other.at_heel(r), other.heel_lean(r)
+    high = other.centre_height(p, r)
+    low = body.radii[side]
+    if abs(high - low) >= body.width:  # the object is too narrow to reach so high
+        return Second(math.inf, 0.0)
+    raised = replace(body, heights=(low, high) if side == 0 else (high, low))
+    lean = own.nose_lean(low)
+    if rolled:
+        lean = max(0.0, lean - abs(raised.tilt))
+    # At a heel the surface carries a part, too. A steep heel presses the arc onto it.
+    climb = max(
+        (
+            raised.climb(side, lean, lean + own.friction, raised.touching(1 - side, up))
+            for up in (surface, other.angle)
+        ),
+        key=_squeeze,
+    )
+    if not 0 < climb.load < body.weight:  # the COM is not between the contacts: it tips over
+        return Second(math.inf, 0.0)
+    # On a slope, the weight itself takes or adds a part of the squeeze.
+    by_slope = (1, -1)[side] * body.slope * body.weight
+    return Second(climb.squeeze, squeeze_of(climb.other_load, surface + other.friction) + by_slope)
+
+
+def _friction_of(climb: Climb) -> float:
+    """The friction that the other corner needs; infinite: it does not press on the floor."""
+    if climb.other_load <= 0:
+        return math.inf
+    return abs(climb.other_squeeze) / climb.other_load
+
+
+def _squeeze(climb: Climb) -> float:
+    return climb.squeeze
+
+
+def least_partner_angle(body: Standing, plates: tuple[Plate, Plate], side: int) -> float:
+    """The angle of the other palm from which on it holds against this nose without a heel [rad]:
+    V_other tan(θ + φ) = H."""
+    own, other = plates[side], plates[1 - side]
+    lean = own.nose_lean(body.radii[side])
+    low, high = 0.0, _LEVEL - other.friction
+    for _ in range(50):
+        angle = 0.5 * (low + high)
+        support = body.touching(1 - side, angle)
+        climb = body.climb(side, lean, lean + own.friction, support)
+        holds = climb.other_squeeze <= squeeze_of(climb.other_load, angle + other.friction)
+        low, high = (low, angle) if holds else (angle, high)
+    return high
+
+
+def floor_friction_to_stay(body: Standing, plates: tuple[Plate, Plate], side: int) -> float:
+    """The friction of the floor from which on the other corner stays, while this palm drives out
+    from below its corner at p = 0 or less: |V tan(θ − φ)| = μ V′, without slope."""
+    own = plates[side]
+    most = 0.0
+    for p in (-own.half, 0.0):
+        high = own.centre_height(p, body.radii[side])
+        if abs(high - body.radii[1 - side]) >= body.width:
+            return math.inf
+        heights = (high, body.radii[1]) if side == 0 else (body.radii[0], high)
+        raised = replace(body, heights=heights)
+        foot = raised.touching(1 - side, 0.0)
+        climb = raised.climb(side, own.angle, own.angle - own.friction, foot)
+        most = max(most, _friction_of(climb))
+    return most
