@@ -108,6 +108,8 @@ class Lifting:
     permitted_rise_m: float
     """The height difference of the pivots in the air up to which all properties hold for contacts
     on the inner half of the usable palms, where they are while the arms move."""
+    clear_rise_m: float
+    """The same if the object also has to touch the palms nowhere else."""
     arms_differ_m: float
     """The largest height difference of two arms that move together: rate × (lease + delay + tick),
     and the errors of both."""
@@ -153,8 +155,10 @@ class Lifting:
             f"{_names(self.in_air)}"
         )
         yield (
-            f"the arms differ by up to {millimetres(self.arms_differ_m)}; the properties permit "
-            f"{millimetres(self.permitted_rise_m)}"
+            f"while both arms move, they differ by up to {millimetres(self.arms_differ_m)}; with "
+            "contacts on the inner half of the palms, the properties permit "
+            f"{millimetres(self.permitted_rise_m)}, and from {millimetres(self.clear_rise_m)} on "
+            "the object may touch a palm elsewhere"
         )
         yield from map(warning, self.warnings)
 
@@ -197,7 +201,7 @@ def lifting(scene: Scene) -> Lifting | None:
     steep = tuple(plate_on_floor(palm, palm.steep) for palm in spec.palms)
     plates = (shallow[0], shallow[1]), (steep[0], steep[1])
     docks = tuple(docking(body, plates[1], side) for side in (0, 1))
-    rises = PivotRises(spec)
+    rises, centred = PivotRises(spec), PivotRises(spec, _CENTRED)
     result = Lifting(
         picks_up=begins,
         puts_down=ends,
@@ -207,7 +211,8 @@ def lifting(scene: Scene) -> Lifting | None:
         nose_gap_m=_nose_gap(body, plates[1]),
         on_floor=tuple(sorted(rises.on_floor())),
         in_air=tuple(sorted(rises.in_air())),
-        permitted_rise_m=PivotRises(spec, _CENTRED).permitted_m(),
+        permitted_rise_m=centred.permitted_m(clear=False),
+        clear_rise_m=centred.permitted_m(),
         arms_differ_m=_arms_differ(scene, spec),
         refusals=(),
         warnings=(),
@@ -262,7 +267,7 @@ def _palm(
 ) -> PalmLift:
     shallow, steep = plates
     own, palm = steep[side], spec.palms[side]
-    load, push, heaviest = _traction(scene, spec, body, steep, dock, side)
+    push, heaviest = _traction(scene, spec, body, steep, dock, side)
     arm = scene.arm.of(SIDES[side])
     return PalmLift(
         nose_height_m=own.nose,
@@ -305,9 +310,9 @@ def _traction(
     plates: tuple[Plate, Plate],
     dock: Docking,
     side: int,
-) -> tuple[float, float, float]:
-    """The load on a palm that gets under its edge, the push of its robot, and the heaviest object
-    for which both robots push hard enough."""
+) -> tuple[float, float]:
+    """The most that the robot of a palm can push with while its nose gets under, and the heaviest
+    object for which both robots push hard enough."""
     squeeze = dock.squeeze
     lean = dock.lean + plates[side].friction
     load = squeeze / math.tan(lean) if lean > 0 and math.isfinite(squeeze) else 0.5 * body.weight
@@ -324,7 +329,7 @@ def _traction(
         needed = squeeze - by_load * carried
         if needed > 0:
             heaviest = min(heaviest, max(0.0, limit) / needed)
-    return load, pushes[side], heaviest * scene.object.mass_kg
+    return pushes[side], heaviest * scene.object.mass_kg
 
 
 def _nose_gap(body: Standing, plates: tuple[Plate, Plate]) -> float:
@@ -347,7 +352,9 @@ def _least_angle(palm: _core.PalmSpec, lowest: float) -> float:
 
 def _arms_differ(scene: Scene, spec: _core.Spec) -> float:
     arms = [scene.arm.of(side) for side in SIDES]
-    lease = _core.transition_table("shared-sign", spec)["lease_s"]
+    table = _core.transition_table("shared-sign", spec)
+    assert table is not None
+    lease = table["lease_s"]
     late = lease + spec.longest_delay + scene.control.period_s
     return max(arm.rate_m_per_s for arm in arms) * late + sum(arm.height_error_m for arm in arms)
 
@@ -386,13 +393,12 @@ def _refusals_of_dock(scene: Scene, found: Lifting, side: Side) -> Iterator[str]
     if own.nose_height_m >= own.thickest_m and own.nose_height_m > 0:
         name = "thickness_m" if palm.nose_m is None else "nose_m"
         radius = _up(own.nose_height_m / (1 - math.sin(math.atan(palm.friction))), 4)
-        high = (
-            f"the upper edge of the {side} nose is {millimetres(own.nose_height_m)} over the floor"
-        )
+        height = millimetres(own.nose_height_m)
+        high = f"the upper edge of the {side} nose is {height} over the floor"
         if found.edge_radius_m == 0:
             yield (
-                f"object.edge_radius_m: value is 0, but {high}, and no nose gets under a sharp edge; "
-                f"allowed: more than {radius:g}, or palm.{name} = 0"
+                f"object.edge_radius_m: value is 0, but {high}, and no nose gets under a sharp "
+                f"edge; allowed: more than {radius:g}, or palm.{name} = 0"
             )
             return
         yield (
@@ -423,14 +429,14 @@ def _warnings(scene: Scene, found: Lifting) -> Iterator[str]:
         missing = [n for n in PROPERTIES if n not in found.on_floor]
         yield (
             f"property {' and '.join(map(str, missing))} does not hold while the noses are on the "
-            "floor, where the pivots are at different heights: corrections there may lose the object"
+            "floor, where the pivots are at different heights: corrections may lose the object"
         )
     for side in SIDES if found.picks_up else ():
         own, partner = found.palms[side], SIDES[1 - SIDES.index(side)]
         if own.may_get_under and not own.gets_under:
             yield (
-                f"palm.heel_m is {scene.palm_of(partner).heel_m:g} on the {partner} side, over which "
-                f"the object may roll while the {side} nose gets under; it stops the object from "
+                f"palm.heel_m is {scene.palm_of(partner).heel_m:g} on the {partner} side, over "
+                f"which the object may roll while the {side} nose gets under; it is a stop from "
                 f"{_up(own.least_heel_m, 4):g} on"
             )
     if found.picks_up and found.nose_gap_m < 0:

@@ -5,7 +5,9 @@ Near the floor they are, because each palm keeps its inner end on the floor: a p
 has its pivot ℓ sin θ above the nose's lower edge. In the air two arms differ by their errors. Seen
 along the line between the pivots, such a pair stands on a slope (`palmbots.scene.unequal_pivots`),
 whose angle τ depends on where the contacts are: sin τ = rise / distance of the pivots. Each state
-of a grid of contacts has its own τ; this is a sample, not a proof. Source: docs/theory/lifting.md.
+of a grid of contacts has its own τ; this is a sample, not a proof. A property also demands that the
+object touches the palms, as if they were infinitely long, nowhere else (clearance).
+Source: docs/theory/lifting.md.
 """
 
 import math
@@ -19,14 +21,16 @@ import palmbots._core as _core
 from palmbots._types import SIDES, Side
 from palmbots.mechanics.acting_object import acting_object
 from palmbots.mechanics.contact_modes import contact_modes_batch
+from palmbots.scene.spec import contact_radii
 
 Array = NDArray[np.float64]
 
 PROPERTIES = (0, 1, 2)
-_CONTACTS = 7  # places on each palm
-_TURNS = 8  # angles of a palm that turns
+_CONTACTS = 5  # places on each palm
+_TURNS = 4  # angles of a palm that turns
 _ROUNDS = 6  # the distance depends on τ; each round has a small part of the last error
-_HALVINGS = 14
+_HALVINGS = 12
+_TOUCH = 1e-6  # m; what is deeper than that below a palm's line touches it
 _UP = {"left": 3, "right": 1}  # index of the contact mode in which only this contact slides up
 _DOWN = {"left": 6, "right": 2}
 
@@ -60,22 +64,22 @@ class PivotRises:
         ]
         self._on_floor = heights[1] - heights[0]
 
-    def on_floor(self, more_m: float = 0.0) -> frozenset[int]:
+    def on_floor(self, more_m: float = 0.0, clear: bool = True) -> frozenset[int]:
         """The properties that hold with both inner ends on the floor, and the right pivot higher by
-        a further length."""
-        return self._holding(self._on_floor + more_m)
+        a further length. `clear`: they demand clearance."""
+        return self._holding(self._on_floor + more_m, clear)
 
-    def in_air(self, rise_m: float = 0.0) -> frozenset[int]:
+    def in_air(self, rise_m: float = 0.0, clear: bool = True) -> frozenset[int]:
         """The properties that hold with the right pivot this much higher."""
-        return self._holding(np.full_like(self._on_floor, rise_m))
+        return self._holding(np.full_like(self._on_floor, rise_m), clear)
 
-    def permitted_m(self, on_floor: bool = False) -> float:
+    def permitted_m(self, on_floor: bool = False, clear: bool = True) -> float:
         """The largest further height difference, of either sign, with which all properties hold;
         0: they do not hold without one."""
         holding = self.on_floor if on_floor else self.in_air
 
         def holds(size: float) -> bool:
-            return all(len(holding(sense * size)) == len(PROPERTIES) for sense in (1, -1))
+            return all(len(holding(sense * size, clear)) == len(PROPERTIES) for sense in (1, -1))
 
         if not holds(0.0):
             return 0.0
@@ -85,7 +89,7 @@ class PivotRises:
             low, high = (middle, high) if holds(middle) else (low, middle)
         return low
 
-    def _holding(self, rise: Array) -> frozenset[int]:
+    def _holding(self, rise: Array, clear: bool) -> frozenset[int]:
         spec, poses = self._spec, self._poses
         left, right = spec.palms
         p, tilt = poses.p, np.zeros_like(rise)
@@ -97,7 +101,7 @@ class PivotRises:
                 for palm, place, angle in zip((left, right), p, theta, strict=True)
             ]
             with np.errstate(invalid="ignore", divide="ignore"):
-                tilt = np.arcsin(np.clip(rise / (acting.dx + out[0] + out[1]), -1.0, 1.0))
+                tilt = np.arcsin(np.clip(rise / (acting.dx - out[0] - out[1]), -1.0, 1.0))
             tilt = np.nan_to_num(tilt)
         spans = np.isfinite(acting.dx)
         own = {
@@ -119,7 +123,30 @@ class PivotRises:
             for wanted, found in ((poses.closing, modes.closing), (poses.opening, modes.opening))
         ]
         good = spans & modes.feasible[:, 0] & right_way[0] & right_way[1]
+        if clear:
+            good &= self._is_clear(theta)
         return frozenset(n for n in PROPERTIES if bool(good[poses.number == n].all()))
+
+    def _is_clear(self, theta: Array) -> NDArray[np.bool_]:
+        """Whether the outline is above the lines of both palms, seen along the line of pivots."""
+        spec, p = self._spec, self._poses.p
+        acting = acting_object(spec, theta, p)
+        normals = [
+            np.stack([s * np.sin(t), np.cos(t)]) for s, t in zip((1, -1), theta, strict=True)
+        ]
+        dx, dy = (np.where(np.isfinite(one), one, 1.0) for one in (acting.dx, acting.dy))
+        touching = [np.zeros((2, dx.size)), np.stack([dx, dy])]
+        radii = contact_radii(spec)
+        centres = [at + r * n for at, r, n in zip(touching, radii, normals, strict=True)]
+        x, y = centres[1] - centres[0]
+        cos, sin = x / np.hypot(x, y), y / np.hypot(x, y)
+        u, v = (np.array(axis)[:, np.newaxis] for axis in zip(*spec.silhouette, strict=True))
+        points = centres[0][0] + u * cos - v * sin, centres[0][1] + u * sin + v * cos
+        clear = np.ones(dx.size, bool)
+        for at, n in zip(touching, normals, strict=True):
+            above = (points[0] - at[0]) * n[0] + (points[1] - at[1]) * n[1]
+            clear &= above.min(axis=0) >= -_TOUCH
+        return clear
 
 
 def _poses(spec: _core.Spec, share: float) -> Iterator[tuple[Array, ...]]:

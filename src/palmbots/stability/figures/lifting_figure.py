@@ -57,7 +57,7 @@ def lifting_forces(analysis: Analysis) -> Figure:
     spec = analysis.problem.spec
     states = list(_states(found))
     with styled():
-        figure = Figure(figsize=(8.0, 2.35 * len(states)), layout="constrained")
+        figure = Figure(figsize=(8.0, 2.5 * len(states)), layout="constrained")
         axes = figure.subplots(len(states), 2, width_ratios=(3.1, 1), squeeze=False)
         for (wide, near), state in zip(axes, states, strict=True):
             _draw(wide, spec, state, near=False)
@@ -66,7 +66,7 @@ def lifting_forces(analysis: Analysis) -> Figure:
 
 
 def _states(found: Lifting) -> Iterator[_State]:
-    shallow, steep = found.plates
+    steep = found.plates[1]
     body = found.body
     docks = [docking(body, steep, side) for side in (0, 1)]
     first = 0 if docks[0].alone <= docks[1].alone else 1
@@ -215,10 +215,7 @@ def _draw(axes: Axes, spec: _core.Spec, state: _State, *, near: bool) -> None:
     turn, (gx, gy) = body.tilt, body.com_at
     cos, sin = math.cos(turn), math.sin(turn)
     points = np.array(spec.silhouette) - [spec.com_left, spec.com_height]
-    outline = np.stack(
-        [gx + points[:, 0] * cos - points[:, 1] * sin, gy + points[:, 0] * sin + points[:, 1] * cos],
-        axis=-1,
-    )  # fmt: skip
+    outline = points @ np.array([[cos, sin], [-sin, cos]]) + [gx, gy]
     axes.axhspan(-1000, 0, color=FLOOR, zorder=0)
     axes.axhline(0, color=QUIET, lw=1, zorder=1)
     axes.fill(*(MM * outline).T, facecolor=OBJECT, edgecolor=INK, lw=1, zorder=2)
@@ -231,10 +228,12 @@ def _draw(axes: Axes, spec: _core.Spec, state: _State, *, near: bool) -> None:
     for at, force, colour in state.forces:
         longest = math.hypot(*force) * shrink
         scale = shrink * min(1.0, _LONGEST / longest if longest > 0 else 1.0)
-        end = [MM * (a + scale * f) for a, f in zip(at, force, strict=True)]
+        start = MM * at[0], MM * at[1]
+        end = start[0] + MM * scale * force[0], start[1] + MM * scale * force[1]
         axes.annotate(
-            "", xy=end, xytext=[MM * a for a in at], zorder=6,
-            arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.8, "shrinkA": 0, "shrinkB": 0},
+            "", xy=end, xytext=start, zorder=6,
+            arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.8, "shrinkA": 0,
+                        "shrinkB": 0},
         )  # fmt: skip
     axes.set_aspect("equal")
     axes.grid(False)
@@ -247,6 +246,6 @@ def _draw(axes: Axes, spec: _core.Spec, state: _State, *, near: bool) -> None:
     ends = [MM * (x + _OUT[k] * 0.09) for k, (x, _) in enumerate(state.pivots)]
     top = MM * max(float(outline[:, 1].max()), gy) + 8
     axes.set(xlim=(min(ends), max(ends)), ylim=(-MM * 0.055, top))
-    axes.set_title(state.title, fontsize=9, loc="left")
-    axes.set_xlabel(state.note, fontsize=8, color=DROP if state.fails else INK)
+    colour = DROP if state.fails else INK
+    axes.set_title(f"{state.title}\n{state.note}", fontsize=8.5, loc="left", color=colour)
     axes.set_ylabel(axis_label("height", "mm"), fontsize=8)

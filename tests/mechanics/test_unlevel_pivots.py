@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Properties at unequal pivot heights, against motions of the exact world and against `analyze`."""
+
+import itertools
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palmbots as pb
+import palmbots._core as _core
+from palmbots.mechanics.unlevel_pivots import PROPERTIES, PivotRises
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
+from palmbots.scene.unequal_pivots import raise_right_pivot
+
+SHALLOW, STEEP = math.radians(5), math.radians(15)
+MOVES = 1e-4
+
+
+def world(scene: Scene, angles: tuple[float, float], p: tuple[float, float], rise: float) -> Any:
+    """The exact world in a state, on the slope of the line between its pivots."""
+    spec = to_spec(scene)
+    palms = spec.palms
+    for palm, angle in zip(palms, angles, strict=True):
+        palm.steep = palm.shallow = angle
+    spec.palms, spec.start = palms, p
+    raise_right_pivot(spec, rise)
+    return _core.World(spec), tuple(palm.steep for palm in spec.palms)
+
+
+def moved(
+    scene: Scene, angles: tuple[float, float], p: tuple[float, float], rise: float, by: float
+) -> list[float]:
+    """How far each contact moves outward when the palms close; empty: the object falls."""
+    one, turned = world(scene, angles, p, rise)
+    if one.advance(by, turned)[0]:
+        return []
+    return [after - before for after, before in zip(one.contacts, p, strict=True)]
+
+
+def steps(share: float, rise: float) -> Iterator[bool]:
+    """Whether only the right contact moves, for properties 1 and 2 on a grid of contacts; whether
+    the object is held without another contact, for two palms that are both shallow or steep."""
+    scene = pb.load_scene("paper", {"robot.noise_m_s": 0})
+    half = 0.0745 * share  # a contact at the very end may leave the palm
+    for angle, *p in itertools.product((SHALLOW, STEEP), *2 * [(-half, 0.0, half)]):
+        yield bool(moved(scene, (angle, angle), (p[0], p[1]), rise, MOVES))
+    for number, shallow in itertools.product((1, 2), (0, 1)):
+        angles = (SHALLOW, STEEP) if shallow == 0 else (STEEP, SHALLOW)
+        slides = shallow if number == 1 else 1 - shallow
+        end = -half if number == 1 else half
+        for own, other in itertools.product((end, 0.01 * end), (-half, 0.0, half)):
+            p = (own, other) if slides == 0 else (other, own)
+            by = moved(scene, angles, p, rise, -MOVES if number == 1 else MOVES)
+            yield bool(by) and abs(by[1 - slides]) < 1e-9 and by[slides] * (3 - 2 * number) > 0
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_the_permitted_rise_is_that_of_the_exact_world(share: float) -> None:
+    spec = to_spec(pb.load_scene("paper"))
+    most = PivotRises(spec, share).permitted_m()
+    assert 0.001 < most < 0.1
+    for sign in (1, -1):
+        assert all(steps(share, 0.97 * sign * most))
+    assert not all(all(steps(share, 1.1 * sign * most)) for sign in (1, -1))
+
+
+def test_level_pivots_have_the_properties_that_analyze_proves() -> None:
+    rng = np.random.default_rng(5)
+    seen = set()
+    for _ in range(25):
+        keys = {
+            "palm.shallow_deg": float(rng.uniform(2, 12)),
+            "palm.steep_deg": float(rng.uniform(14, 35)),
+            "palm.friction": float(rng.uniform(0.1, 0.9)),
+            "object.com_m": [float(rng.uniform(0.1, 0.15)), 0.04],
+        }
+        analysis = pb.analyze("paper", overrides=keys)
+        found = PivotRises(to_spec(analysis.scene)).in_air(clear=False)
+        for number in PROPERTIES:
+            proved = all(analysis.properties[number, side].holds for side in ("left", "right"))
+            seen.add((number, proved))
+            if proved:
+                assert number in found, (keys, number)
+            if number in found:  # a sample may miss what fails between its places
+                margins = [
+                    analysis.properties[number, side].margins.com_m for side in ("left", "right")
+                ]
+                assert all(one is not None and one > -1e-3 for one in margins), (keys, number)
+    assert len(seen) > 4
+
+
+def test_a_mirrored_scene_has_the_same_properties() -> None:
+    keys = {"object.com_m": [0.118, 0.04], "palm.left.friction": 0.35}
+    scene = pb.load_scene("lift", keys)
+    ours, theirs = (PivotRises(to_spec(one)) for one in (scene, scene.mirrored()))
+    for rise in (0.0, 0.01, 0.03, -0.02):
+        assert ours.in_air(rise) == theirs.in_air(-rise)
+        assert ours.on_floor(rise) == theirs.on_floor(-rise)
+
+
+def test_noses_on_the_floor_take_room_from_the_properties_and_give_clearance() -> None:
+    """The pivot of a shallow palm is the lower one, so the object tilts away from that palm."""
+    rises = PivotRises(to_spec(pb.load_scene("lift")))
+    assert rises.on_floor() == rises.in_air() == frozenset(PROPERTIES)
+    lower = rises.permitted_m(on_floor=True, clear=False)
+    assert 0 < lower < rises.permitted_m(clear=False) - 0.01
+    assert rises.permitted_m(on_floor=True) > rises.permitted_m()
