@@ -41,6 +41,7 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
         "figure5.png": "out/figure5.png",
         "figure6.png": "out/figure6.png",
     },
+    "palmbots analyze lift --figures out": {"lifting-forces.png": "out/lifting-forces.png"},
     "palmbots noise-limit --out out": {"noise_limit.png": "out/noise_limit.png"},
     "palmbots bound --out out": {"bound.png": "out/bound.png"},
     "palmbots design --out out": {"design.png": "out/design.png"},

@@ -120,7 +120,8 @@ def save_all(
 
     Args:
         analysis: of the scene to draw.
-        folder: write Figures 2 to 7 to this folder.
+        folder: write Figures 2 to 7 to this folder, and the forces of lifting if the job begins or
+            ends on the floor.
         kind: figure format: png, svg or pdf.
         p_left_m: left contact of the state in Figures 2 to 4. If only one is given, the other is 0.
         p_right_m: right contact of the state in Figures 2 to 4.
