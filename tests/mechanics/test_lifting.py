@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a scene's robots can pick its object up and put it down: what `analyze` reports."""
+
+import math
+from typing import Any
+
+import pytest
+
+import palmbots as pb
+from palmbots._types import SIDES
+from palmbots.mechanics.lifting import Lifting, check_lift, lifting
+from palmbots.scene.chassis import chassis, wheel_kg
+from palmbots.scene.scene import load_scene
+
+G = 9.80665
+
+
+def of(**keys: Any) -> Lifting:
+    found = lifting(load_scene("lift", {key.replace("__", "."): v for key, v in keys.items()}))
+    assert found is not None
+    return found
+
+
+def test_a_carry_from_palms_to_palms_has_no_such_report() -> None:
+    assert pb.analyze("plate").lifting is None and check_lift(load_scene("plate")) == ()
+
+
+def test_the_scene_lift_lifts() -> None:
+    analysis = pb.analyze("lift")
+    found = analysis.lifting
+    assert found is not None and found.works and not found.warnings and found.picks_up
+    assert "LIFTS" in str(analysis) and analysis.holds
+    one = found.palms.left
+    # The closed forms with the weight halved; heights and radii shift them by a few per cent.
+    half, phi, theta = 0.25 * G, math.atan(0.3), math.radians(15)
+    psi = math.acos(1 - 0.0003 * math.cos(theta) / 0.003)
+    assert one.lean_deg == pytest.approx(math.degrees(psi))
+    assert one.squeeze_n == pytest.approx(half * math.tan(psi + phi), rel=0.02)
+    assert one.held_n == pytest.approx(half * math.tan(theta + phi), rel=0.02)
+    assert one.thickest_m == pytest.approx(0.003 * (1 - math.sin(phi)))
+    shallow = math.tan(phi - math.radians(5))
+    assert one.floor_friction.left == pytest.approx(shallow, rel=0.05)
+
+
+def test_halves_of_jobs_report_their_half() -> None:
+    up, down = of(task__to="palms"), of(task__from="palms", palm__heel_m=0)
+    assert (up.picks_up, up.puts_down, down.picks_up, down.puts_down) == (True, False, False, True)
+    assert down.works  # nothing docks
+    assert "floor friction" not in str(list(up.lines()))
+    assert "squeeze" not in str(list(down.lines()))
+
+
+def test_a_mirrored_scene_has_the_mirrored_report() -> None:
+    scene = load_scene("lift", {"object.com_m": [0.115, 0.06], "task.slope_deg": 1})
+    ours, theirs = lifting(scene), lifting(scene.mirrored())
+    assert ours is not None and theirs is not None
+    for side, other in zip(SIDES, SIDES[::-1], strict=True):
+        for name in ("squeeze_n", "second_n", "held_n", "push_n", "heaviest_kg"):
+            one, two = getattr(ours.palms[side], name), getattr(theirs.palms[other], name)
+            assert one == pytest.approx(two, rel=1e-9), name
+
+
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_beyond_the_heaviest_object_the_job_is_refused(share: float) -> None:
+    mass = share * of().palms.left.heaviest_kg
+    assert of(object__mass_kg=mass).works == (share < 1)
+
+
+def test_the_push_is_the_friction_of_the_wheels() -> None:
+    """Moments about the caster, with the load at the nose and the push, which is at its height."""
+    scene = load_scene("lift")
+    found = of()
+    keys, own = scene.mujoco, found.palms.left
+    at = chassis(own.pivot_m.right)
+    theta = math.radians(15)
+    wheel = 2 * wheel_kg(scene)
+    loads = [
+        (keys.body_kg - wheel, at.com[0]),
+        (wheel, at.axle),
+        (keys.arm_kg, 0.5 * (at.shoulder[0] + at.pivot[0])),
+        (keys.palm_kg, at.pivot[0] + 0.00075 * math.sin(theta)),
+    ]
+    moment = sum(m * G * (x - at.caster) for m, x in loads)
+    nose_x, nose_z = (
+        at.pivot[0] - 0.075 * math.cos(theta),
+        own.pivot_m.right - 0.075 * math.sin(theta),
+    )
+    psi, phi = math.radians(own.lean_deg), math.atan(0.3)
+    load = max(own.squeeze_n, own.second_n) / math.tan(psi + phi)
+    # push = μ N with N (axle − caster) = moment + load (x − caster) + push z
+    base = at.axle - at.caster
+    push = keys.floor_friction * (moment + load * (nose_x - at.caster))
+    push /= base - keys.floor_friction * nose_z
+    # The report has the least over both palm angles, which matter little.
+    assert 0.95 * push < own.push_n <= push
+
+
+def test_arms_that_may_differ_too_much_are_warned_about() -> None:
+    assert not of().warnings
+    (line,) = of(arm__rate_m_per_s=0.2).warnings
+    # rate × (lease + delay + tick), where three beacons in a row may be lost, and both errors
+    lease = 2 * (0.05 + 0.05 + 0.01) + 3 * 0.05
+    differ = 0.2 * (lease + 0.05 + 0.01) + 2 * 0.002
+    assert f"differ by {1e3 * differ:.1f} mm" in line
+
+
+def test_a_palm_that_drags_is_warned_about() -> None:
+    (line,) = of(floor__friction=0.02).warnings
+    assert "drags the object along" in line and "from 0.03 on" in line
+
+
+def test_a_low_heel_is_warned_about() -> None:
+    assert all("may roll" in line for line in of(palm__heel_m=0.001).warnings)
+    assert len(of(palm__heel_m=0.001).warnings) == 2
+
+
+def test_thin_palms_need_no_heel() -> None:
+    found = of(palm__thickness_m=0, palm__nose_m=0, palm__heel_m=0, object__edge_radius_m=0)
+    assert found.works and not found.palms.left.needs_heel
+
+
+def test_rounded_objects_are_analysed_with_noses() -> None:
+    """Rounded contact vertices are below the centres of their arcs; no nose touches them there."""
+    assert pb.analyze("plate", overrides={"object.edge_radius_m": 0.003}).holds
