@@ -62,6 +62,8 @@ def lifting_forces(analysis: Analysis) -> Figure:
         for (wide, near), state in zip(axes, states, strict=True):
             _draw(wide, spec, state, near=False)
             _draw(near, spec, state, near=True)
+        for axis in axes[-1]:
+            axis.set_xlabel(axis_label("along the floor", "mm"), fontsize=8)
         return figure
 
 
@@ -91,7 +93,7 @@ def _first(body: Standing, plates: tuple[Plate, Plate], side: int) -> _State:
         (pivots[0], pivots[1]),
         (plates[0].angle, plates[1].angle),
         _forces(body, climb, side, lean, 0.0, QUIET),
-        _note(climb, f"grey: the floor, and what presses against it on the {SIDES[other]} side"),
+        _note(climb, f"grey: of the floor and the {SIDES[other]} robot together"),
         not math.isfinite(climb.squeeze),
         body.touching(side, lean),
     )
