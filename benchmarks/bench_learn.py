@@ -21,7 +21,7 @@ from _machine import processor
 from palmbots._util.confidence_intervals import wilson
 from palmbots._version import __version__
 from palmbots.learn import carry_v0
-from palmbots.learn.baseline import Baseline, EpisodeResult, run_episode
+from palmbots.learn.baseline_policies import Baseline, EpisodeResult, run_episode
 from palmbots.learn.spaces import action
 
 RESULTS = Path(__file__).parent / "results" / "learn.csv"

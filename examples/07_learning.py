@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 
 from palmbots.learn import carry_v0
-from palmbots.learn.baseline import run_episode
+from palmbots.learn.baseline_policies import run_episode
 from palmbots.learn.spaces import MOVES, PALMS, action
 
 CHOICES = [action(palm, move, messages=False) for palm in PALMS for move in MOVES]

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Includes every header of the room `base`: numbers without a domain, that is scalar functions,
-// SIMD lanes, random numbers, root finding and the two sides.
+// Includes every header of the room `base`: gravity, the two sides, and numbers without a
+// domain, that is scalar functions, SIMD lanes, random numbers and root finding.
 #pragma once
 
+#include "palmbots/base/gravity.hpp"
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/root_finding.hpp"
 #include "palmbots/base/scalar.hpp"

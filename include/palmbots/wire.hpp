@@ -2,12 +2,10 @@
 // Includes every header of the room `wire`: packets, that is messages as bytes, and serial frames.
 #pragma once
 
-#include "palmbots/wire/codec.hpp"
 #include "palmbots/wire/device_frames.hpp"
 #include "palmbots/wire/endpoint.hpp"
 #include "palmbots/wire/packet.hpp"
 #include "palmbots/wire/payload.hpp"
-#include "palmbots/wire/replay_window.hpp"
 #include "palmbots/wire/robot_mode.hpp"
 #include "palmbots/wire/serial_frame.hpp"
 #include "palmbots/wire/session.hpp"

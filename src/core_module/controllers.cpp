@@ -121,7 +121,7 @@ void bind_controllers(nb::module_& m) {
         d["shortest_lease_s"] = b.shortest_lease * tick;
         d["longest_lease_s"] = b.longest_lease * tick;
         d["losses"] = static_cast<int>(b.losses);
-        d["hold_s"] = b.times.limits[static_cast<std::size_t>(LeaseLimit::hold)] * tick;
+        d["hold_s"] = b.times.limits[static_cast<std::size_t>(ResilientLimit::hold)] * tick;
         d["alone_s"] = b.alone * tick;
         d["skew_m"] = b.skew;
         d["noise_m"] = b.noise;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The quasistatic world, step by step.
+#include "palmbots/base/gravity.hpp"
 #include "palmbots/world/quasistatic_world.hpp"
 
 #include <nanobind/stl/optional.h>

@@ -34,7 +34,7 @@ def test_every_branch_of_the_step_is_taken(tmp_path: Path) -> None:
     ).stdout  # fmt: skip
     branches = 0
     files = [f for line in run.splitlines() for f in json.loads(line)["files"]]
-    for header in ("table_robot.hpp", "lease_state.hpp", "beacon.hpp"):
+    for header in ("table_robot.hpp", "resilient_memory.hpp", "mailbox.hpp"):
         (lines,) = [f["lines"] for f in files if f["file"].endswith(f"palmbots/control/{header}")]
         for line in lines:
             if any(name in line.get("function_name", "") for name in AT_COMPILE_TIME):

@@ -86,7 +86,7 @@ def test_summary_contains_contact_events() -> None:
 
 def test_finished_episode_has_contact_events() -> None:
     from palmbots.learn import carry_v0
-    from palmbots.learn.baseline import run_episode
+    from palmbots.learn.baseline_policies import run_episode
 
     env = carry_v0.parallel_env("paper", world="mujoco", overrides=OVER, record=True)
     run_episode(env, seed=0)

@@ -12,10 +12,10 @@ from palmbots.drivers.driver import Drive, Reading
 from palmbots.errors import PalmbotsError
 from palmbots.pair.pair_file import Pair, init_pair, load_pair
 from palmbots.pair.stored_state import StoredState
+from palmbots.robot.core_program import controller_of
 from palmbots.robot.live_robot import core_settings
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotLoop
-from palmbots.robot.robot_program import controller_of
 from palmbots.scene.scene import Scene, load_scene
 
 SEEN = Reading(0, True, 0.5)

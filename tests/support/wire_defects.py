@@ -23,9 +23,9 @@ DEFECTS = {
         "if (false) return {",
     ),
     "newest-packet-is-accepted-twice": (
-        "replay_window.hpp",
-        "stamp <= newest_",
-        "stamp < newest_",
+        "session.hpp",
+        "sent <= newest_",
+        "sent < newest_",
     ),
     "packet-from-before-a-boot-is-accepted": (
         "session.hpp",

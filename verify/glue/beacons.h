@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The radio of controllers that are tables, as shipped: palmbots/control/beacon.hpp, and the lease in
+/* The radio of controllers that are tables, as shipped: palmbots/control/mailbox.hpp, and the lease in
  * palmbots/control/table_robot.hpp. What the robots sense and say makes no difference here.
  *
  * Stamps are kept as ages in cycles, as in resilient.h. Ages stop at one more than the lease.

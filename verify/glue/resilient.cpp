@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The resilient controller as shipped (palmbots/control/resilient.hpp, palmbots/control/beacon.hpp)
+// The resilient controller as shipped (palmbots/control/resilient.hpp, palmbots/control/mailbox.hpp)
 // behind resilient.h.
 #include "palmbots/control/resilient.hpp"
 #include "palmbots/control/resilient_timing.hpp"

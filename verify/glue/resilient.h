@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The shipped resilient controllers and their ears as the model sees them: plain C around
- * palmbots/control/resilient.hpp and palmbots/control/beacon.hpp.
+ * palmbots/control/resilient.hpp and palmbots/control/mailbox.hpp.
  *
  * What the checker keeps of them is packed (struct pair): a controller is its counters, all bounded. An
  * ear counts ticks without end, but all that it does depends on differences of stamps only; so stamps

@@ -5,7 +5,7 @@
 // stamps are kept as ages in cycles.
 #pragma once
 
-#include "palmbots/control/beacon.hpp"
+#include "palmbots/control/mailbox.hpp"
 #include "palmbots/control/table_robot.hpp"
 
 namespace glue {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which messages a robot of a table acts on: its shipped controller
- * (palmbots/control/table_robot.hpp) and its receiver (palmbots/control/beacon.hpp), called as C.
+ * (palmbots/control/table_robot.hpp) and its receiver (palmbots/control/mailbox.hpp), called as C.
  *
  * The radio is an adversary: whatever was ever sent may come at any time, any number of times, in any
  * order, or never. The model of the contacts (signs.pml) relies on what is proved here.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Two robots that run the resilient algorithm: the shipped controller and its ear
- * (palmbots/control/resilient.hpp, palmbots/control/beacon.hpp), called as C.
+ * (palmbots/control/resilient.hpp, palmbots/control/mailbox.hpp), called as C.
  *
  * One turn of the loop is one cycle, a beacon period: what the environment does, a step of each robot in
  * an order that stays, and the motion that follows. Both robots send in every step. The radio is an

@@ -4,7 +4,7 @@
 //
 // No state waits for a message that may be lost. Every robot broadcasts one message that states
 // what it does, in each beacon period and at once when it changes. A robot acts on its partner's
-// message only while that message is fresh (control/beacon.hpp bounds its age).
+// message only while that message is fresh (control/mailbox.hpp bounds its age).
 //
 //   TiltUp   p > 0: the sender wants the partner's palm up
 //   Ack      the sender's palm is up for the partner, which may move
@@ -46,7 +46,7 @@
 // docs/theory/protocols.md has the derivation.
 #pragma once
 
-#include "palmbots/control/lease_state.hpp"
+#include "palmbots/control/resilient_memory.hpp"
 #include "palmbots/control/table.hpp"
 
 namespace palmbots {
@@ -77,12 +77,12 @@ struct Resilient {
   static constexpr State initial_assisting = S::c_withdraw;
   static constexpr Mail mail = Mail::beacons;
 
-  using Limit = LeaseLimit;
+  using Limit = ResilientLimit;
   static constexpr std::size_t limits = 3;
   static constexpr auto hold = static_cast<std::int8_t>(Limit::hold);
 
   template <class B, class Count>
-  using Memory = LeaseState<B, Count>;
+  using Memory = ResilientMemory<B, Count>;
 
   // The name of each state, and its meaning for people.
   static constexpr StateMeaning meanings[states] = {
@@ -170,7 +170,7 @@ constexpr const char* name_of(Resilient::State state) {
   return Resilient::meanings[static_cast<int>(state)].name;
 }
 
-constexpr const char* name_of(LeaseLimit limit) {
+constexpr const char* name_of(ResilientLimit limit) {
   constexpr const char* names[] = {"hold", "braking", "join"};
   return names[static_cast<int>(limit)];
 }

@@ -19,7 +19,7 @@
 //   started_by_touch(is_leader)     optional: the state at the start if the follower starts by itself
 //                                   and the leader starts when its contact slides
 //   Memory<B, Count>                optional: what a robot remembers besides its state and times, and
-//                                   what follows from that (control/lease_state.hpp)
+//                                   what follows from that (control/resilient_memory.hpp)
 //   idle                            … the state of a robot that neither corrects nor assists
 //   assisting, initial_assisting    optional: the states that a robot stores, and its state after a
 //                                   boot if it was in one of them
@@ -29,7 +29,7 @@
 //
 // MAIL. With *beacons* a robot has one message in each state. It is sent at once when it changes, and
 // repeated in every beacon period. A robot acts on its partner's newest message while that message
-// is at most `lease` old (control/beacon.hpp bounds its age). When the lease has expired, it hears
+// is at most `lease` old (control/mailbox.hpp bounds its age). When the lease has expired, it hears
 // silence. A table that names its `quiet` states needs fewer beacons (TableBeacons). With a *queue* a
 // row may send a message, once. The message waits at the partner until a row of the partner reads it.
 // A robot hears the oldest message that it has not read. A row that names what it hears reads that
@@ -85,7 +85,7 @@ enum class If : std::uint8_t {
   leads,      // it is the front robot in the direction of travel
   follows,
   may_stop,  // the scene lets a robot stop as a correction
-  // Of tables with a memory of their own (control/lease_state.hpp):
+  // Of tables with a memory of their own (control/resilient_memory.hpp):
   settled,   // the palm has turned and the wheels have braked
   released,  // the partner knew, when it sent its newest message, that this robot no longer asks
   // Of the table that lifts (control/lifting.hpp):

@@ -5,7 +5,7 @@
 //
 // INTERFACE. step(RobotInput) → RobotOutput once per control tick. The object itself is the only
 // memory. The caller keeps what arrives until the robot hears it: beacons in a BeaconReceiver
-// (control/beacon.hpp), the messages of a queue in an inbox; and, across a reboot, the epoch and the
+// (control/mailbox.hpp), the messages of a queue in an inbox; and, across a reboot, the epoch and the
 // last RobotOutput::assists. Times are in ticks.
 #pragma once
 

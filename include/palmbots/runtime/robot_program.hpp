@@ -20,8 +20,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "palmbots/control/robot_program.hpp"
-#include "palmbots/wire/codec.hpp"
+#include "palmbots/control/mailbox.hpp"
 #include "palmbots/wire/packet.hpp"
 
 namespace palmbots::runtime {
@@ -55,7 +54,7 @@ enum class Taken : std::uint8_t {
 // True if the verdict counts against the sender's link.
 constexpr bool is_old(const wire::Decoded& got) { return got.verdict == wire::Verdict::stale; }
 
-// A robot that decides by itself, with any controller (control/robot_program.hpp).
+// A robot that decides by itself, with any controller (control/mailbox.hpp).
 template <class Controller>
 class PartnerProgram {
   static constexpr Mail mail = Controller::mail;
@@ -76,17 +75,30 @@ class PartnerProgram {
   constexpr void begin(std::uint32_t tick) { program_.boot(epoch_, tick); }
   constexpr void pass(std::uint16_t elapsed) { program_.pass(elapsed); }
 
+  // A beacon with the verdict `no_session` counts, too. It is the newest and has unknown age
+  // (`BeaconReceiver::age`), so the partner is treated as silent until it answers. If it were
+  // ignored, the beacon before it would still count as the newest, although this robot's packets
+  // acknowledge the new one and the partner therefore regards the old one as forgotten. For the same
+  // reason such robots send each other only beacons of their language during a carry.
   constexpr Taken hear(const wire::Decoded& got) {
     if (is_old(got)) return Taken::rejected;
+    const wire::Packet& packet = got.packet;
     auto& mailbox = program_.mailbox();
     if constexpr (mail == Mail::queue) {
       if (got.verdict == wire::Verdict::no_session) return Taken::rejected;
-      if (got.packet.kind != wire::PacketKind::state) return Taken::ignored;
-      const wire::State state = wire::state_of(got.packet.payload);
-      if (state.language != language) return Taken::ignored;
+    }
+    if (packet.kind != wire::PacketKind::state) return Taken::ignored;
+    const wire::State state = wire::state_of(packet.payload);
+    if (state.language != language) return Taken::ignored;
+    if constexpr (mail == Mail::queue) {
       return mailbox.accept(state.message) ? Taken::taken : Taken::rejected;
     } else if constexpr (mail == Mail::beacons) {
-      if (!wire::hear(mailbox, got, language)) return Taken::ignored;
+      const Beacon beacon{state.message,
+                          state.at_rest,
+                          state.ready,
+                          {packet.sent.epoch, packet.sent.sequence},
+                          {packet.heard.epoch, packet.heard.sequence}};
+      if (!mailbox.accept(beacon)) return Taken::ignored;
       return mailbox.age() > program_.lease() ? Taken::late : Taken::taken;
     }
     return Taken::ignored;
@@ -129,7 +141,7 @@ class PartnerProgram {
     return mail == Mail::queue ? wire::Language::messages : wire::Language::none;
   }();
 
-  RobotProgram<Controller> program_;
+  ControllerWithMail<Controller> program_;
   std::uint32_t epoch_;
 };
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "palmbots/base/gravity.hpp"
 #include "palmbots/control/resilient_timing.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/robot/actuators.hpp"

@@ -12,7 +12,6 @@
 #include "palmbots/sim/corruption.hpp"
 #include "palmbots/sim/radio_channel.hpp"
 #include "palmbots/sim/random_streams.hpp"
-#include "palmbots/wire/codec.hpp"
 
 namespace palmbots {
 
@@ -150,8 +149,7 @@ class Radio {
   }
 
   // True if the message arrives damaged and is rejected. The message is encoded as a packet, some
-  // of its bytes are replaced by noise, and the receiver's decoder reads the result
-  // (wire/codec.hpp).
+  // of its bytes are replaced by noise, and the receiver's decoder reads the result.
   template <class Payload>
   bool damages(const Payload& payload, std::uint32_t tick, std::size_t sender, std::size_t robot,
                std::uint32_t lane, std::uint32_t number) const {

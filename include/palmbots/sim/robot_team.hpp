@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Team of two robots that decide by themselves: a program each (control/robot_program.hpp), their
+// Team of two robots that decide by themselves: a program each (control/mailbox.hpp), their
 // clocks, and a link in each direction if they exchange mail.
 //
 // Messages of a queue are judged when they arrive if the verdicts can differ (sim/session_link.hpp).
@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "palmbots/control/robot_program.hpp"
+#include "palmbots/control/mailbox.hpp"
 #include "palmbots/sim/faults.hpp"
 #include "palmbots/sim/session_link.hpp"
 #include "palmbots/sim/team.hpp"
@@ -114,7 +114,7 @@ class RobotTeam {
   const Faults& faults() const { return faults_; }
 
  private:
-  using Program = RobotProgram<Controller>;
+  using Program = ControllerWithMail<Controller>;
   static constexpr bool is_queue = Program::mail == Mail::queue;
   using Packet = std::conditional_t<is_queue, Stamped<MessageKind>, Beacon>;
 

@@ -18,8 +18,6 @@
 
 namespace palmbots {
 
-inline constexpr double standard_gravity = 9.80665;  // [m/s²]
-
 // The complete specification of one carry: the sections of a scene, one after the other.
 struct Spec : ObjectSpec,
               TactileSpec,

@@ -63,7 +63,7 @@ class Endpoint {
   // Decodes a packet, checks whether it is to be acted upon, and counts the verdict. Every authentic
   // packet is returned: statistics and logs need its sender and stamp. One without a session is its
   // sender's newest. To keep acting on an older one would mean acting on a message that the sender
-  // may have forgotten in a boot (wire/codec.hpp, `hear`).
+  // may have forgotten in a boot (runtime/robot_program.hpp, `hear`).
   constexpr Decoded receive(std::span<const std::uint8_t> bytes) {
     Decoded decoded = decode(bytes, identity_.key, identity_.pair, identity_.role);
     if (decoded.verdict == Verdict::accepted) decoded.verdict = judge(decoded.packet);

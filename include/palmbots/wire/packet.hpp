@@ -4,19 +4,27 @@
 // A packet carries one item: hello, which announces a boot; the state that a robot sends its
 // partner; its status for the station; a wish of the operator; or a report or a command of
 // the centralized algorithm (wire/payload.hpp). The other fields are sender and receiver, the
-// packet's own stamp (wire/replay_window.hpp), the newest stamp that the sender had received from
+// packet's own stamp, the newest stamp that the sender had received from
 // the receiver, and a SipHash-2-4 tag over all of this under the key of the pair. `decode` accepts
 // exactly the byte sequences that `encode` produces; wire/endpoint.hpp decides whether a packet is
 // new.
+//
+// STAMPS. Each sender numbers its packets. A packet's stamp is (epoch, sequence), compared in this
+// order. The epoch counts the sender's boots and survives them. A sender stores the last epoch in
+// permanent memory, and writes the next one there *before* its first packet, so no stamp is ever used
+// twice under a key. The sequence starts at 1 in every epoch. After 2³² − 1 packets (497 days at 100
+// per second) the next number would be 0, which is not valid. The sender then stays silent until it
+// enters the next epoch, as at a boot. After 2²⁴ − 1 epochs, or when the counter is lost, the pair
+// needs a new key.
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "palmbots/wire/payload.hpp"
-#include "palmbots/wire/replay_window.hpp"
 #include "palmbots/wire/siphash.hpp"
 
 namespace palmbots::wire {
@@ -60,6 +68,14 @@ constexpr const char* name_of(Role role) {
   return names[static_cast<int>(role)];
 }
 
+// A packet's stamp. Epoch 0 stands for "never".
+struct SequenceNumber {
+  std::uint32_t epoch = 0;
+  std::uint32_t sequence = 0;
+
+  constexpr auto operator<=>(const SequenceNumber&) const = default;
+};
+
 // The largest epoch that fits into its field.
 inline constexpr std::uint32_t max_epoch = 0xFFFFFF;
 
@@ -87,7 +103,7 @@ enum class Verdict : std::uint8_t {
   wrong_receiver,  // meant for another receiver
   bad_tag,         // the tag is wrong
   malformed,       // the tag is right, but the content is invalid
-  stale,           // older than the newest, or a repetition of it (wire/replay_window.hpp)
+  stale,           // older than the newest, or a repetition of it (wire/session.hpp)
   no_session,      // not sent in answer to the receiver's present boot (wire/endpoint.hpp)
 };
 inline constexpr std::size_t verdict_count = 10;

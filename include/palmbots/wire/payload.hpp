@@ -74,6 +74,11 @@ constexpr const char* name_of(Language language) {
   return names[static_cast<int>(language)];
 }
 
+// The language of a beacon with this message.
+constexpr Language language_of(MessageKind message) {
+  return is_sign(message) ? Language::signs : Language::beacons;
+}
+
 // True if the language has this message.
 constexpr bool has_message(Language language, MessageKind kind) {
   switch (language) {

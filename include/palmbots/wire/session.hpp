@@ -2,7 +2,7 @@
 // A session: what one end of the wire remembers about another end, without the bytes. It numbers
 // the packets to that end and decides which of its packets are acted upon.
 //
-// A replay window is empty after every boot, so an attacker could replay packets from before the
+// It accepts only stamps (wire/packet.hpp) that are higher than all before. What it remembers is empty after every boot, so an attacker could replay packets from before the
 // boot. Each packet therefore names the newest packet that its sender had received from the
 // receiver, and a receiver acts only on packets that name one of its present epoch: these were sent
 // after this boot. Other new packets get the verdict `no_session`; they only update the newest
@@ -16,7 +16,7 @@
 
 #include <cstdint>
 
-#include "palmbots/wire/replay_window.hpp"
+#include "palmbots/wire/packet.hpp"
 
 namespace palmbots::wire {
 
@@ -52,7 +52,8 @@ class Session {
   // Judges a packet that came from the other end, and remembers its stamp if it is new. `heard` is
   // the newest packet of this end that its sender knew.
   constexpr Freshness receive(const SequenceNumber& sent, const SequenceNumber& heard) {
-    if (!window_.accept(sent)) return Freshness::stale;
+    if (sent <= newest_) return Freshness::stale;
+    newest_ = sent;
     if (heard.epoch > claimed_epoch_) claimed_epoch_ = heard.epoch;
     // Epoch 0 is no boot. An end that has not counted its boot must not act on packets whose sender
     // had not received anything from it.
@@ -61,7 +62,7 @@ class Session {
   }
 
   // The newest stamp received from the other end since this end's boot.
-  constexpr const SequenceNumber& heard() const { return window_.newest(); }
+  constexpr const SequenceNumber& heard() const { return newest_; }
 
   // The highest epoch of this end that the other end has named. If it exceeds the present one, this
   // end's counter of boots is behind: it runs elsewhere too, or on another machine than before.
@@ -69,7 +70,7 @@ class Session {
 
  private:
   SequenceNumber next_;
-  ReplayWindow window_;
+  SequenceNumber newest_;
   std::uint32_t claimed_epoch_ = 0;
 };
 

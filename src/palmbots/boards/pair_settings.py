@@ -32,8 +32,8 @@ from palmbots.pair.board_keys import PULSES_S
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stopping_limit import stopping_limit_s
+from palmbots.robot.core_program import controller_of
 from palmbots.robot.live_robot import core_settings
-from palmbots.robot.robot_program import controller_of
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import refuse_floor, to_spec
 

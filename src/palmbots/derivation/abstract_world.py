@@ -283,7 +283,7 @@ class _Resilient(_Pair):
     It remembers both controllers; for each the beacon that it has not heard, as (message, rests,
     ready, age of its echo); for each how many turns ago it sent the newest beacon that the other
     has heard; and what each said last. Ages are in turns of the robot whose clock counts them
-    (palmbots/control/beacon.hpp).
+    (palmbots/control/mailbox.hpp).
     """
 
     # As control/resilient_timing.hpp has it: 2 (delay + beacon) + 2 ticks, each of them 1, and one

@@ -25,7 +25,7 @@ from palmbots.fitting.fitted_values import (
 )
 from palmbots.fitting.motion_likelihood import Stretch, Stretches
 from palmbots.fitting.profile_likelihood import Function, Maximum, bootstrap, interval, maximum
-from palmbots.fitting.recordings import read_recording
+from palmbots.fitting.recorded_tables import read_recording
 from palmbots.fitting.straight_stretches import (
     COMMANDS,
     ENDS_S,

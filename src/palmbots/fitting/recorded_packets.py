@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import Source
-from palmbots.fitting.recordings import Recording, read_recording
+from palmbots.fitting.recorded_tables import Recording, read_recording
 
 Floats = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.motion_likelihood import Stretch
-from palmbots.fitting.recordings import Recording
+from palmbots.fitting.recorded_tables import Recording
 
 Floats = NDArray[np.float64]
 

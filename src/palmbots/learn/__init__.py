@@ -7,11 +7,11 @@ from palmbots._util.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from palmbots.learn import carry_v0 as carry_v0
-    from palmbots.learn.baseline import Baseline as Baseline
-    from palmbots.learn.baseline import EpisodeResult as EpisodeResult
-    from palmbots.learn.baseline import Policy as Policy
-    from palmbots.learn.baseline import SilentBaseline as SilentBaseline
-    from palmbots.learn.baseline import run_episode as run_episode
+    from palmbots.learn.baseline_policies import Baseline as Baseline
+    from palmbots.learn.baseline_policies import EpisodeResult as EpisodeResult
+    from palmbots.learn.baseline_policies import Policy as Policy
+    from palmbots.learn.baseline_policies import SilentBaseline as SilentBaseline
+    from palmbots.learn.baseline_policies import run_episode as run_episode
     from palmbots.learn.reward import RewardWeights as RewardWeights
     from palmbots.learn.spaces import ACTION as ACTION
     from palmbots.learn.spaces import MESSAGES as MESSAGES

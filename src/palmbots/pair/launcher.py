@@ -16,7 +16,7 @@ from palmbots._util.atomic_files import write_whole
 from palmbots._util.exit_status import BAD_INPUT
 from palmbots.errors import PalmbotsError
 from palmbots.links.impairment import Impairment, Proxy
-from palmbots.links.lockstep import REBOOTED
+from palmbots.links.lockstep_line import REBOOTED
 from palmbots.pair.pair_file import ENDS, init_pair, load_pair, station_address
 from palmbots.pair.processes import Processes
 from palmbots.pair.stopping_limit import stopping_limit_s

@@ -18,7 +18,7 @@ from palmbots.pair.live_ends import open_pair_link
 from palmbots.pair.pair_file import Pair, load_pair
 from palmbots.pair.robot_driver import opened_driver
 from palmbots.pair.stored_state import booted
-from palmbots.robot.robot_program import controller_of
+from palmbots.robot.core_program import controller_of
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.wire import Verdict
 

@@ -22,13 +22,13 @@ from palmbots.pair.live_ends import open_pair_driver, open_pair_link
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.pair.stored_state import StoredState, booted
+from palmbots.robot.core_program import controller_of, robot_program
 from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.observation import Observation, Observer, observation_socket
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
-from palmbots.robot.robot_program import controller_of, robot_program
 from palmbots.robot.state_keeper import StateKeeper
-from palmbots.robot.waiting import (
+from palmbots.robot.waiting_lines import (
     PATIENCE_S,
     Silence,
     Waiting,

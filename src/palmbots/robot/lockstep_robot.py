@@ -16,13 +16,13 @@ from palmbots.clocks.control_clock import JITTER_LIMITS_MS
 from palmbots.drivers.driver import Drive, Reading
 from palmbots.links.greeting import scene_number
 from palmbots.links.link import Link
-from palmbots.links.lockstep import Input, LockstepLine
+from palmbots.links.lockstep_line import Input, LockstepLine
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState, booted
+from palmbots.robot.core_program import robot_program
 from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
-from palmbots.robot.robot_program import robot_program
 from palmbots.robot.state_keeper import StateKeeper
 from palmbots.scene.scene import load_scene
 from palmbots.wire import Role

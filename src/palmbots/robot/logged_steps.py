@@ -18,7 +18,7 @@ from palmbots.logs.run_channels import RobotTick
 from palmbots.logs.run_log_writer import RunLogWriter
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState
-from palmbots.robot.robot_program import controller_of
+from palmbots.robot.core_program import controller_of
 from palmbots.scene.scene import Scene
 from palmbots.wire import KEY_SIZE
 

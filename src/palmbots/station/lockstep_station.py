@@ -5,7 +5,7 @@ import contextlib
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots.links.lockstep import LockstepLine
+from palmbots.links.lockstep_line import LockstepLine
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import booted
 

@@ -148,8 +148,8 @@ struct ManyRobots : OutputBits {
 
 // The memory of a robot, one step after the other, over random histories that reach every age.
 void leases_count_alike() {
-  using One = LeaseState<bool, std::uint16_t>;
-  using Many = LeaseState<RobotMask, BitslicedCounter>;
+  using One = ResilientMemory<bool, std::uint16_t>;
+  using Many = ResilientMemory<RobotMask, BitslicedCounter>;
   const One::Limits limits{21, 6, 4};
   const RobotMask self = one_of(right);
   Many::Limits many_limits;

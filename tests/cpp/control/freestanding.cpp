@@ -73,12 +73,6 @@ palmbots::ResilientTiming timing(const palmbots::ResilientTimingInputs& inputs) 
   return palmbots::ResilientTiming::of(inputs);
 }
 
-bool radio_hear(palmbots::BeaconReceiver& receiver, const palmbots::wire::Decoded& received);
-
-bool radio_hear(palmbots::BeaconReceiver& receiver, const palmbots::wire::Decoded& received) {
-  return palmbots::wire::hear(receiver, received);
-}
-
 palmbots::runtime::ModeOutputs mode_step(palmbots::runtime::ModeMachine& robot,
                                          const palmbots::runtime::ModeInputs& in);
 

@@ -8,7 +8,7 @@
 
 #include "palmbots/control/distributed.hpp"
 #include "palmbots/control/machine_table.hpp"
-#include "palmbots/control/robot_program.hpp"
+#include "palmbots/control/mailbox.hpp"
 #include "palmbots/control/row_policy.hpp"
 #include "palmbots/control/table_robot.hpp"
 #include "support/check.hpp"

@@ -11,7 +11,7 @@
 #include <cstring>
 
 #include "palmbots/base/philox.hpp"
-#include "palmbots/control/beacon.hpp"
+#include "palmbots/control/mailbox.hpp"
 #include "support/check.hpp"
 #include "support/resilient_oracle.hpp"
 

@@ -57,7 +57,7 @@ void a_lease_has_two_limits() {
   const ResilientTiming own = ResilientTiming::of(usual);
   CHECK(own.problem == Problem::none);
   CHECK(own.shortest_lease == 2 * (10 + 5) + 2);
-  CHECK(own.times.limits[static_cast<std::size_t>(palmbots::LeaseLimit::hold)] ==
+  CHECK(own.times.limits[static_cast<std::size_t>(palmbots::ResilientLimit::hold)] ==
         own.times.lease + 1 + 10 + 6);
   CHECK(own.skew <= own.room);
   CHECK(with_lease(0.01 * own.shortest_lease).problem == Problem::none);

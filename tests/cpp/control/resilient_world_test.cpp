@@ -12,7 +12,7 @@
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/side.hpp"
-#include "palmbots/control/beacon.hpp"
+#include "palmbots/control/mailbox.hpp"
 #include "palmbots/control/resilient.hpp"
 #include "palmbots/control/table_robot.hpp"
 #include "support/check.hpp"

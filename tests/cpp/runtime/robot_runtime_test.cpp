@@ -310,10 +310,12 @@ void test_late_beacons() {
     using Program = PartnerProgram<TableRobot<Resilient>>;
     Program program(TableRobot<Resilient>({1, lease, {3, 0, 3}}, {true}), 1);
     program.pass(10);
-    const wire::PacketHeader header{
-        Role::right, Role::left, wire::test_pair, {1, 4}, {1, std::uint32_t{10} - age}};
-    const Beacon beacon{MessageKind::tilt_down, false, true, {1, 4}, {1, std::uint32_t{10} - age}};
-    const Taken taken = program.hear({wire::Verdict::accepted, wire::packet_of(beacon, header)});
+    const wire::State state{wire::Language::beacons, MessageKind::tilt_down,
+                            wire::RobotMode::carrying, true};
+    const wire::Packet beacon{PacketKind::state, Role::right, Role::left,
+                              wire::test_pair,   {1, 4},      {1, std::uint32_t{10} - age},
+                              payload_of(state)};
+    const Taken taken = program.hear({wire::Verdict::accepted, beacon});
     CHECK(taken == (age > lease ? Taken::late : Taken::taken));
   }
 }

@@ -35,7 +35,9 @@ struct ResilientOracle {
   ResilientOracle(const palmbots::TableTimes<palmbots::Resilient>& t, bool lower_id, bool assisted)
       : times(t), lower_identity(lower_id), now(assisted ? withdraw : lower) {}
 
-  long limit(palmbots::LeaseLimit one) const { return times.limits[static_cast<std::size_t>(one)]; }
+  long limit(palmbots::ResilientLimit one) const {
+    return times.limits[static_cast<std::size_t>(one)];
+  }
 
   static MessageKind message_of(Doing doing) {
     switch (doing) {
@@ -65,7 +67,7 @@ struct ResilientOracle {
 
   Doing next(Sign p, bool palm_turned) const {
     const bool palm_at_target =
-        palm_turned && clock - moved_at >= limit(palmbots::LeaseLimit::braking);
+        palm_turned && clock - moved_at >= limit(palmbots::ResilientLimit::braking);
     const bool fresh = clock - heard_at <= times.lease;
     const bool asked = fresh && newest == MessageKind::tilt_up;
     const bool granted = fresh && newest == MessageKind::ack;
@@ -91,7 +93,7 @@ struct ResilientOracle {
       case withdraw:
         if (asked && palm_at_target) return grant;
         if (fresh && !asked) return lower;
-        return clock - entered_at >= limit(palmbots::LeaseLimit::hold) ? lower : withdraw;
+        return clock - entered_at >= limit(palmbots::ResilientLimit::hold) ? lower : withdraw;
       case lower:
         if (asked) return help;
         if (free && p == Sign::positive) return ask;
@@ -131,7 +133,7 @@ struct ResilientOracle {
     const bool partner_knows = heard_at >= changed_at;
     if (fresh && now == nothing && in.sign == Sign::zero) ready_at = clock;
     const bool ready = ready_at == clock;
-    const bool was_ready = clock - ready_at <= limit(palmbots::LeaseLimit::join);
+    const bool was_ready = clock - ready_at <= limit(palmbots::ResilientLimit::join);
     if (!fresh) {
       standing = true;
     } else if (standing) {

@@ -2,13 +2,12 @@
 // What controllers say goes through packets and back unchanged; two resilient robots that talk in
 // packets, with a stranger between them, do tick for tick what those of the simulator do that hand
 // each other beacons; and what damage does to a packet.
-#include "palmbots/wire/codec.hpp"
-
 #include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "palmbots/control/shared_sign.hpp"
 #include "palmbots/runtime/robot_program.hpp"
 #include "palmbots/sim/corruption.hpp"
 #include "palmbots/sim/random_streams.hpp"
@@ -39,10 +38,10 @@ void test_beacons_there_and_back() {
             wire::packet_of(beacon, {Role::left, Role::right, wire::test_pair, {}, {}});
         CHECK(wire::well_formed(packet) && packet.kind == wire::PacketKind::state);
         CHECK(wire::state_of(packet.payload).language == wire::Language::beacons);
-        const Beacon back = wire::beacon_in(packet);
-        CHECK(back.message == message && back.stopped == stopped && back.ready == ready);
-        CHECK(back.sent.epoch == 70000 && back.sent.tick == 4000000000U);
-        CHECK(back.heard.epoch == 3 && back.heard.tick == 9);
+        const wire::State back = wire::state_of(packet.payload);
+        CHECK(back.message == message && back.at_rest == stopped && back.ready == ready);
+        CHECK((packet.sent == wire::SequenceNumber{70000, 4000000000U}));
+        CHECK((packet.heard == wire::SequenceNumber{3, 9}));
       }
     }
   }
@@ -57,16 +56,16 @@ void test_signs_there_and_back() {
         wire::packet_of(beacon, {Role::left, Role::right, wire::test_pair, {}, {}});
     CHECK(wire::well_formed(packet));
     CHECK(wire::state_of(packet.payload).language == wire::Language::signs);
-    const Beacon back = wire::beacon_in(packet);
-    CHECK(back.message == kind && !back.stopped && !back.ready);
-    CHECK(back.sent.epoch == 70000 && back.sent.tick == 4000000000U);
-    CHECK(back.heard.epoch == 3 && back.heard.tick == 9);
+    const wire::State back = wire::state_of(packet.payload);
+    CHECK(back.message == kind && !back.at_rest && !back.ready);
+    CHECK((packet.sent == wire::SequenceNumber{70000, 4000000000U}));
+    CHECK((packet.heard == wire::SequenceNumber{3, 9}));
     // A robot takes in only the language that its controller uses.
-    for (const wire::Language wanted : {wire::Language::beacons, wire::Language::signs}) {
-      BeaconReceiver receiver(1);
-      const bool counts = wire::hear(receiver, {Verdict::accepted, packet}, wanted);
-      CHECK(counts == (wanted == wire::Language::signs));
-    }
+    const wire::Decoded heard{Verdict::accepted, packet};
+    runtime::PartnerProgram signs(TableRobot<SharedSign>({1, 5, {}}, {true}), 1);
+    runtime::PartnerProgram beacons(TableRobot<Resilient>({1, 5, {3, 0, 3}}, {true}), 1);
+    CHECK(signs.hear(heard) != runtime::Taken::ignored);
+    CHECK(beacons.hear(heard) == runtime::Taken::ignored);
   }
 }
 

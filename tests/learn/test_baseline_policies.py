@@ -8,7 +8,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.learn import carry_v0
-from palmbots.learn.baseline import Baseline, SilentBaseline, run_episode
+from palmbots.learn.baseline_policies import Baseline, SilentBaseline, run_episode
 
 HARD = {
     "robot.noise_m_s": 0.02,

@@ -2,7 +2,7 @@
 // The memory of a robot of the resilient algorithm besides its state: the times since certain
 // events, and who travels.
 //
-// Written once for two uses: one robot, LeaseState<bool, std::uint16_t>, and the robots of 64
+// Written once for two uses: one robot, ResilientMemory<bool, std::uint16_t>, and the robots of 64
 // pairs, where a truth value is a word and a count is bit-sliced (batch/bitslice.hpp).
 #pragma once
 
@@ -14,7 +14,7 @@
 namespace palmbots {
 
 // Time limits of the algorithm (control/resilient_timing.hpp).
-enum class LeaseLimit : std::uint8_t {
+enum class ResilientLimit : std::uint8_t {
   hold,     // how long a palm stays up for a silent partner
   braking,  // how long the wheels take to brake
   join,     // for how long a robot that was ready may still start after its partner
@@ -24,7 +24,7 @@ enum class LeaseLimit : std::uint8_t {
 // robots.who(predicate). `age` is that of the partner's newest message, and it counts where it is
 // `fresh`.
 template <class B, class Count>
-struct LeaseState {
+struct ResilientMemory {
   B stopped{};
   B partner_stopped{};
   B partner_ready{};
@@ -41,9 +41,11 @@ struct LeaseState {
 
   template <class Times>
   static constexpr std::array<std::uint16_t, 3> limits(const Times& times) {
-    const auto limit = [&](LeaseLimit one) { return times.limits[static_cast<std::size_t>(one)]; };
-    return {static_cast<std::uint16_t>(times.lease + 1), limit(LeaseLimit::braking),
-            static_cast<std::uint16_t>(limit(LeaseLimit::join) + 1)};
+    const auto limit = [&](ResilientLimit one) {
+      return times.limits[static_cast<std::size_t>(one)];
+    };
+    return {static_cast<std::uint16_t>(times.lease + 1), limit(ResilientLimit::braking),
+            static_cast<std::uint16_t>(limit(ResilientLimit::join) + 1)};
   }
 
   // After a boot a robot rests.
