@@ -32,7 +32,7 @@ from palmbots.scene.object_library import object_names
 from palmbots.scene.overrides import SUPERSEDES
 from palmbots.scene.scene import load_scene
 from palmbots.scene.scene_schema import worded_schema
-from palmbots.simulation.carry_lines import REASONS
+from palmbots.simulation.reason_words import REASONS
 from palmbots.simulation.single import carry
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of

@@ -16,7 +16,7 @@ from palmbots.derivation import contact_motion, global_policy
 from palmbots.learn import rendering, spaces
 from palmbots.mechanics import contact_points
 from palmbots.mujoco import contact_events
-from palmbots.simulation import batch, carry_lines, result
+from palmbots.simulation import batch, reason_words, result
 from palmbots.stability import clearance, first_contact
 from palmbots.studies import variables
 from palmbots.viz import timeline
@@ -59,7 +59,7 @@ def test_alias_has_the_names_of_the_core(name: str) -> None:
     ("table", "names"),
     [
         (timeline._MARKERS, (*MESSAGES, "Hello")),
-        (carry_lines.REASONS, _core.drop_reasons[1:]),
+        (reason_words.REASONS, _core.drop_reasons[1:]),
         (rendering._MOVE_TEXTS, MOVES),
         (first_contact.MOTION_NAMES, contact_points.MOTION_CODES),
     ],

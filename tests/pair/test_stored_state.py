@@ -23,7 +23,7 @@ from palmbots.pair.stored_state import (
     read_state,
     write_state,
 )
-from palmbots.robot import state_keeper
+from palmbots.robot import storage_thread
 from palmbots.wire import MAX_EPOCH
 
 
@@ -107,7 +107,7 @@ def test_a_boot_forgets_what_could_not_be_stored_before(
 ) -> None:
     file = left_in(tmp_path)
     write_state(file, StoredState(1))
-    monkeypatch.setattr(state_keeper, "_RETRY_S", 0.001)
+    monkeypatch.setattr(storage_thread, "_RETRY_S", 0.001)
     fails = threading.Event()
     tries = threading.Semaphore(0)
 
@@ -117,8 +117,8 @@ def test_a_boot_forgets_what_could_not_be_stored_before(
             raise pb.PalmbotsError("the disk is full")
         write_state(file, state)
 
-    monkeypatch.setattr(state_keeper, "write_state", write)
-    with state_keeper.StateKeeper(file, StoredState(1)) as keeper:
+    monkeypatch.setattr(storage_thread, "write_state", write)
+    with storage_thread.StateWriter(file, StoredState(1)) as keeper:
         fails.set()
         keeper.keep(StoredState(1, carries=True))
         for _ in range(3):
@@ -141,8 +141,8 @@ def test_a_boot_is_written_after_what_a_slow_disk_still_had_to_write(
         time.sleep(0.02)
         write_state(file, state)
 
-    monkeypatch.setattr(state_keeper, "write_state", slow)
-    with state_keeper.StateKeeper(file, StoredState(1)) as keeper:
+    monkeypatch.setattr(storage_thread, "write_state", slow)
+    with storage_thread.StateWriter(file, StoredState(1)) as keeper:
         for covered_m in (0.1, 0.2, 0.3):
             keeper.keep(StoredState(1, carries=True, covered_m=covered_m))
         booted = keeper.boot()
@@ -161,7 +161,7 @@ def test_the_partner_waits_for_all_but_the_distance(
     tmp_path: Path, change: dict[str, Any], is_done: bool
 ) -> None:
     before = StoredState(1, carries=True)
-    keeper = state_keeper.StateKeeper(left_in(tmp_path), before)  # its thread does not run
+    keeper = storage_thread.StateWriter(left_in(tmp_path), before)  # its thread does not run
     assert keeper.is_done
     keeper.keep(replace(before, **change))
     assert keeper.is_done is is_done

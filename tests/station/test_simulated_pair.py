@@ -12,7 +12,7 @@ from palmbots.drivers.driver import Reading
 from palmbots.pair.launcher import UP
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import StoredState, write_state
-from palmbots.robot import live_robot, state_keeper
+from palmbots.robot import live_robot, storage_thread
 from palmbots.station.carry_script import carry_once
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.wire import Endpoint, Operate, State, decode
@@ -301,7 +301,7 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
 
     monkeypatch.setattr(live_robot, "open_pair_driver", lambda *_, **__: Driver())
     monkeypatch.setattr(live_robot, "open_pair_link", lambda *_: Link())
-    monkeypatch.setattr(state_keeper, "write_state", full)
+    monkeypatch.setattr(storage_thread, "write_state", full)
     live_robot.run_live_robot(pair, "left", rate=10)
     assert any(isinstance(body, State) and body.stop for body in sent)
 

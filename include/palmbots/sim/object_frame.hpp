@@ -14,7 +14,7 @@
 
 #include "palmbots/mechanics/rounded_body.hpp"
 #include "palmbots/sim/rounded_polygon.hpp"
-#include "palmbots/sim/task_spec.hpp"
+#include "palmbots/sim/task_keys.hpp"
 
 namespace palmbots {
 

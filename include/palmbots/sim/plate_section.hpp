@@ -5,7 +5,7 @@
 #include <array>
 
 #include "palmbots/mechanics/rounded_body.hpp"
-#include "palmbots/sim/robot_spec.hpp"
+#include "palmbots/sim/robot_keys.hpp"
 
 namespace palmbots {
 

@@ -10,11 +10,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "palmbots/sim/disturbance_spec.hpp"
-#include "palmbots/sim/radio_spec.hpp"
-#include "palmbots/sim/robot_spec.hpp"
+#include "palmbots/sim/disturbance_keys.hpp"
+#include "palmbots/sim/radio_keys.hpp"
+#include "palmbots/sim/robot_keys.hpp"
 #include "palmbots/sim/scene_key.hpp"
-#include "palmbots/sim/task_spec.hpp"
+#include "palmbots/sim/task_keys.hpp"
 
 namespace palmbots {
 

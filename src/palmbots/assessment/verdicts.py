@@ -22,9 +22,9 @@ from palmbots.mechanics.load_limits import LoadLimits, mass_text
 from palmbots.mujoco.curve_trial import CurveTrial, respelled
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import on_every_side, value_of
-from palmbots.simulation.carry_lines import usual_reason
 from palmbots.simulation.noise_limit import MOST_M_S, NOISE_KEY
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
+from palmbots.simulation.reason_words import usual_reason
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.tightest_margins import RankedMargin
 

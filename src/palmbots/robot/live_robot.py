@@ -27,8 +27,8 @@ from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.observation import Observation, Observer, observation_socket
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
-from palmbots.robot.state_keeper import StateKeeper
-from palmbots.robot.waiting_lines import (
+from palmbots.robot.storage_thread import StateWriter
+from palmbots.robot.waiting_notices import (
     PATIENCE_S,
     Silence,
     Waiting,
@@ -73,7 +73,7 @@ def run_live_robot(
                 on_line(f"warning: {text}")
         link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
         observer = stack.enter_context(contextlib.closing(Observer(observation_socket(file))))
-        keeper = stack.enter_context(StateKeeper(file, state))
+        keeper = stack.enter_context(StateWriter(file, state))
         waits = Waiting(on_line)
         stack.callback(waits.end)
         waits.begin(hardware_text(pair, side))

@@ -23,7 +23,7 @@ from palmbots.robot.core_program import robot_program
 from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
-from palmbots.robot.state_keeper import StateKeeper
+from palmbots.robot.storage_thread import StateWriter
 from palmbots.scene.scene import load_scene
 from palmbots.wire import Role
 
@@ -109,7 +109,7 @@ def run_lockstep_robot(pair: Pair, side: Side) -> RobotEnd:
             return program, RobotLog(silent, side, state, scene, {}, print)
 
         start(state)  # refuses before anything is opened
-        keeper = stack.enter_context(StateKeeper(file, state))
+        keeper = stack.enter_context(StateWriter(file, state))
         line = LockstepLine(pair.settings.driver.address, side, state.epoch, scene_number(scene))
         world = stack.enter_context(contextlib.closing(LockstepWorld(line)))
         gauge = ReadingGauge(pair, side, scene, _NOTHING_YET, 0.0)

@@ -54,7 +54,7 @@ class RobotEnd:
 
 
 class Keeper(Protocol):
-    """Stores what a robot must remember (`palmbots.robot.state_keeper`)."""
+    """Stores what a robot must remember (`palmbots.robot.storage_thread`)."""
 
     works: bool
     """The newest attempt to write has not failed."""

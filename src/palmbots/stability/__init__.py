@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from palmbots.stability.clearance import outline_clearance as outline_clearance
     from palmbots.stability.design_result import Design as Design
     from palmbots.stability.design_result import OwnAngles as OwnAngles
-    from palmbots.stability.drop_diagnosis import analyze_hint as analyze_hint
-    from palmbots.stability.drop_diagnosis import missing_properties as missing_properties
-    from palmbots.stability.drop_diagnosis import touch_start_hint as touch_start_hint
+    from palmbots.stability.drop_hints import analyze_hint as analyze_hint
+    from palmbots.stability.drop_hints import missing_properties as missing_properties
+    from palmbots.stability.drop_hints import touch_start_hint as touch_start_hint
     from palmbots.stability.first_contact import FirstTouch as FirstTouch
     from palmbots.stability.first_contact import first_touch as first_touch
     from palmbots.stability.lateral_tipping import Sideways as Sideways

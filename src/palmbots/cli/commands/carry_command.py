@@ -123,7 +123,7 @@ def carry(
                 result, folder, animation=animation or "gif", video=video, earlier=earlier,
                 on_stage=stage,
             )  # fmt: skip
-    from palmbots.stability.drop_diagnosis import analyze_hint, touch_start_hint
+    from palmbots.stability.drop_hints import analyze_hint, touch_start_hint
 
     explain = {"dropped": analyze_hint, "stalled": touch_start_hint}.get(result.outcome)
     hint = explain(chosen, entry.name, scene, overrides) if explain and not as_json else None

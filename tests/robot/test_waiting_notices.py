@@ -4,7 +4,7 @@
 from pathlib import Path
 
 from palmbots.pair.pair_file import init_pair, load_pair
-from palmbots.robot.waiting_lines import Silence, hardware_text, reading_text
+from palmbots.robot.waiting_notices import Silence, hardware_text, reading_text
 
 
 def test_unheard_ends_are_named_once_and_then_when_they_are_heard() -> None:

@@ -12,7 +12,7 @@ from palmbots.pair.stored_state import StateFile, StoredState, write_state
 _RETRY_S = 0.5
 
 
-class StateKeeper:
+class StateWriter:
     """Keeps the file of a robot up to date; a context manager.
 
     What cannot be written is tried again until it can be.

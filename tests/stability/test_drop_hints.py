@@ -11,7 +11,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.cli import main as cli
-from palmbots.stability.drop_diagnosis import missing_properties
+from palmbots.stability.drop_hints import missing_properties
 
 OFF_CENTRE = "object.com_m=[0.05,0.04]"
 HINT = ", even with contacts inside the zero zone; run: "
