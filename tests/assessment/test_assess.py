@@ -205,7 +205,8 @@ def test_losses_are_those_of_every_sender() -> None:
     scenes = [pb.load_scene("paper", keys) for keys in ({}, senders)]
     counts = (count_outcomes("paper", "distributed", seeds=100),)
     all_alike, each = (
-        [trial.counts[0].dropped for trial in _with_losses(scene, counts)] for scene in scenes
+        [trial.counts[0].dropped for trial in _with_losses(scene, counts, print)]
+        for scene in scenes
     )
     assert all_alike == each and all_alike[-1] > 10 * (all_alike[0] + 1)
 

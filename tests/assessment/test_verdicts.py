@@ -237,6 +237,13 @@ def test_angles(trial: AngleTrial | NoPair | None, verdict: str, words: list[str
     assert answer.command == f"palmbots design SCENE{' -c silent' * isinstance(trial, AngleTrial)}"
 
 
+def test_few_carries_without_a_failure_do_not_speak_against_angles() -> None:
+    few = AngleTrial("silent", 9, 0.0, 0.0, 50, 0, (4.0, 12.0), 0, 0.5, 0.25)
+    assert on_angles(few, "SCENE", PAPER).verdict == "partly"
+    assert on_angles(few, "SCENE", PAPER, counts("silent", 30)).verdict == "partly"
+    assert on_angles(few, "SCENE", PAPER, counts("silent", 0)).verdict == "yes"
+
+
 def friction(alike: Any, unlike: Any, *failed: int) -> FrictionTrial:
     return FrictionTrial((0.2, 0.3), alike, unlike, tuple(counts("silent", n) for n in failed))
 

@@ -22,6 +22,7 @@ from palmbots.stability.angle_certificate import scene_at
 SHALLOW_DEG = (2.0, 4.0, 6.0, 8.0, 10.0)
 BETWEEN_DEG = (5.0, 8.0, 10.0, 12.0, 15.0)
 """Tried as the shallow angle, and as the angle by which the steep palm is steeper."""
+PAIRS = tuple((shallow, shallow + more) for shallow in SHALLOW_DEG for more in BETWEEN_DEG)
 FRESH = 1_000_000
 """First seed of the comparison. It uses other seeds than those that chose the pair, on which that
 pair may be best by luck."""
@@ -79,8 +80,7 @@ def try_angles(
         return NoPair("carries take too long, so no other pair of angles was tried")
     clearances: dict[Interval, float] = {}
     found: dict[Interval, Prepared] = {}
-    pairs = [(shallow, shallow + more) for shallow in SHALLOW_DEG for more in BETWEEN_DEG]
-    for pair in pairs:
+    for pair in PAIRS:
         try:
             candidate = scene_at(scene, pair)
             analysis = analyze(candidate)
@@ -89,16 +89,16 @@ def try_angles(
                 clearances[pair] = analysis.clearance_deg
         except PalmbotsError:
             continue
-    report(0.3)
+    report(0.05)
     if not found:
         return NoPair(
-            f"none of {len(pairs)} pairs of angles is allowed and keeps all properties, so no "
+            f"none of {len(PAIRS)} pairs of angles is allowed and keeps all properties, so no "
             "carry was tried with them"
         )
     failures = {}
     for k, (pair, prepared) in enumerate(found.items()):
         failures[pair] = count_failures(prepared, 0, count)
-        report(0.3 + 0.6 * (k + 1) / len(found))
+        report(0.05 + 0.9 * (k + 1) / (len(found) + 1))
     best = min(failures, key=lambda pair: (failures[pair], -clearances[pair]))
     return AngleTrial(
         controller=controller,

@@ -15,8 +15,8 @@ from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
-from palmbots.assessment.angles import AngleTrial, NoPair, try_angles
-from palmbots.assessment.changes import ChangeTrial, NoChange, try_changes
+from palmbots.assessment.angles import PAIRS, AngleTrial, NoPair, try_angles
+from palmbots.assessment.changes import FACTORS, ChangeTrial, NoChange, try_changes
 from palmbots.assessment.friction import (
     FrictionTrial,
     hardest_to_hold,
@@ -24,6 +24,7 @@ from palmbots.assessment.friction import (
     try_friction,
 )
 from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
+from palmbots.assessment.time_left import TimeLeft
 from palmbots.assessment.verdicts import (
     WORDS,
     Answer,
@@ -49,10 +50,18 @@ from palmbots.control.registry import describe, shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mechanics.load_limits import load_limits
-from palmbots.mujoco.curve_trial import CurveTrial, Keys, respelled, try_curve, turn_keys
+from palmbots.mujoco.curve_trial import (
+    FORECASTS,
+    CurveTrial,
+    Keys,
+    respelled,
+    try_curve,
+    turn_keys,
+)
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.sides import on_every_side, value_of
+from palmbots.simulation.batch import available_cores
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes, default_carries
 from palmbots.simulation.prepare import prepare
 from palmbots.stability.analysis import Analysis, analyze
@@ -67,6 +76,10 @@ QUESTIONS = (
     "carried", "load", "drops", "controllers", "angles", "friction", "radio", "curve", "change",
 )  # fmt: skip
 """Fields of `Answers`, in the order of the page."""
+_PARTS = ("counts", "friction", "load", "angles", "radio", "change", "curve")
+MUJOCO_PACE = 15.0
+"""How many times faster than the robots the MuJoCo world is taken to run, before it has run."""
+_LONG_S = 60.0
 _OF_CARRIES = ("drops", "controllers", "angles", "radio", "curve")
 
 
@@ -206,6 +219,7 @@ def assess(
     turn_angle_deg: float = 90.0,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
+    on_line: Callable[[str], None] | None = None,
 ) -> Assessment:
     """Answer on one page whether and how often a scene fails.
 
@@ -220,7 +234,9 @@ def assess(
             0: no curve is tried.
         turn_angle_deg: angle of this turn.
         overrides: scene keys to set.
-        on_progress: called with the completed fraction.
+        on_progress: called with the completed fraction, which follows the time on this machine.
+        on_line: called with each answer as soon as it is known, if it takes over a minute to know
+            all of them.
 
     Raises:
         SceneError: the scene cannot be read or is not valid.
@@ -229,64 +245,68 @@ def assess(
     chosen = load_scene(scene, overrides)
     name = chosen.spelled
     planar = respelled(name, {"task.path.kind": "straight"} if chosen.task.path.is_curved else {})
-    report = on_progress or (lambda fraction: None)
     interval = None if friction is None else interval_of_friction(friction)
     straight = _straightened(chosen)
     analysis = analyze(straight)
-    counts = tuple(_counted(straight))
-    report(0.1)
+    left = TimeLeft(on_progress or (lambda fraction: None), _PARTS)
+    answers: dict[str, Answer] = {}
+
+    def known(name: str, answer: Answer) -> None:
+        answers[name] = answer
+        if on_line is not None and left.total_s > _LONG_S:
+            on_line(f"{answer.question} {answer.word}: {answer.text}")
+
+    counts = _counted(straight, left)
     best = best_of(counts)
+    known("carried", on_mechanics(analysis, _near(straight, best), best, planar))
+    known("controllers", on_controllers(counts, planar, straight))
     rough, loaded = None, chosen
+    left.begin("friction")
     if interval is not None:
         rules = best.controller if best else None
         rough = try_friction(analysis, interval, rules, counts[0].carries if counts else 0)
         loaded = hardest_to_hold(chosen, interval)
+    known("friction", on_friction(rough, analysis, planar))
     angles: AngleTrial | NoPair | None = None
     curve = load = None
     change: ChangeTrial | NoChange | None = None
+    report = left.begin("load")
     if best is not None:
-        angles = try_angles(straight, best.controller, lambda done: report(0.1 + 0.1 * done))
-        held = _straightened(loaded)
-        load = try_load(held, best, LOAD_CARRIES, lambda n: report(0.2 + 0.2 * n))
-    radio = tuple(_with_losses(straight, counts))
-    report(0.45)
+        load = try_load(_straightened(loaded), best, LOAD_CARRIES, report)
+        left.expect(curve=left.spent_s() / LOAD_CARRIES * _carries_of_curve())
+    known("load", on_load(load_limits(loaded), best, load, name, rough))
+    known("drops", on_drops(counts, load, planar))
+    report = left.begin("angles")
+    if best is not None:
+        angles = try_angles(straight, best.controller, report)
+    known("angles", on_angles(angles, planar, straight, best))
+    radio = tuple(_with_losses(straight, counts, left.begin("radio")))
+    known("radio", on_radio(radio, counts, planar, straight))
+    report = left.begin("change")
     if best is not None or load_limits(straight).refusal():
         change = try_changes(
             straight,
             best.controller if best else RECOMMENDED,
             angles.keys if isinstance(angles, AngleTrial) else {},
             best.farthest_m if best else None,
-            lambda done: report(0.45 + 0.1 * done),
+            report,
         )
+    known("change", on_change(change, planar, straight))
+    report = left.begin("curve")
     if best is not None and turn_radius_m > 0:
         path: Keys = {}
         if chosen.task.path.kind == "straight":
             path = turn_keys(chosen, turn_radius_m, turn_angle_deg)
-        curve = try_curve(
-            chosen, best.controller, path, lambda done: report(0.55 + 0.45 * done),
-            carries=CURVE_CARRIES,
-        )  # fmt: skip
+        curve = try_curve(chosen, best.controller, path, report, carries=CURVE_CARRIES)
+    known("curve", on_curve(curve, best, chosen))
     report(1.0)
-    answers = Answers(
-        carried=on_mechanics(analysis, _near(straight, best), best, planar),
-        load=on_load(load_limits(loaded), best, load, name, rough),
-        drops=on_drops(counts, load, planar),
-        controllers=on_controllers(counts, planar, straight),
-        angles=on_angles(angles, planar, straight),
-        friction=on_friction(rough, analysis, planar),
-        radio=on_radio(radio, counts, planar, straight),
-        curve=on_curve(curve, best, chosen),
-        change=on_change(change, planar, straight),
-    )
     if not counts:
         refused = _refused(straight)
-        answers = replace(
-            answers,
-            **{name: replace(getattr(answers, name), **refused) for name in _OF_CARRIES},
-        )
+        answers |= {name: replace(answers[name], **refused) for name in _OF_CARRIES}
     pairs = angles if isinstance(angles, AngleTrial) else None
     trial = change if isinstance(change, ChangeTrial) else None
-    return Assessment(answers, counts, pairs, load, rough, radio, curve, trial, chosen, analysis)
+    found = Answers(**answers)
+    return Assessment(found, counts, pairs, load, rough, radio, curve, trial, chosen, analysis)
 
 
 def _near(scene: Scene, best: OutcomeCounts | None) -> Analysis | None:
@@ -311,21 +331,44 @@ def _straightened(scene: Scene) -> Scene:
     return scene.model_copy(update={"task": scene.task.model_copy(update={"path": Path()})})
 
 
-def _counted(scene: Scene) -> Iterator[OutcomeCounts]:
-    for name in shipped_names():
+def _counted(scene: Scene, left: TimeLeft) -> tuple[OutcomeCounts, ...]:
+    """Each shipped controller that accepts the scene; then it is known how long the rest takes."""
+    report = left.begin("counts")
+    names, found = shipped_names(), []
+    for k, name in enumerate(names, 1):
         try:
             usual = default_carries(prepare(scene, name)) or 0
-            yield count_outcomes(scene, name, seeds=max(usual, FEWEST))
+            found.append(count_outcomes(scene, name, seeds=max(usual, FEWEST)))
         except SceneError:  # of this controller only: `analyze` has accepted the scene
             continue
+        carry_s = left.spent_s() / sum(one.carries for one in found)
+        mujoco_s = 0.5 * scene.timeout_s / MUJOCO_PACE
+        left.expect(
+            load=LOAD_CARRIES * mujoco_s,
+            angles=len(PAIRS) * (usual or FEWEST) * carry_s,
+            radio=(len(LOSSES) + 1) * len(names) * found[0].carries * carry_s,
+            change=2 * len(FACTORS) * (usual or FEWEST) * carry_s,
+            curve=_carries_of_curve() * mujoco_s,
+        )
+        report(k / len(names))
+    return tuple(found)
 
 
-def _with_losses(scene: Scene, counts: tuple[OutcomeCounts, ...]) -> Iterator[RadioTrial]:
+def _carries_of_curve() -> float:
+    """What a curve costs, in carries in the MuJoCo world one after the other."""
+    return FORECASTS + CURVE_CARRIES / available_cores()
+
+
+def _with_losses(
+    scene: Scene, counts: tuple[OutcomeCounts, ...], report: Callable[[float], None]
+) -> Iterator[RadioTrial]:
     best = best_of(counts)
     tried = [one for one in counts if suffices(one)] or ([best] if best else [])
     names = [one.controller for one in tried if describe(one.controller).uses_radio]
     own = {value_of(scene, f"radio.{side}.loss") for side in SIDES}
-    for loss in sorted({*LOSSES, *own}) if names else ():
+    losses = sorted({*LOSSES, *own}) if names else []
+    for k, loss in enumerate(losses):
+        report(k / len(losses))
         lossy = on_every_side(scene, {"radio.loss": loss})
         carries = counts[0].carries
         found = [count_outcomes(scene, name, seeds=carries, overrides=lossy) for name in names]

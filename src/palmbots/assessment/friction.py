@@ -72,8 +72,9 @@ def try_friction(
         inside = any(least <= low and high <= most for least, most in analysis.friction)
         alike, unlike = "holds" if inside else "fails", None
     else:
-        alike = certify(scene, friction=(low, high), common_friction=True).verdict
-        unlike = certify(scene, friction=(low, high)).verdict
+        proof = certify(scene, friction=(low, high))
+        unlike = proof.verdict
+        alike = proof.with_common_friction or unlike  # what holds for all
     counts = tuple(
         count_outcomes(end, controller, seeds=carries) for end in ends if controller is not None
     )

@@ -258,9 +258,14 @@ def _widths(scene: Scene, controller: str) -> str:
     return f"here: {millimetres(zone)}, overrun {millimetres(overrun)}"
 
 
-def on_angles(trial: AngleTrial | NoPair | None, name: str, scene: Scene) -> Answer:
+def on_angles(
+    trial: AngleTrial | NoPair | None,
+    name: str,
+    scene: Scene,
+    counted: OutcomeCounts | None = None,
+) -> Answer:
     """Whether other palm angles are better. If none are but the scene still fails, the verdict is
-    ``partly``."""
+    ``partly``. `counted` may have more carries with the scene's own angles than the trial."""
     question, command = "Are the palm angles right?", f"palmbots design {name}"
     if _swept(scene, NOISE_KEY) != NOISE_KEY:  # the robots have no common noise to maximize
         command += " --maximize angle"
@@ -278,7 +283,8 @@ def on_angles(trial: AngleTrial | NoPair | None, name: str, scene: Scene) -> Ans
     own, best = (rate_text(n, trial.carries) for n in (trial.own_failures, trial.best_failures))
     if not trial.is_better:
         text = f"{trial.controller} fails in {own} at the scene's angles; {spread}"
-        if rate_interval(trial.own_failures, trial.carries)[1] <= SMALL:
+        of_trial = rate_interval(trial.own_failures, trial.carries)[1] <= SMALL
+        if of_trial or (counted is not None and suffices(counted)):
             return Answer(question, "yes", text, command)
         return Answer(question, "partly", f"no pair that was tried is better: {text}", command)
     shallow, steep = trial.best_deg

@@ -2,7 +2,7 @@
 """The keys that the core reads: default, unit and limits come from its table.
 
 A field of a section states the name of its key, ``loss: float = key("radio.loss")``, and adds a
-type and a docstring. The rows stand in ``include/palmbots/sim/*_spec.hpp``. `OUTSIDE_CORE` lists
+type and a docstring. The rows stand in ``include/palmbots/sim/*_keys.hpp``. `OUTSIDE_CORE` lists
 the keys of a scene that the core does not read; their fields have limits of their own.
 """
 

@@ -265,3 +265,13 @@ def test_failing_certificate_claims_at_least_one_failure(tmp_path: Path) -> None
     )
     alone = certify("paper", length_m=(0.14, 0.17), claims=("clearance",))
     assert check_function(saved(alone, tmp_path)).claim == "fails: clearance"
+
+
+def test_a_common_friction_is_tried_where_frictions_of_their_own_fail() -> None:
+    interval = (0.2, 0.5)
+    found = certify("paper", friction=interval)
+    alone = certify("paper", friction=interval, common_friction=True)
+    assert found.verdict == "fails" and alone.verdict == "holds" == found.with_common_friction
+    assert any("--common-friction" in str(line) for line in found.lines())
+    assert certify("paper", friction=(0.28, 0.36)).with_common_friction is None
+    assert certify("paper", com_x_m=(0.1, 0.15)).with_common_friction is None

@@ -26,6 +26,8 @@ def certificate_lines(certificate: "Certificate") -> Iterator[Item]:
     else:
         yield Line(warn_word("UNDECIDED"), bold(f"  {claims}"))
         yield f"neither proved nor refuted: {certificate.undecided} (try narrower intervals)"
+    if certificate.with_common_friction == "holds":
+        yield "where both palms have the same friction, it holds: --common-friction"
 
 
 def _witness(witness: dict[str, Any]) -> Iterator[Item]:

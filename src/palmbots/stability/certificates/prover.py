@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack
@@ -51,6 +51,7 @@ from palmbots.stability.problem import region_of
 _FORMAT = "palmbots certificate 4"
 _MAX_BOXES = 20_000
 _BITS = 128
+_FRICTIONS = {"friction", "friction_right"}
 
 Verdict = Literal["holds", "fails", "undecided"]
 
@@ -67,6 +68,9 @@ class Certificate(Result):
     """Number of boxes whose corners were evaluated."""
     undecided: str = ""
     """The first obligation that was neither proved nor refuted."""
+    with_common_friction: Verdict | None = None
+    """The verdict if both palms have the same friction, anywhere in the interval. None: not tried,
+    because the claims hold anyway, or no interval of friction was given."""
 
     @derived
     def format(self) -> str:
@@ -279,14 +283,21 @@ def certify(
     refuse_rounded_contacts(chosen)
     refuse_low_noses(chosen)
     refuse_heels(chosen)
-    box = box_of(
-        chosen,
-        common_friction=common_friction,
-        region_m=region_of(chosen, region_m),
-        beyond_m=beyond_m,
-        **intervals,
-    )
-    return prove(box, claims, scene=chosen, max_boxes=max_boxes)
+
+    def proved(common: bool) -> Certificate:
+        box = box_of(
+            chosen,
+            common_friction=common,
+            region_m=region_of(chosen, region_m),
+            beyond_m=beyond_m,
+            **intervals,
+        )
+        return prove(box, claims, scene=chosen, max_boxes=max_boxes)
+
+    found = proved(common_friction)
+    if found.holds or common_friction or {*intervals} & _FRICTIONS != {"friction"}:
+        return found
+    return replace(found, with_common_friction=proved(True).verdict)
 
 
 @writes("certify", path=Option("--out -o", metavar="FILE"))

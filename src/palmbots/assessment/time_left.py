@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How much of a work in parts is done, by the time that its parts take on this machine."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+
+class TimeLeft:
+    """The completed fraction: the time spent, as a share of it and of the time that is left.
+
+    What is left of a part follows from the pace of that part. Parts that have not begun take as
+    long as expected, and may be expected anew whenever more is known. The fraction never falls.
+
+    Args:
+        report: called with the fraction.
+        parts: in their order.
+        clock: in s.
+    """
+
+    def __init__(
+        self,
+        report: Callable[[float], None],
+        parts: tuple[str, ...],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._report, self._clock = report, clock
+        self._begin = self._part_begin = clock()
+        self._expected_s = dict.fromkeys(parts, 0.0)
+        self._fraction = 0.0
+
+    def expect(self, **seconds: float) -> None:
+        """Parts that have not begun take so long."""
+        self._expected_s |= {part: s for part, s in seconds.items() if part in self._expected_s}
+
+    @property
+    def total_s(self) -> float:
+        """The time spent, and what the parts that have not begun are expected to take."""
+        return self._clock() - self._begin + sum(self._expected_s.values())
+
+    def begin(self, part: str) -> Callable[[float], None]:
+        """A part begins; returns what to call with the completed fraction of it."""
+        expected_s = self._expected_s.pop(part)
+        self._part_begin = self._clock()
+
+        def report(done: float) -> None:
+            spent_s = self._clock() - self._part_begin
+            left_s = spent_s * (1 - done) / done if done > 0.05 else expected_s * (1 - done)
+            self._show(left_s)
+
+        report(0.0)
+        return report
+
+    def spent_s(self) -> float:
+        """The time since the present part began."""
+        return self._clock() - self._part_begin
+
+    def _show(self, left_s: float) -> None:
+        spent_s = self._clock() - self._begin
+        left_s += sum(self._expected_s.values())
+        if spent_s > 0:
+            self._fraction = max(self._fraction, spent_s / (spent_s + left_s))
+        self._report(self._fraction)
