@@ -17,7 +17,8 @@ from palmbots.assessment.changes import ChangeTrial, NoChange, _plans, _revealin
 from palmbots.assessment.friction import try_friction
 from palmbots.assessment.load import try_load
 from palmbots.assessment.page import write_page
-from palmbots.assessment.verdicts import on_angles, on_change, on_controllers, on_radio
+from palmbots.assessment.verdicts import on_controllers
+from palmbots.assessment.what_if import on_angles, on_change, on_radio
 from palmbots.cli.main import run
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import count_outcomes

@@ -12,24 +12,28 @@ import pytest
 import palmbots as pb
 from palmbots._util.confidence_intervals import rate_text
 from palmbots.assessment.angles import AngleTrial, NoPair
+from palmbots.assessment.answer import (
+    Answer,
+    best_of,
+)
 from palmbots.assessment.assess import QUESTIONS, Answers, Assessment, _near
 from palmbots.assessment.changes import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial
 from palmbots.assessment.load import LoadTrial
 from palmbots.assessment.verdicts import (
-    Answer,
-    RadioTrial,
-    best_of,
     counts_table,
     needs_table,
-    on_angles,
-    on_change,
     on_controllers,
-    on_curve,
     on_drops,
-    on_friction,
     on_load,
     on_mechanics,
+)
+from palmbots.assessment.what_if import (
+    RadioTrial,
+    on_angles,
+    on_change,
+    on_curve,
+    on_friction,
     on_radio,
     radio_table,
 )

@@ -16,6 +16,14 @@ from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots.assessment.angles import PAIRS, AngleTrial, NoPair, try_angles
+from palmbots.assessment.answer import (
+    WORDS,
+    Answer,
+    Verdict,
+    best_of,
+    failures,
+    suffices,
+)
 from palmbots.assessment.changes import FACTORS, ChangeTrial, NoChange, try_changes
 from palmbots.assessment.friction import (
     FrictionTrial,
@@ -26,25 +34,21 @@ from palmbots.assessment.friction import (
 from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
 from palmbots.assessment.time_left import TimeLeft
 from palmbots.assessment.verdicts import (
-    WORDS,
-    Answer,
-    RadioTrial,
-    Verdict,
-    best_of,
     counts_table,
-    failures,
     needs_table,
-    on_angles,
-    on_change,
     on_controllers,
-    on_curve,
     on_drops,
-    on_friction,
     on_load,
     on_mechanics,
+)
+from palmbots.assessment.what_if import (
+    RadioTrial,
+    on_angles,
+    on_change,
+    on_curve,
+    on_friction,
     on_radio,
     radio_table,
-    suffices,
 )
 from palmbots.control.registry import describe, shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED

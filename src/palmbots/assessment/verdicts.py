@@ -1,93 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Answers in words: each turns measurements into a verdict, one sentence and the next command."""
+"""Answers about the scene as it is: whether palms and robots hold the object, how often it arrives,
+and which controllers suffice."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import takewhile
-from typing import Literal
+from collections.abc import Sequence
 
-from palmbots._util.confidence_intervals import rate_interval, rate_text
-from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, quiet, warn_word
-from palmbots._util.text import format_number, millimetres, plural
-from palmbots.assessment.angles import AngleTrial, NoPair
-from palmbots.assessment.changes import ChangeTrial, NoChange
+from palmbots._util.confidence_intervals import rate_text
+from palmbots._util.report import Table
+from palmbots._util.text import millimetres
+from palmbots.assessment.answer import (
+    Answer,
+    Verdict,
+    arrived,
+    best_of,
+    failures,
+    suffices,
+    swept,
+)
 from palmbots.assessment.friction import FrictionTrial, friction_keys
 from palmbots.assessment.load import LoadTrial
 from palmbots.control.dead_band import overrun_m, zero_zone_m
 from palmbots.control.registry import WIDE_ZONE, describe
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits, mass_text
-from palmbots.mujoco.curve_trial import CurveTrial, respelled
+from palmbots.mujoco.curve_trial import respelled
 from palmbots.scene.scene import Scene
-from palmbots.scene.sides import on_every_side, value_of
+from palmbots.scene.sides import value_of
 from palmbots.simulation.noise_limit import MOST_M_S, NOISE_KEY
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
 from palmbots.simulation.reason_words import usual_reason
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.tightest_margins import RankedMargin
-
-_SAME = 0.05  # relative difference of a time or a number of messages that is not reported
-Verdict = Literal["yes", "likely", "partly", "no", "open"]
-WORDS: dict[Verdict, Marked] = {
-    "yes": good("YES"),
-    "likely": good("LIKELY"),
-    "partly": warn_word("PARTLY"),
-    "no": bad("NO"),
-    "open": quiet("NOT TRIED"),
-}
-
-
-@dataclass(frozen=True)
-class Answer:
-    """One question about the scene, and its answer in words."""
-
-    question: str
-    verdict: Verdict
-    """``yes``: nothing to change. ``likely``: it never failed, in few trials. ``partly``: with
-    conditions. ``open``: not tried."""
-    text: str
-    command: str
-    """The command that answers the question in more detail."""
-
-    @property
-    def word(self) -> str:
-        """The verdict as it is printed."""
-        return WORDS[self.verdict]
-
-    def lines(self, table: Table | None = None) -> Iterator[Item]:
-        """The answer, and the numbers behind it."""
-        yield Line(bold(f"{self.question}  "), WORDS[self.verdict], f"  {self.text}")
-        if table is not None:
-            yield table
-        yield Line(quiet(f"more: {self.command}"), indent=2, is_whole=True)
-
-
-@dataclass(frozen=True)
-class RadioTrial:
-    """How carries end if the share `loss` of messages is lost."""
-
-    loss: float
-    counts: tuple[OutcomeCounts, ...]
-
-
-def failures(one: OutcomeCounts) -> str:
-    """The share of carries that do not deliver, in words."""
-    return rate_text(one.dropped + one.stalled, one.carries)
-
-
-def suffices(one: OutcomeCounts) -> bool:
-    """Whether the whole interval of its failure rate is at most the rate that defines σ*."""
-    return one.failure_interval[1] <= SMALL
-
-
-def best_of(counts: Sequence[OutcomeCounts]) -> OutcomeCounts | None:
-    """The recommended controller if it suffices, else the one that fails least often; None: no
-    carry of any controller delivers."""
-    usable = [one for one in counts if one.failure_rate < 1]
-    named = [one for one in usable if one.controller == RECOMMENDED and suffices(one)]
-    return (named or sorted(usable, key=lambda one: one.failure_rate) or [None])[0]
 
 
 def on_mechanics(
@@ -181,13 +125,13 @@ def on_load(
 
 def _arrivals(trial: LoadTrial) -> str:
     """How many carries in MuJoCo arrive, and whether the others fail because of the weight."""
-    text = f"in MuJoCo {_arrived(trial.counts)} carries arrive"
+    text = f"in MuJoCo {arrived(trial.counts)} carries arrive"
     if trial.failed and trial.light_kg is None:
         text += (
             ", not measurably fewer than in the quasistatic world, where the weight has no effect"
         )
     if trial.light is not None:
-        text += f", and {_arrived(trial.light)} with an object of {trial.light_kg:g} kg"
+        text += f", and {arrived(trial.light)} with an object of {trial.light_kg:g} kg"
     means = {
         "none": "",
         "weight": ": the weight is the reason",
@@ -195,10 +139,6 @@ def _arrivals(trial: LoadTrial) -> str:
         "unclear": ": these do not show whether the weight is the reason",
     }
     return text + means[trial.cause]
-
-
-def _arrived(counts: OutcomeCounts) -> str:
-    return f"{counts.carries - counts.dropped - counts.stalled} of {counts.carries}"
 
 
 def on_drops(counts: Sequence[OutcomeCounts], load: LoadTrial | None, name: str) -> Answer:
@@ -223,7 +163,7 @@ def on_drops(counts: Sequence[OutcomeCounts], load: LoadTrial | None, name: str)
 def on_controllers(counts: Sequence[OutcomeCounts], name: str, scene: Scene) -> Answer:
     """Which controllers suffice, and what each of them needs."""
     question, command = "Which controllers suffice?", f"palmbots compare {name}"
-    key = _swept(scene, NOISE_KEY)
+    key = swept(scene, NOISE_KEY)
     if noise := value_of(scene, key):
         noises = ",".join(f"{min(factor * noise, MOST_M_S):g}" for factor in (1, 2, 4))
         command += f" --sweep {key} --values {noises}"
@@ -233,11 +173,6 @@ def on_controllers(counts: Sequence[OutcomeCounts], name: str, scene: Scene) -> 
         return Answer(question, "no", text, command)
     text = ", ".join(enough)
     return Answer(question, "yes" if RECOMMENDED in enough else "partly", text, command)
-
-
-def _swept(scene: Scene, key: str) -> str:
-    """The key to sweep: that of the left side if both sides override the key."""
-    return next(iter(on_every_side(scene, {key: None})))
 
 
 def needs_table(counts: Sequence[OutcomeCounts], scene: Scene) -> Table | None:
@@ -258,227 +193,6 @@ def _widths(scene: Scene, controller: str) -> str:
     return f"here: {millimetres(zone)}, overrun {millimetres(overrun)}"
 
 
-def on_angles(
-    trial: AngleTrial | NoPair | None,
-    name: str,
-    scene: Scene,
-    counted: OutcomeCounts | None = None,
-) -> Answer:
-    """Whether other palm angles are better. If none are but the scene still fails, the verdict is
-    ``partly``. `counted` may have more carries with the scene's own angles than the trial."""
-    question, command = "Are the palm angles right?", f"palmbots design {name}"
-    if _swept(scene, NOISE_KEY) != NOISE_KEY:  # the robots have no common noise to maximize
-        command += " --maximize angle"
-    if not isinstance(trial, AngleTrial):
-        why = "no carry arrives, so pairs of angles cannot be compared"
-        return Answer(question, "open", why if trial is None else trial.why, command)
-    command += f" -c {trial.controller}"
-    least, most = 100 * trial.least_failure_rate, 100 * trial.most_failure_rate
-    tried = f"{trial.tried} pairs tried, with {trial.carries:,} carries each"
-    spread = f"{least:.3g} to {most:.3g} % at the {tried}"
-    if most == 0:
-        spread = (
-            f"no failures at any of the {tried}, so these carries show no difference between them"
-        )
-    own, best = (rate_text(n, trial.carries) for n in (trial.own_failures, trial.best_failures))
-    if not trial.is_better:
-        text = f"{trial.controller} fails in {own} at the scene's angles; {spread}"
-        of_trial = rate_interval(trial.own_failures, trial.carries)[1] <= SMALL
-        if of_trial or (counted is not None and suffices(counted)):
-            return Answer(question, "yes", text, command)
-        return Answer(question, "partly", f"no pair that was tried is better: {text}", command)
-    shallow, steep = trial.best_deg
-    text = (
-        f"{trial.controller} fails in {best} at {shallow:g}° and {steep:g}°, and in {own} at the "
-        f"scene's angles; the clearance becomes "
-        f"{trial.best_clearance_deg:.2f}° (now {trial.own_clearance_deg:.2f}°)"
-    )
-    return Answer(question, "partly", text, command)
-
-
-def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> Answer:
-    """What holds for a friction that is known only roughly."""
-    question = "Is the friction right?"
-    if trial is None:
-        ranges = ", or ".join(f"from {low:.3f} to {high:.3f}" for low, high in analysis.friction)
-        hold = f"hold for friction {ranges}" if ranges else "fail for every friction"
-        text = (
-            f"properties 1 and 2 {hold} (accelerations neglected); to try an interval of your own, "
-            "use --friction"
-        )
-        low, high = (factor * min(analysis.problem.friction) for factor in (0.9, 1.1))
-        command = f"palmbots assess {name} --friction {low:.3g} {high:.3g}"
-        return Answer(question, "open", text, command)
-    low, high = trial.friction
-    where = f"--friction {low:g} {high:g}"
-    command = f"palmbots certify {name} {where}"
-    proofs = [f"with any friction from {low:g} to {high:g} all properties hold"]
-    verdict: Verdict = "yes"
-    if trial.unlike is None:
-        command = f"palmbots compare {name} --sweep palm.friction --values {low:g},{high:g}"
-        state = "hold" if trial.alike == "holds" else "do not all hold"
-        proofs[0] = (
-            f"with the same friction on both palms, from {low:g} to {high:g}, properties 1 and 2 "
-            f"{state}"
-        )
-        verdict = "likely" if trial.alike == "holds" else "no"
-    elif trial.unlike != "holds" and trial.alike == "holds":
-        proofs[0] += ", with the same on both palms"
-        command += " --common-friction"
-        word = "fails for some pairs of values" if trial.unlike == "fails" else "may fail"
-        proofs.append(f"if the palms differ within the interval, a property {word}")
-        verdict = "likely"
-    elif trial.unlike != "holds":
-        verdict = "no" if trial.alike == "fails" else "partly"
-        word = "fails" if trial.alike == "fails" else "may fail"
-        proofs = [f"with some friction from {low:g} to {high:g} a property {word}"]
-    neglected = "accelerations neglected"
-    if trial.unlike is None:
-        neglected += "; computed, not proved, because contact vertices are rounded"
-    elif trial.alike == "holds":
-        neglected += "; proved"
-    proofs[0] += f" ({neglected})"
-    if trial.counts:
-        ends = zip(trial.counts, trial.friction, strict=True)
-        rates = [f"{failures(one)} with friction {end:g}" for one, end in ends]
-        proofs.append(f"{trial.counts[0].controller} fails in {' and in '.join(rates)}")
-        if not all(map(suffices, trial.counts)):
-            verdict = "no" if verdict == "no" else "partly"
-    return Answer(question, verdict, "; ".join(proofs), command)
-
-
-def on_change(trial: ChangeTrial | NoChange | None, name: str, scene: Scene) -> Answer:
-    """Which change helps most, and what it costs."""
-    question = "Does one change help?"
-    if trial is None or isinstance(trial, NoChange):
-        text = "no carry arrives, so changes cannot be compared"
-        if trial is not None:
-            text = trial.why
-        if trial is not None and trial.is_for_load:
-            return Answer(question, "no", text, f"palmbots load {name}")
-        return Answer(question, "open", text, _failure_command(scene, name, RECOMMENDED))
-    controller, own = trial.controller, "refused"
-    if trial.own_failures is not None:
-        own = rate_text(trial.own_failures, trial.carries)
-    setting = f"palmbots assess {respelled(name, trial.changes)}"
-    noise = f"at {trial.noise_factor:g} times the noise, "
-    if trial.noise_factor == 1:
-        noise = ""
-    if not trial.is_better:
-        text = (
-            f"{noise}{controller} fails in {own} of carries; none of the {trial.tried} changes "
-            "that were tried makes it fail less often"
-        )
-        return Answer(question, "no", text, _failure_command(scene, name, controller))
-    changed = ", ".join(
-        f"{key} from {format_number(trial.before[key])} to {format_number(value)}"
-        for key, value in trial.changes.items()
-    )
-    verdict: Verdict = "yes"
-    after = rate_text(trial.failures, trial.carries)
-    rates = f"{after} instead of {own}"
-    text = f"{changed}: {noise}{controller} fails in {rates}"
-    if trial.holds and not trial.own_holds:
-        text = f"{text}; then all properties hold"
-    elif noise:
-        text = f"more reserve: {text}"
-    if trial.is_for_load:
-        place = "at the start" if trial.own_failures is None else "as far out as contacts get"
-        masses = " instead of ".join(
-            f"{mass_text(mass)} kg" for mass in (trial.heaviest_kg, trial.own_heaviest_kg)
-        )
-        text = (
-            f"{changed}: no robot tips and no palm sags up to {masses} {place}; {controller} then "
-            f"fails in {after} of carries"
-        )
-        if trial.mujoco is not None:
-            text += f", and in MuJoCo {_arrived(trial.mujoco)} carries arrive"
-            verdict = "yes" if trial.mujoco.failure_rate == 0 else "partly"
-    return Answer(question, verdict, "; ".join([text, *_costs(trial)]), setting)
-
-
-def _failure_command(scene: Scene, name: str, controller: str) -> str:
-    """The command for the noise that the scene tolerates or, if each robot has its own noise, for
-    the drop rate."""
-    is_one = _swept(scene, NOISE_KEY) == NOISE_KEY
-    return f"palmbots {'noise-limit' if is_one else 'drop-rate'} {name} -c {controller}"
-
-
-def _costs(trial: ChangeTrial) -> Iterator[str]:
-    """Time and messages, if the change alters them."""
-    pairs = (
-        ("a carry takes", trial.own_time_s, trial.time_s, "s"),
-        ("a carry sends", trial.own_messages, trial.messages, "messages"),
-    )
-    for words, before, after, unit in pairs:
-        if before and after and abs(after / before - 1) > _SAME:
-            yield f"{words} {after:.0f} {unit} instead of {before:.0f}"
-
-
-def on_radio(
-    trials: Sequence[RadioTrial], counts: Sequence[OutcomeCounts], name: str, scene: Scene
-) -> Answer:
-    """What lost messages do."""
-    question = "Does it survive lost messages?"
-    key = _swept(scene, "radio.loss")
-    command = f"palmbots compare {name} --sweep {key} --values 0,0.05,0.2,0.5"
-    if not trials:
-        best = best_of(counts)
-        if best is None:
-            return Answer(question, "open", "no carry arrives even without losses", command)
-        if suffices(best):
-            return Answer(question, "yes", "the controllers that suffice use no radio", command)
-        text = f"no controller suffices, and {best.controller} uses no radio"
-        return Answer(question, "open", text, command)
-    worst = trials[-1]
-    kept = [one.controller for one in worst.counts if suffices(one)]
-    if kept:
-        text = f"even if {100 * worst.loss:g} % are lost: {', '.join(kept)}"
-        return Answer(question, "yes", text, command)
-    held = [row.loss for row in takewhile(lambda row: any(map(suffices, row.counts)), trials)]
-    names = ", ".join(one.controller for one in worst.counts)
-    text = f"even without losses, too many carries fail with {names}"
-    if held:
-        text = f"up to {100 * held[-1]:g} % lost" if held[-1] else "only if none is lost"
-    return Answer(question, "partly" if len(held) > 1 else "no", text, command)
-
-
-def on_curve(trial: CurveTrial | None, best: OutcomeCounts | None, scene: Scene) -> Answer:
-    """What a curve does."""
-    question, name = "Does it survive a curve?", scene.spelled
-    if trial is None:
-        why = "no turn was requested" if best else "no carry arrives on a straight path"
-        return Answer(question, "open", why, f"palmbots curve {name}")
-    command = f"palmbots curve {name} -c {trial.controller}"
-    where, radius = f"on its path ({scene.task.path.kind})", trial.changes.get("task.path.radius_m")
-    if isinstance(radius, float):
-        angle = trial.changes["task.path.angle_deg"]
-        where = f"{format_number(angle)}° with radius {radius:g} m"
-        if "task.slope_deg" in trial.changes:
-            where += ", on a level floor"
-        command += f" --turn-radius-m {radius:g} --turn-angle-deg {format_number(angle)}"
-    forecast, counts = trial.forecast, trial.counts
-    if forecast is None or trial.refusal:
-        return Answer(question, "open", f"{where}: {trial.refusal}", command)
-    if counts is None:
-        return Answer(question, "no", f"{where}: {forecast.text()}", command)
-    drift = f"forecast drift {millimetres(forecast.mean_m)}"
-    room = f"of the {millimetres(forecast.budget_m)} permitted"
-    verdict: Verdict = "likely" if counts.failure_rate == 0 else "partly"
-    if counts.failure_rate > 0.5:
-        verdict = "no"
-    fails = f"{counts.controller} fails in {failures(counts)} of carries in MuJoCo"
-    if counts.failure_rate == 0:
-        carries = plural(counts.carries, "carry")
-        fails = f"none of {carries} with {counts.controller} fails in MuJoCo"
-    doubt = ""
-    if verdict == "no" and not forecast.lips and forecast.tips == 0:
-        doubt = ", so this drift alone does not explain the failures"
-    reason = usual_reason(counts, "mujoco")
-    text = "; ".join(filter(None, [f"{where}: {fails}", reason, f"{drift} {room}{doubt}"]))
-    return Answer(question, verdict, text, command)
-
-
 def counts_table(counts: Sequence[OutcomeCounts]) -> Table | None:
     """Drops and stalls by controller."""
     if not counts:
@@ -489,13 +203,4 @@ def counts_table(counts: Sequence[OutcomeCounts]) -> Table | None:
          rate_text(one.stalled, one.carries), f"{one.carries:,}")
         for one in counts
     ]  # fmt: skip
-    return Table(rows, heads)
-
-
-def radio_table(trials: Sequence[RadioTrial]) -> Table | None:
-    """Failures by the share of lost messages."""
-    if not trials:
-        return None
-    heads = ("  messages lost", *(one.controller for one in trials[0].counts))
-    rows = [(f"  {100 * row.loss:g} %", *map(failures, row.counts)) for row in trials]
     return Table(rows, heads)
