@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How old the words of the station are, as a robot can judge it with its own clock.
+// How old what the station says is, as a robot can judge it with its own clock.
 //
 // A packet names the newest packet of its receiver that its sender had received. It was therefore
 // sent after that one, and its age is at most the time since then. The numbers of packets to the

@@ -40,6 +40,14 @@ inline constexpr Key message_fault_keys[] = {
     number<&MessageFaultSpec::late>("delay_s", Unit::s, 0, 10),
 };
 
+// What a link does to a message: of all links, or of those from one sender.
+template <class Section>
+struct LinkKeys {
+  static constexpr Key latency = number<&Section::latency>("latency_s", Unit::s, 0, 10);
+  static constexpr Key jitter = number<&Section::jitter>("jitter_s", Unit::s, 0, 10);
+  static constexpr Key loss = number<&Section::loss>("loss", Unit::none, 0, 1);
+};
+
 // What differs on the links from one sender; a negative value is that of all links.
 struct DirectionSpec {
   double latency = -1;
@@ -47,9 +55,9 @@ struct DirectionSpec {
   double loss = -1;
 };
 inline constexpr Key direction_keys[] = {
-    number<&DirectionSpec::latency>("latency_s", Unit::s, 0, 10),
-    number<&DirectionSpec::jitter>("jitter_s", Unit::s, 0, 10),
-    number<&DirectionSpec::loss>("loss", Unit::none, 0, 1),
+    LinkKeys<DirectionSpec>::latency,
+    LinkKeys<DirectionSpec>::jitter,
+    LinkKeys<DirectionSpec>::loss,
 };
 
 struct RadioSpec {
@@ -73,11 +81,11 @@ struct RadioSpec {
   std::size_t message_fault_count = 0;
 };
 inline constexpr Key radio_keys[] = {
-    number<&RadioSpec::latency>("latency_s", Unit::s, 0, 10),
-    number<&RadioSpec::jitter>("jitter_s", Unit::s, 0, 10),
+    LinkKeys<RadioSpec>::latency,
+    LinkKeys<RadioSpec>::jitter,
     flag<&RadioSpec::reorders>("reorder"),
     flag<&RadioSpec::sessions>("sessions"),
-    number<&RadioSpec::loss>("loss", Unit::none, 0, 1),
+    LinkKeys<RadioSpec>::loss,
     number<&RadioSpec::burst_share>("burst_fraction", Unit::none, 0, 0.99),
     number<&RadioSpec::burst_mean>("burst_s", Unit::s, 0.0001, 1e6),
     number<&RadioSpec::duplicate>("duplicate", Unit::none, 0, 1),

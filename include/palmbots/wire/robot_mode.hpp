@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words in which robots and station speak about operation: the mode of a robot, why it does not
+// What robots and station say about operation: the mode of a robot, why it does not
 // carry, and what the operator wants.
 #pragma once
 

@@ -27,8 +27,7 @@ from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.scene.scene import Scene
 from palmbots.wire import Role, Verdict
-
-_ROLES: tuple[Role, ...] = ("left", "right", "station")
+from palmbots.wire.packets import ROLES
 
 
 @dataclass(frozen=True)
@@ -174,7 +173,7 @@ class RobotLoop:
         answer = self._decide(min(elapsed, 0xFFFF), values, packets)
         for data, (_, sender, stamp, heard) in zip(packets, self.robot.judged, strict=True):
             if sender >= 0:
-                self._statistics.take(_ROLES[sender], stamp, data, heard)
+                self._statistics.take(ROLES[sender], stamp, data, heard)
         drive = self._obey(answer)
         self._carries = self.robot.wheels
         self._ticks += 1
@@ -229,7 +228,7 @@ class RobotLoop:
             for _ in range(self._last_ticks):
                 lost = {"sign": 0, "palm_at_target": False, "driver_ok": False}
                 for receiver, data, _ in self._decide(1, lost, [])[3]:
-                    self._link.send(_ROLES[receiver], data)
+                    self._link.send(ROLES[receiver], data)
             self._keeper.keep(StoredState(self._epoch, False, *self.robot.to_store))
             raise
 
@@ -255,8 +254,8 @@ class RobotLoop:
             # What the partner relies on after a boot is stored before it is said. A robot that
             # does not carry promises nothing, and must pass on a stop at once.
             if receiver == 2 or self._keeper.is_done or not self.robot.wheels:
-                self._statistics.note_sent(_ROLES[receiver], stamp)
-                self._link.send(_ROLES[receiver], data)
+                self._statistics.note_sent(ROLES[receiver], stamp)
+                self._link.send(ROLES[receiver], data)
             else:
                 self._log.withhold(receiver)
         return drive

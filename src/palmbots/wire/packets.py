@@ -21,7 +21,7 @@ MAX_SEQUENCE = 2**32 - 1
 Role = Literal["left", "right", "station"]
 Kind = Literal["hello", "state", "status", "operate", "report", "command"]
 # In the order of the core's numbers.
-_ROLES: tuple[Role, ...] = _core.wire.roles
+ROLES: tuple[Role, ...] = _core.wire.roles
 _KINDS: tuple[Kind, ...] = _core.wire.packet_kinds
 _VERDICTS: tuple[Verdict, ...] = _core.wire.verdicts
 _HELLO = Hello()
@@ -79,8 +79,8 @@ def encode(packet: Packet, key: bytes) -> bytes:
     encoded = _core.wire.encode(
         key,
         _KINDS.index(packet.kind),
-        _ROLES.index(packet.sender),
-        _ROLES.index(packet.receiver),
+        ROLES.index(packet.sender),
+        ROLES.index(packet.receiver),
         whole("pair", packet.pair, 0, 0xFFFF),
         _stamp("", (packet.epoch, packet.sequence)),
         (0, 0) if packet.acknowledged == (0, 0) else _stamp("acknowledged ", packet.acknowledged),
@@ -99,7 +99,7 @@ def decode(data: bytes, key: bytes, pair: int, receiver: Role) -> Decoded:
         PalmbotsError: key, pair or receiver is not valid.
     """
     _check_key(key)
-    role = index("receiver", _ROLES, receiver)
+    role = index("receiver", ROLES, receiver)
     return _decoded(*_core.wire.decode(data, key, whole("pair", pair, 0, 0xFFFF), role))
 
 
@@ -117,7 +117,7 @@ class Endpoint:
         self._core = _core.wire.Endpoint(
             key,
             whole("pair", pair, 0, 0xFFFF),
-            index("role", _ROLES, role),
+            index("role", ROLES, role),
             whole("epoch", epoch, 1, MAX_EPOCH),
         )
 
@@ -131,7 +131,7 @@ class Endpoint:
         payload = payload_of(body)
         kind = _kind(body)
         _check_talk(self._role, receiver, kind)
-        sent = self._core.send(_ROLES.index(receiver), _KINDS.index(kind), payload)
+        sent = self._core.send(ROLES.index(receiver), _KINDS.index(kind), payload)
         if sent is None:
             raise PalmbotsError(
                 f"sequence: all {MAX_SEQUENCE} are used up; needed: an Endpoint with the next epoch"
@@ -144,14 +144,14 @@ class Endpoint:
 
     def newest(self, receiver: Role) -> tuple[int, int]:
         """Epoch and sequence of the newest packet to this receiver; sequence 0: there is none."""
-        return self._core.newest(index("receiver", _ROLES, receiver))
+        return self._core.newest(index("receiver", ROLES, receiver))
 
     def skip_to(self, receiver: Role, sequence: int) -> None:
         """Number the next packet to this receiver `sequence`, unless that number has been used.
 
         Robots number their packets to each other by the control tick.
         """
-        role = index("receiver", _ROLES, receiver)
+        role = index("receiver", ROLES, receiver)
         self._core.skip_to(role, whole("sequence", sequence, 1, MAX_SEQUENCE))
 
     def claimed_epoch(self, other: Role) -> int:
@@ -160,7 +160,7 @@ class Endpoint:
         If it exceeds the own epoch, the counter of boots is behind: this endpoint runs elsewhere
         too, or did so before.
         """
-        return self._core.claimed_epoch(index("other", _ROLES, other))
+        return self._core.claimed_epoch(index("other", ROLES, other))
 
     @property
     def counts(self) -> dict[Verdict, int]:
@@ -177,7 +177,7 @@ def _decoded(verdict: str, fields: _Fields) -> Decoded:
         return Decoded(_verdict(verdict), None)
     kind, sender, receiver, pair, (epoch, sequence), acknowledged, payload = fields
     body = body_of(kind, payload)
-    packet = Packet(_ROLES[sender], _ROLES[receiver], pair, epoch, sequence, acknowledged, body)
+    packet = Packet(ROLES[sender], ROLES[receiver], pair, epoch, sequence, acknowledged, body)
     return Decoded(_verdict(verdict), packet)
 
 
@@ -192,8 +192,8 @@ def _check_key(key: bytes) -> None:
 
 def _check_talk(sender: Role, receiver: Role, kind: Kind) -> None:
     """Refuse a packet that this sender never sends to this receiver."""
-    index("sender", _ROLES, sender)
-    to: tuple[Role, ...] = tuple(role for role in _ROLES if role != sender)
+    index("sender", ROLES, sender)
+    to: tuple[Role, ...] = tuple(role for role in ROLES if role != sender)
     match kind:
         case "state":
             index("sender of a state", SIDES, sender)
