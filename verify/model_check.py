@@ -123,10 +123,11 @@ def claims_of(model: str) -> dict[str, tuple[int, str]]:
     return {name: (int(bit), says) for name, bit, says in rows}
 
 
-def _call(command: Sequence[str], folder: Path) -> str:
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+def _call(command: Sequence[object], folder: Path) -> str:
+    words = [str(word) for word in command]
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True)
     if done.returncode != 0:
-        raise SystemExit(f"{' '.join(command)}\n{done.stdout}{done.stderr}")
+        raise SystemExit(f"{' '.join(words)}\n{done.stdout}{done.stderr}")
     return done.stdout
 
 
@@ -141,36 +142,52 @@ def build(model: str, searches: Sequence[str] = tuple(SEARCHES)) -> Path:
 
 
 def _built(model: str, searches: Sequence[str]) -> Path:
+    """Spin's code depends on the models alone: a change of a controller compiles only that anew."""
     sources = sorted([*HERE.glob("models/*.pml"), *HERE.glob("glue/*")])
-    digest = hashlib.sha256()
-    for path in [*sources, *sorted(ROOT.glob("include/**/*.hpp"))]:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    digest.update(subprocess.run(["spin", "-V"], capture_output=True, check=True).stdout)
-    folder = BUILD / f"{model}-{digest.hexdigest()[:12]}"
+    version = subprocess.run(["spin", "-V"], capture_output=True, check=True).stdout
+    folder = BUILD / f"{model}-{_digest(sources, version)}"
     if not folder.exists():
         for old in BUILD.glob(f"{model}-*"):
             shutil.rmtree(old)
         part = folder.with_suffix(".part")
-        shutil.rmtree(part, ignore_errors=True)
         part.mkdir(parents=True)
         for path in sources:
             shutil.copy(path, part)
         _call(["spin", "-a", f"{model}.pml"], part)
+        part.rename(folder)
+    linked = folder / _digest(sorted(ROOT.glob("include/**/*.hpp")))
+    if not linked.exists():
+        for old in folder.glob("*/"):
+            shutil.rmtree(old)
+        part = linked.with_suffix(".part")
+        part.mkdir()
         include = str(ROOT / "include")
         flags = ["-std=c++20", "-O2", "-Wall", "-Wextra", "-Werror", "-I", include]
-        _call(["g++", *flags, "-c", f"{model}.cpp"], part)
-        part.rename(folder)
+        _call(["g++", *flags, "-c", f"{model}.cpp", "-o", part / f"{model}.o"], folder)
+        part.rename(linked)
+
+    def made(program: Path, *command: object) -> None:
+        if not program.exists():
+            part = program.with_suffix(".part")
+            _call([*command, "-o", part], folder)
+            part.rename(program)
 
     def compiled(search: str) -> None:
-        if not (folder / search).exists():
-            # Spin's own code is not free of warnings.
-            made = ["gcc", "-O2", "-w", *SEARCHES[search][0], "pan.c", f"{model}.o", "-o"]
-            _call([*made, f"{search}.part"], folder)
-            (folder / f"{search}.part").rename(folder / search)
+        # Spin's own code is not free of warnings. More optimization takes longer than it saves.
+        search_object = folder / f"{search}.o"
+        made(search_object, "gcc", "-O1", "-w", *SEARCHES[search][0], "-c", "pan.c")
+        made(linked / search, "gcc", search_object, linked / f"{model}.o")
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(compiled, searches))
-    return folder
+    return linked
+
+
+def _digest(files: Sequence[Path], more: bytes = b"") -> str:
+    digest = hashlib.sha256(more)
+    for path in files:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def explore(run: Run, megabytes: int = 6000) -> Finding:

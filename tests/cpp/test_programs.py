@@ -21,12 +21,15 @@ def test_there_are_core_tests() -> None:
 # What a program with random cases, or a search, is given for many more of them than it does by
 # itself.
 MANY = {
+    "batch/bitslice_table_test": "100000",
     "batch/bitslice_test": "200000",
     "batch/lane_carries_test": "60",
     "control/resilient_test": "400",
     "control/resilient_world_test": "20000",
     "runtime/mode_search_test": "2",
     "sim/carry_test": "20",
+    "sim/multilevel_splitting_test": "2000",
+    "wire/endpoint_test": "1000000",
     "world/contact_step_test": "1000",
     "world/fast_step_test": "600000",
 }

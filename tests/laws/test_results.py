@@ -14,7 +14,6 @@ import pickle
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -168,7 +167,8 @@ def noise_limit() -> NoiseLimit:
 EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "Analysis": lambda folder: analysis(),
     "Assessment": lambda folder: replace(
-        pb.assess("paper", turn_radius_m=0.0, overrides=SHORT), curve=curves().others[0]
+        pb.assess("paper", turn_radius_m=0.0, overrides={"task.distance_m": 0.05}),
+        curve=curves().others[0],
     ),
     "Bound": lambda folder: replace(
         pb.bound("paper", "corrections", overrides=SHORT), front=(FrontPoint(2.0, 0.1),)
@@ -248,17 +248,18 @@ def test_every_result_has_an_example() -> None:
     assert returned <= {c.__name__ for c in all_results()} - printed_alone() == set(EXAMPLES)
 
 
+@pytest.fixture(scope="module", params=EXAMPLES)
+def name(request: pytest.FixtureRequest) -> str:
+    """A kind of result: its tests follow each other, and share one example."""
+    return request.param
+
+
 @pytest.fixture(scope="module")
-def examples(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
-    """One of each kind of result, made when it is first needed."""
-    return cache(lambda name: EXAMPLES[name](tmp_path_factory.mktemp(name)))
+def result(name: str, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return EXAMPLES[name](tmp_path_factory.mktemp(name))
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_text_is_short_and_notebooks_show_the_same(
-    name: str, examples: Callable[[str], Any]
-) -> None:
-    result = examples(name)
+def test_text_is_short_and_notebooks_show_the_same(name: str, result: Any) -> None:
     assert isinstance(result, Result)
     assert type(result).__name__ == name
     text, table = repr(result), html.unescape(re.sub("<[^>]*>", " ", result._repr_html_()))
@@ -273,22 +274,18 @@ def test_text_is_short_and_notebooks_show_the_same(
     assert set(text.replace("…", "").split()) <= {*table.split(), "and", "more"} | set("0123456789")
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_schema_fits_the_result_exactly(name: str, examples: Callable[[str], Any]) -> None:
+def test_schema_fits_the_result_exactly(result: Any) -> None:
     """The schema refuses a missing key, a further key, a missing side, and another type."""
-    result = examples(name)
     schema = with_scene(result_schema(type(result)))
     assert_fits_exactly(schema, json.loads(json.dumps(result.summary(), allow_nan=False)))
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_copies_of_a_result_are_equal_to_it(name: str, examples: Callable[[str], Any]) -> None:
-    result = examples(name)
+def test_copies_of_a_result_are_equal_to_it(name: str, result: Any) -> None:
     for twin in (copy.deepcopy(result), pickle.loads(pickle.dumps(result))):
         assert twin.summary() == result.summary()
         assert twin == result
         assert {twin} == {result}
-    assert result != examples("KeyList" if name == "SceneList" else "SceneList")
+    assert result != (pb.keys("start") if name == "SceneList" else pb.scenes())
 
 
 def test_what_is_public_can_be_sent_to_another_process() -> None:
@@ -306,11 +303,11 @@ NEAR = ("--set", "task.distance_m=0.2")
 
 # Command and arguments; all succeed.
 CALLS: list[tuple[str, tuple[str, ...]]] = [
-    ("carry", ("--seed", "3")),
+    ("carry", ("--seed", "3", *NEAR)),
     ("carry", ("--world", "mujoco", *NEAR)),
     ("analyze", ()),
-    ("assess", ("--turn-radius-m", "0", *NEAR)),
-    ("design", ("--resolution-deg", "5", "--set", "task.distance_m=0.1")),
+    ("assess", ("--turn-radius-m", "0", "--set", "task.distance_m=0.05")),
+    ("design", ("--resolution-deg", "5", "--angle-range-deg", "5", "15", *NEAR)),
     ("certify", ()),
     (
         "drop-rate",

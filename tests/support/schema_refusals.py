@@ -4,7 +4,7 @@ another type."""
 
 import copy
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from jsonschema import Draft202012Validator
 
@@ -13,50 +13,69 @@ ODD = {"odd": [{"odd": None}]}
 
 def assert_fits_exactly(schema: Mapping[str, Any], value: Any) -> None:
     """The schema accepts the value, and refuses it with any one change."""
-    validator = Draft202012Validator(schema)
-    validator.validate(value)
+    Draft202012Validator(schema).validate(value)
     changes = list(_changes(schema, schema, value))
     assert changes
-    for what, changed in changes:
-        assert not validator.is_valid(changed), what
+    for change in changes:
+        judge = Draft202012Validator(change.judge | {"$defs": schema.get("$defs", {})})
+        assert not judge.is_valid(change.judged), change.what
 
 
-def _changes(schema: Mapping[str, Any], node: Any, value: Any) -> Iterator[tuple[str, Any]]:
+class Change(NamedTuple):
+    """One change, and the part of the schema that must refuse it.
+
+    What a part refuses, the whole refuses, unless there is a choice (anyOf) between them. So most
+    changes need not be tried with all that stands around them.
+    """
+
+    what: str
+    judge: dict[str, Any]
+    judged: Any
+    whole: Any
+    """The value that was given, changed."""
+
+
+def _changes(schema: Mapping[str, Any], given: Any, value: Any) -> Iterator[Change]:
     """Every change inside a value, each with its place; of lists, in the first entry alone."""
-    node = _chosen(schema, node, value)
+    node, is_choice = _chosen(schema, given, value)
     if node.get("$ref") == "#/$defs/Scene":  # tests/cli/test_json_schemas.py tests these
         return
+    parts: list[tuple[Any, Any]] = []  # key and its schema
     if isinstance(value, Mapping) and "properties" in node:
         assert node["additionalProperties"] is False, node
-        yield "a further key", {**value, "odd": 0}
-        for key, inner in value.items():
-            yield f"without {key}", {k: v for k, v in value.items() if k != key}
-            yield from _within(schema, node["properties"][key], value, key, inner)
+        further = {**value, "odd": 0}
+        yield Change("a further key", given, further, further)
+        for key in value:
+            less = {k: v for k, v in value.items() if k != key}
+            yield Change(f"without {key}", given, less, less)
+        parts = [(key, node["properties"][key]) for key in value]
     elif isinstance(value, Mapping) and value:
-        key = next(iter(value))
-        yield from _within(schema, node.get("additionalProperties", {}), value, key, value[key])
+        parts = [(next(iter(value)), node.get("additionalProperties", {}))]
     elif isinstance(value, list) and value:
-        inner = node["prefixItems"][0] if "prefixItems" in node else node.get("items", {})
-        yield from _within(schema, inner, value, 0, value[0])
+        parts = [(0, node["prefixItems"][0] if "prefixItems" in node else node.get("items", {}))]
+    for key, part in parts:
+        for change in _within(schema, part, value[key]):
+            whole = copy.copy(value)
+            whole[key] = change.whole
+            what = f"{key}: {change.what}"
+            if is_choice:
+                yield Change(what, given, whole, whole)
+            else:
+                yield change._replace(what=what, whole=whole)
 
 
-def _within(
-    schema: Mapping[str, Any], node: Any, value: Any, key: Any, inner: Any
-) -> Iterator[tuple[str, Any]]:
+def _within(schema: Mapping[str, Any], node: Any, inner: Any) -> Iterator[Change]:
     if node in ({}, True):  # anything
         return
     accepts = Draft202012Validator(node | {"$defs": schema.get("$defs", {})}).is_valid
     odd = next(one for one in (ODD, [ODD]) if not accepts(one))
-    changes = [("of another type", odd), *_changes(schema, node, inner)]
+    yield Change("of another type", node, odd, odd)
+    yield from _changes(schema, node, inner)
     types = _types(schema, node)
     if isinstance(inner, bool | int | float) and "string" not in types:
-        changes.append(("a number as text", str(inner)))
+        yield Change("a number as text", node, str(inner), str(inner))
     if inner is not None and "null" not in types:
-        changes.append(("null", None))
-    for what, changed in changes:
-        whole = copy.copy(value)
-        whole[key] = changed
-        yield f"{key}: {what}", whole
+        yield Change("null", node, None, None)
 
 
 def _types(schema: Mapping[str, Any], node: Any) -> set[str]:
@@ -68,15 +87,17 @@ def _types(schema: Mapping[str, Any], node: Any) -> set[str]:
     return found.union(*(_types(schema, one) for one in node.get("anyOf", [])))
 
 
-def _chosen(schema: Mapping[str, Any], node: Any, value: Any) -> Any:
-    """The part of a schema that accepts a value."""
+def _chosen(schema: Mapping[str, Any], node: Any, value: Any) -> tuple[Any, bool]:
+    """The part of a schema that accepts a value, and whether there was a choice."""
+    is_choice = False
     while True:
         if node.get("$ref", "#/$defs/Scene") != "#/$defs/Scene":
             node = schema["$defs"][node["$ref"].removeprefix("#/$defs/")]
         elif "anyOf" in node:
+            is_choice = True
             defs = {"$defs": schema.get("$defs", {})}
             node = next(
                 one for one in node["anyOf"] if Draft202012Validator(one | defs).is_valid(value)
             )
         else:
-            return node
+            return node, is_choice

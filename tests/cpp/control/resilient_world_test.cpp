@@ -215,7 +215,7 @@ Broken explore(std::uint16_t hold, int worlds) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int worlds = argc > 1 ? std::atoi(argv[1]) : 400;
+  const int worlds = argc > 1 ? std::atoi(argv[1]) : 150;
   const Broken safe = explore(lease + 1 + run_on, worlds);
   CHECK(safe.away_against_closer == 0);
   CHECK(safe.away_unassisted == 0);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Multilevel splitting against closed forms: the gambler's ruin, and a process of two coordinates
 // whose height jumps over levels.
+//
+// multilevel_splitting_test [REPLICATES]   REPLICATES: of each estimate; 200 if not given
 #include "palmbots/sim/multilevel_splitting.hpp"
 
 #include <cmath>
@@ -57,10 +59,12 @@ struct Leaps {
   }
 };
 
+std::uint32_t replicates = 200;
+
 template <class Make>
 void check_estimates(Make make, const std::vector<double>& levels, double chance, double scatter) {
   using Process = decltype(make(std::uint64_t{}));
-  constexpr std::uint32_t effort = 200, replicates = 400;
+  constexpr std::uint32_t effort = 200;
   Splitting<Process, Make> splitting(make, 7, effort);
   double sum = 0, squares = 0;
   for (std::uint32_t r = 0; r < replicates; ++r) {
@@ -83,8 +87,8 @@ void test_estimate_is_unbiased_at_any_levels() {
   const auto ruin = [](std::uint64_t seed) { return Ruin{0.3, 16, seed}; };
   const double chance = ruin(0).chance();
   CHECK(chance < 2e-6);
-  check_estimates(ruin, {3, 5, 7, 9, 11, 13}, chance, 0.05);
-  check_estimates(ruin, {2.5, 9, 10, 15}, chance, 0.3);
+  check_estimates(ruin, {3, 5, 7, 9, 11, 13}, chance, 0.06);
+  check_estimates(ruin, {2.5, 9, 10, 15}, chance, 0.4);
   const auto easy = [](std::uint64_t seed) { return Ruin{0.45, 5, seed}; };
   check_estimates(easy, {}, easy(0).chance(), 0.02);
 }
@@ -97,16 +101,16 @@ void test_leaps_over_levels_are_unbiased() {
 
 void test_levels_are_reached_by_the_wanted_share() {
   const auto make = [](std::uint64_t seed) { return Ruin{0.4, 40, seed}; };
-  Splitting<Ruin, decltype(make)> splitting(make, 3, 2000);
+  Splitting<Ruin, decltype(make)> splitting(make, 3, 1000);
   const std::vector<double> levels = splitting.choose_levels(0.2);
   CHECK(levels.size() >= 5);
-  Splitting<Ruin, decltype(make)> stopped(make, 3, 2000);
+  Splitting<Ruin, decltype(make)> stopped(make, 3, 1000);
   CHECK(stopped.choose_levels(0.2, splitting.steps() / 2).empty());
   CHECK(stopped.steps() < splitting.steps());
   for (std::size_t i = 1; i < levels.size(); ++i) CHECK(levels[i] > levels[i - 1]);
   const auto stages = splitting.replicate(0, levels);
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    const double share = stages[i].reached / 2000.0;
+    const double share = stages[i].reached / 1000.0;
     CHECK(share > 0.1 && share < 0.5);  // heights are whole numbers: shares are not exact
   }
 }
@@ -228,7 +232,8 @@ void test_branches() {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1) replicates = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10));
   test_branches();
   test_estimate_is_unbiased_at_any_levels();
   test_leaps_over_levels_are_unbiased();

@@ -22,7 +22,7 @@ inline Faults some_reboots(std::uint32_t chance, std::uint32_t tick) {
   Spec spec = paper_spec();
   for (std::uint32_t i = 0; i < 12; ++i) {
     const Words words = draw(chance, tick, Stream::fault, i);
-    spec.faults[i] = {FaultKind::reboot, words[0] % 2, (words[1] % 6000) * 0.01,
+    spec.faults[i] = {FaultKind::reboot, words[0] % 2, (words[1] % 2000) * 0.01,
                       (1 + words[2] % (words[3] % 8 == 0 ? 400 : 40)) * 0.01};
   }
   spec.faults[0].at = chance % 3 == 0 ? 0 : spec.faults[0].at;
@@ -141,7 +141,8 @@ Seen test_every_team_goes_as_it_does_alone(bool with_reboots, std::uint64_t tick
         seen.boots += state == ProgramState::booting ? 1 : 0;
         // The draws of the radio, the leading robot's first.
         const auto is_lost = [&](std::uint32_t lane) {
-          return draw(0, alone.tick, Stream::radio, lane)[0] < Channel::words_of(alone.loss);
+          return alone.loss > 0 &&
+                 draw(0, alone.tick, Stream::radio, lane)[0] < Channel::words_of(alone.loss);
         };
         const std::uint32_t rank = side == alone.team->radio().leader() ? 0 : 1;
         lost.from_robot[side] |= CarryMask{is_lost(rank)} << i;

@@ -4,7 +4,7 @@
 // and balance are computed anew here. With two contacts it is the step of two vertices, and in the
 // mirror it is itself to the last bit.
 //
-// contact_step_test [SCENES]   SCENES: random scenes of each test; 30 if not given
+// contact_step_test [SCENES]   SCENES: random scenes of each test; 24 if not given
 #include "palmbots/world/contact_step.hpp"
 
 #include <cmath>
@@ -410,7 +410,7 @@ void mirrored_to_the_bit(int scenes) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int scenes = argc > 1 ? std::atoi(argv[1]) : 30;
+  const int scenes = argc > 1 ? std::atoi(argv[1]) : 24;
   obeys_mechanics(scenes);
   for (const unsigned seed : {23U, 119U}) whole_or_in_parts(4 * scenes / 3, seed);
   two_vertices(scenes);
