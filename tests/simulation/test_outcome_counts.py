@@ -10,7 +10,7 @@ import palmbots as pb
 from commands import Run
 from palmbots._util.confidence_intervals import rate_interval, rate_text
 from palmbots.control.registry import shipped_names
-from palmbots.simulation import count_outcomes, outcome_counts
+from palmbots.simulation import carry_worker, count_outcomes, outcome_counts
 from palmbots.simulation.outcome_counts import default_carries, scene_statistics
 from palmbots.simulation.prepare import prepare
 
@@ -118,13 +118,28 @@ def test_report_of_the_command_and_what_takes_long(here: Run, tmp_path: Path) ->
         count_outcomes("paper", str(tmp_path / "swing.py") + ":Swing")
 
 
-def test_processes_give_the_carries_of_this_one(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("worth_s", "processes"), [(0.0, 2), (100.0, 0)])
+def test_processes_give_the_carries_of_this_one(
+    worth_s: float, processes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They share what the first carries show to be much."""
+    started = []
+
+    class Worker(carry_worker._Worker):
+        def __init__(self, job: str) -> None:
+            super().__init__(job)
+            started.append(self)
+
+    monkeypatch.setattr(carry_worker, "_Worker", Worker)
+    monkeypatch.setattr(carry_worker, "_WORTH_S", worth_s)
+    monkeypatch.setattr("palmbots.simulation.outcome_counts.available_cores", lambda: 2)
     (tmp_path / "swing.py").write_text(SWING)
     overrides = {"task.distance_m": 0.2, "robot.noise_m_s": 0.06, "task.timeout_s": 5}
     name = str(tmp_path / "swing.py") + ":Swing"
     found = count_outcomes("paper", name, seeds=6, overrides=overrides)
     ends = [pb.carry("paper", name, seed=k, overrides=overrides).outcome for k in range(6)]
     assert (found.dropped, found.stalled) == (ends.count("dropped"), ends.count("stalled"))
+    assert len(started) == processes
 
 
 @pytest.mark.parametrize(

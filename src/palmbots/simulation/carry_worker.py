@@ -4,7 +4,8 @@
 ``python -m palmbots.simulation.carry_worker`` reads lines of JSON: first the job (scenes,
 controller, world, precision), then one carry each. It answers the job with whether it can do it,
 and each carry with the entries of `palmbots.simulation.batch.Columns`. The end of its input ends
-it. Results depend on the job alone, not on how many processes share it.
+it. Results depend on the job alone, not on how many processes share it, if any: the first carries
+run in the calling process, and where little is left after them, so do all.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from typing import Any
@@ -25,6 +27,7 @@ from palmbots.simulation.batch import Columns, empty_columns, fill_row, row_of
 from palmbots.simulation.prepare import Prepared
 
 _TICK_S = 0.1  # how long Ctrl-C may have to wait
+_WORTH_S = 3.0  # a process takes about a second to start, and this is worth sharing
 _ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1"}
 
 
@@ -48,19 +51,37 @@ def run_apart(
     """
     n = len(seeds)
     columns = empty_columns(n)
-    job = _job(prepared, precision) if processes > 1 and n > 1 else None
-    with contextlib.ExitStack() as stack:
-        workers = _started(stack, job, min(processes, n)) if job is not None else []
-        try:
-            if workers:
-                _share(workers, index, seeds, columns, watch)
-            else:
-                for i in range(n):
-                    fill_row(columns, i, _row(prepared[int(index[i])], int(seeds[i]), precision))
-                    if watch is not None:
-                        watch(i + 1)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(columns) from None
+    report = watch or (lambda _: None)
+    done = 0
+
+    def here(keep_on: Callable[[], bool]) -> None:
+        nonlocal done
+        while done < n and keep_on():
+            one = prepared[int(index[done])]
+            fill_row(columns, done, _row(one, int(seeds[done]), precision))
+            done += 1
+            report(done)
+
+    try:
+        job = _job(prepared, precision) if processes > 1 and n > 1 else None
+        if job is not None:
+            ends = [time.monotonic()]
+
+            def little_is_left() -> bool:
+                ends.append(time.monotonic())
+                # The first carry imports modules.
+                return done < 2 or (ends[-1] - ends[-2]) * (n - done) < _WORTH_S
+
+            with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
+                here(little_is_left)  # what a controller prints vanishes, as in a worker
+            with contextlib.ExitStack() as stack:
+                workers = _started(stack, job, min(processes, n - done))
+                if workers:
+                    _share(workers, done, index, seeds, columns, report)
+                    done = n
+        here(lambda: True)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(columns) from None
     return columns
 
 
@@ -140,14 +161,14 @@ def _started(stack: contextlib.ExitStack, job: str, count: int) -> list[_Worker]
 
 def _share(
     workers: list[_Worker],
+    first: int,
     index: Sequence[int],
     seeds: Sequence[int],
     columns: Columns,
-    watch: Callable[[int], None] | None,
+    report: Callable[[int], None],
 ) -> None:
-    todo: Iterator[int] = iter(range(len(seeds)))
-    report = watch or (lambda _: None)
-    finished = 0
+    todo: Iterator[int] = iter(range(first, len(seeds)))
+    finished = first
     with ThreadPoolExecutor(len(workers)) as pool:
         running = {}
 
