@@ -36,7 +36,6 @@ from palmbots.simulation.reason_words import REASONS
 from palmbots.simulation.single import carry
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
-from palmbots.stability.scene_limits import FAILING, SOMEWHERE
 from palmbots.viz.style import controller_looks
 
 ROOT = Path(__file__).parent.parent
@@ -257,7 +256,6 @@ def tables() -> dict[str, Any]:
         "requiredModes": {str(number): required_mode(number) for number in SLIDING_EDGES},
         "motionMeanings": MOTION_MEANINGS,
         "modeSentences": SENTENCES,
-        "failing": FAILING.replace("{where}", SOMEWHERE),
         "bindings": {
             f"{number}.{name}": text_of(number, name)
             for number in (1, 2)

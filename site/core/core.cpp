@@ -111,6 +111,8 @@ PAGE_EXPORT(problem) const char* problem() {
   }
   return answer_text.c_str();
 }
+// Why no carry of a scene without problems can begin; empty if one can.
+PAGE_EXPORT(refusal) const char* refusal() { return page_scene.refusal.c_str(); }
 PAGE_EXPORT(answered) const double* answered() { return give(answer); }
 
 // Of the scene's object: contacts, centre of mass [m], and the outline, from which they follow where

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "palmbots/sim/limit_warnings.hpp"
 #include "palmbots/sim/problem_text.hpp"
 #include "palmbots/sim/scene_check.hpp"
 #include "palmbots/sim/scene_object.hpp"
@@ -51,7 +52,11 @@ PageScene read_scene(std::string_view lines, NumberStream in) {
   for (const Point& vertex : object.vertices) {
     scene.object.insert(scene.object.end(), {vertex.x, vertex.y});
   }
-  if (scene.problems.empty()) scene.warnings = object_warnings(values);
+  if (scene.problems.empty()) {
+    scene.refusal = load_refusal(values, scene.spec, false);
+    scene.warnings = object_warnings(values);
+    scene.of_limits = limit_warnings(values, scene.spec);
+  }
   scene.timeout = time_limit_of(values);
   scene.spec.timeout_ticks =
       std::min(scene.spec.timeout_ticks, static_cast<std::uint64_t>(most_ticks));
@@ -64,7 +69,12 @@ std::string problem_lines(const Problem& problem) {
 }
 
 std::string warning_lines(const PageScene& scene, const ControllerInfo& controller) {
-  return joined(warnings_before(scene.spec, controller, scene.warnings));
+  std::vector<std::string> lines = warnings_before(scene.spec, controller, scene.warnings);
+  // The analysis is about corrections.
+  if (controller.decider != Decider::none) {
+    lines.insert(lines.end(), scene.of_limits.begin(), scene.of_limits.end());
+  }
+  return joined(lines);
 }
 
 std::string warning_lines(const Spec& spec, const CarryEnd& end, bool stops_in_silence) {

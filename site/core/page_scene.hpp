@@ -22,8 +22,10 @@ inline constexpr double most_ticks = 120000;
 struct PageScene {
   Problems problems;
   Spec spec;
-  std::vector<double> object;         // contacts, centre of mass and vertices [m]
-  std::vector<std::string> warnings;  // about the object
+  std::vector<double> object;          // contacts, centre of mass and vertices [m]
+  std::string refusal;                 // why no carry can begin, though nothing is wrong
+  std::vector<std::string> warnings;   // about the object
+  std::vector<std::string> of_limits;  // about numbers that exceed what the analysis allows
   double timeout = 0;  // time limit of a carry [s], which may exceed what the page records
 
   double longest_timeout() const { return most_ticks * spec.period; }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "palmbots/sim/carry.hpp"
+#include "palmbots/sim/scene_values.hpp"
 
 namespace palmbots::bindings {
 
@@ -14,6 +15,7 @@ namespace nb = nanobind;
 
 void bind_spec(nb::module_& m);
 void bind_scene(nb::module_& m);
+void bind_scene_limits(nb::module_& m);
 void bind_polygon(nb::module_& m);
 void bind_mechanics(nb::module_& m);
 void bind_modes_batch(nb::module_& m);
@@ -32,6 +34,9 @@ void bind_runtime(nb::module_& m);
 void bind_mode_machine(nb::module_& m);
 void bind_multi_contact(nb::module_& m);
 void bind_optimum(nb::module_& m);
+
+// The values of the tables of a scene, as Python gives them.
+SceneValues values_of(const nb::dict& table);
 
 // The names that the core gives to an enumeration of consecutive values from 0 to `last`, in order.
 template <class Enum>

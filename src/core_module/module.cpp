@@ -43,6 +43,7 @@ NB_MODULE(_core, m) {
       "Has this processor the instructions of that level of x86-64, 3 (AVX2) or 4 (AVX-512)?");
   palmbots::bindings::bind_spec(m);
   palmbots::bindings::bind_scene(m);
+  palmbots::bindings::bind_scene_limits(m);
   palmbots::bindings::bind_polygon(m);
   palmbots::bindings::bind_mechanics(m);
   palmbots::bindings::bind_modes_batch(m);

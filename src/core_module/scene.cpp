@@ -50,11 +50,15 @@ void take(SceneValues& scene, nb::handle value, const std::string& path, std::si
   }
 }
 
+}  // namespace
+
 SceneValues values_of(const nb::dict& table) {
   SceneValues scene;
   take(scene, table, "", common);
   return scene;
 }
+
+namespace {
 
 nb::object value_of(const Key& key, double value) {
   if (!key.allows(value)) return nb::none();

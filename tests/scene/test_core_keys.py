@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table of keys in the core, and the sections of a scene in Python, which take it up."""
 
+import math
 import random
 from collections.abc import Iterator
 from typing import Any, get_args
@@ -11,6 +12,7 @@ from pydantic import BaseModel
 import palmbots._core as _core
 from palmbots.scene.core_keys import OUTSIDE_CORE, ROWS
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.section import as_given
 from palmbots.scene.spec import to_spec
 from random_keys import agreeing_value, holders_of, names_in, random_keys
 
@@ -60,7 +62,8 @@ def test_random_scenes_have_every_key() -> None:
     assert found >= set(ROWS)
 
 
-CHECKED_ONLY = ("object.mass_kg", "object.depth_m")
+OF_THE_LOAD = tuple(name for name in ROWS if name.startswith("mujoco.") and "[" not in name)
+CHECKED_ONLY = ("object.mass_kg", "object.depth_m", *OF_THE_LOAD)
 """Keys that decide only whether the object is accepted."""
 
 NEEDED = {
@@ -68,6 +71,16 @@ NEEDED = {
     "palm.nose_m": {"palm.thickness_m": 0.1, "palm.bevel_m": 0.1},
 }
 """Other keys without which a value is refused."""
+
+
+@pytest.mark.parametrize("name", OF_THE_LOAD)
+def test_every_key_of_the_load_reaches_its_limits(name: str) -> None:
+    value = 1.1 * (ROWS[name]["default"] or 0.2)
+    loads = [
+        _core.heaviest_loads(as_given(load_scene("paper", keys)), math.inf, False)
+        for keys in ({}, {name: value})
+    ]
+    assert loads[0] != loads[1]
 
 
 @pytest.mark.parametrize("name", [n for n in ROWS if "[" not in n and n not in CHECKED_ONLY])

@@ -112,6 +112,42 @@ def test_the_keyboard_reaches_everything(open_page: Open) -> None:
     assert {"Compare", "Proofs", "theme", "scene-file"} <= seen
 
 
+def test_every_slider_has_a_name_and_the_time_one_says_the_moment(open_page: Open) -> None:
+    page = open_page("#carry?t=2")
+    for name in ("speed noise 10 mm/s", "radio latency 50 ms", "radio loss 0 %", "time"):
+        expect(page.get_by_role("slider", name=name, exact=True)).to_be_visible()
+    scrub = page.locator("#scrub")
+    for side in ("left", "right"):
+        shown = page.locator(f".{side}-text").inner_text().split(",")[0]
+        assert shown in (scrub.get_attribute("aria-valuetext") or "")
+    # It changes all the time: nobody wants to hear it.
+    expect(page.locator(".time")).to_have_attribute("aria-live", "off")
+    page.evaluate("location.hash = 'mechanics'")
+    for symbol in ("θ_L", "p_R", "friction"):
+        expect(page.get_by_role("slider", name=symbol).first).to_be_visible()
+
+
+@pytest.mark.parametrize(("place", "words"), [("carry", "delivered: "), ("stories", "dropped ")])
+def test_the_outcome_is_announced(open_page: Open, place: str, words: str) -> None:
+    query = "?v.story=3" if place == "stories" else ""
+    page = open_page(f"#{place}{query}", motion="reduce")
+    if place == "stories":
+        page.get_by_role("radio").last.press("Space")
+    page.locator("#scrub").press("End")
+    expect(page.get_by_role("status").filter(has_text=words)).to_have_count(1)
+
+
+def test_a_story_by_keyboard_keeps_the_focus(open_page: Open) -> None:
+    """A button that begins a part is gone then, and the part is not yet played."""
+    page = open_page("#stories?v.story=2", motion="reduce")
+    page.get_by_role("radio").last.press("Space")
+    page.keyboard.press("Space")  # it plays wherever the focus is
+    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
+    page.locator("#scrub").press("End")
+    page.locator(".act").press("Enter")
+    expect(page.locator("#play")).to_be_focused()
+
+
 def test_the_page_without_javascript(open_page: Open) -> None:
     page = open_page(script=False)
     expect(page.get_by_role("heading", name="Two robots, no gripper, one box")).to_be_visible()

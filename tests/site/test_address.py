@@ -52,6 +52,15 @@ def test_a_carry(open_page: Open) -> None:
         assert other.evaluate(picture) == page.evaluate(picture), name
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_the_end_of_a_carry(open_page: Open, seed: int) -> None:
+    """Its time is no whole number of hundredths of a second."""
+    page = open_page(hash_of("carry", {"seed": seed, "t": 1000}))
+    shown = page.locator(".status strong").inner_text()
+    assert "delivered" in shown
+    expect(again(open_page, page).locator(".status strong")).to_have_text(shown)
+
+
 def test_a_state_of_mechanics(open_page: Open) -> None:
     page = open_page("#mechanics")
     page.locator("#theta-left").fill("9.5")

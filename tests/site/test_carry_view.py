@@ -50,6 +50,41 @@ def test_it_stands_still_where_motion_is_unwelcome(open_page: Open) -> None:
     page.wait_for_function("() => parseFloat(document.querySelector('.time').innerText) > 0.1")
 
 
+def test_reset_pauses(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {"controller": "silent"}))
+    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
+    page.locator("#reset").click()
+    expect(page.locator("#play")).to_have_attribute("aria-label", "play")
+    assert seconds(page) == 0
+
+
+def test_no_robot_assists_before_it_is_asked(open_page: Open) -> None:
+    """A program of `resilient` begins as if it had just assisted."""
+    page = open_page(hash_of("carry", {"controller": "resilient"}), motion="reduce")
+    expect(page.locator(".left-text")).to_have_text("left p = 0.0 mm")
+    expect(page.locator(".right-text")).to_have_text("right p = 0.0 mm")
+
+
+def test_a_case_is_said_to_have_begun_with_its_condition(open_page: Open) -> None:
+    """A robot that waits is in its case although its contact is elsewhere by then."""
+    lost = [{"sender": "right", "message": 1, "effect": "lost"}]
+    page = open_page(hash_of("carry", {"t": 1000}, radio__script=lost))
+    expect(page.locator(".right-text")).to_contain_text(
+        "right p = −64.7 mm, (b) began with both p > 0"
+    )
+
+
+def test_the_readouts_have_room_beside_a_long_outcome(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {"t": 1000}, task__slope_deg=8.0), width=1366, height=768)
+    outcome = page.locator(".status strong").bounding_box()
+    expect(page.locator(".status strong")).to_contain_text("dropped after")
+    for side in ("left", "right"):
+        box = page.locator(f".{side}-text").bounding_box()
+        assert box is not None and outcome is not None
+        assert box["y"] >= outcome["y"] + outcome["height"] - 1
+        assert box["width"] > 250
+
+
 def test_play_pause_step_scrub_and_speed(open_page: Open) -> None:
     page = open_page(hash_of("carry", {"t": 2}))
     assert seconds(page) == 2
@@ -206,7 +241,7 @@ def test_a_moment_is_taken_apart(open_page: Open) -> None:
         assert mode is not None
         expect(page.get_by_role("heading", name=f"{what}:")).to_contain_text("-".join(mode))
     for side, place in (("left", 0), ("right", 1)):
-        shown = page.locator(f"label:has(#p-{side}) output").inner_text().removesuffix(" mm")
+        shown = page.locator(f"label:has(#p-{side}) .value").inner_text().removesuffix(" mm")
         assert float(shown.replace("−", "-")) == pytest.approx(1000 * p[place], abs=0.06)
 
 

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lesson as its sheet says: every answer of the teacher's file is what the page shows."""
 
+import re
+
+import pytest
 from playwright.sync_api import Page, expect
 
 from site_pages import SITE, Open
@@ -91,6 +94,16 @@ def test_every_answer_of_the_teacher(open_page: Open) -> None:
         to_end(page)
         shows(".ending", name)
     assert answers == {}
+
+
+@pytest.mark.parametrize("task", range(1, 5))
+def test_the_prediction_comes_before_the_page_is_touched(open_page: Open, task: int) -> None:
+    """What the page shows at once would answer it."""
+    sheet = open_page("lesson.html", script=False)
+    text = sheet.locator("body").inner_text()
+    part = text.split(f"\n{task} ")[1].split(f"\n{task + 1} ")[0]
+    asked, touched = part.index("We expect"), re.search("[Cc]lick |[Cc]hoose ", part)
+    assert touched is not None and asked < touched.start()
 
 
 def test_the_sheet_and_the_answers_are_a_page_each(open_page: Open) -> None:

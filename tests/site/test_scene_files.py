@@ -185,14 +185,14 @@ def test_controls_of_a_one_sided_scene(
     hash_before = pb.carry(tomllib.loads(ONE_SIDED)).trace_hash
     expect(page.locator("#hash")).to_have_text(hash_before)
     noise = page.locator("[data-key='robot.noise_m_s']")
-    expect(page.locator("label.slider", has=noise).locator("output")).to_have_text("4 / 10 mm/s")
+    expect(page.locator("label.slider", has=noise).locator(".value")).to_have_text("4 / 10 mm/s")
     noise.fill("7")
-    expect(page.locator("label.slider", has=noise).locator("output")).to_have_text("7 mm/s")
+    expect(page.locator("label.slider", has=noise).locator(".value")).to_have_text("7 mm/s")
     keys = {"palm.left.friction": 0.45, "robot.noise_m_s": 0.007}
     expect(page.locator("#hash")).to_have_text(pb.carry(overrides=keys).trace_hash)
     assert_reproduced(page, capsys)
     page.get_by_role("link", name="Mechanics").click()
-    output = page.locator("label.slider", has=page.locator("#friction")).locator("output")
+    output = page.locator("label.slider", has=page.locator("#friction")).locator(".value")
     expect(output).to_have_text("0.45 / 0.30")
     page.locator("#friction").fill("0.37")
     expect(output).to_have_text("0.37")
@@ -203,7 +203,7 @@ def test_controls_of_a_one_sided_scene(
 @pytest.mark.parametrize(("handle", "key"), [("cone", "ArrowLeft"), ("cone-right", "ArrowRight")])
 def test_both_friction_cones_have_a_handle(open_page: Open, handle: str, key: str) -> None:
     page = open_page(hash_of("mechanics", {}, palm__left__friction=0.2, palm__right__friction=0.5))
-    output = page.locator("label.slider", has=page.locator("#friction")).locator("output")
+    output = page.locator("label.slider", has=page.locator("#friction")).locator(".value")
     expect(output).to_have_text("0.20 / 0.50")
     before = {"cone": 0.2, "cone-right": 0.5}[handle]
     page.locator(f"#handle-{handle}").focus()

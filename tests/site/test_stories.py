@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The view Stories: each part asks, plays and explains."""
 
+import base64
+import io
 import re
 
+import numpy as np
 import pytest
+from PIL import Image
 from playwright.sync_api import Page, expect
 
 import palmbots as pb
@@ -155,7 +159,36 @@ def test_story_3_shows_the_squeezes_that_decide(open_page: Open) -> None:
         expect(item).to_contain_text(closing)
 
 
-def test_space_pauses_after_a_click_on_a_button(open_page: Open) -> None:
+def test_the_answers_are_numbered_as_on_the_sheet(open_page: Open) -> None:
+    sheet = open_page("lesson.html", script=False)
+    words = [item.inner_text() for item in sheet.locator("ol li").all()]
+    page = open_page(hash_of("stories", {"v.story": 8}), motion="reduce")
+    shown = [item.inner_text().split() for item in page.locator(".task label").all()]
+    assert shown == [[str(k + 1), *text.split()] for k, text in enumerate(words)]
+
+
+def red_in(page: Page, chart: str) -> int:
+    """How many pixels of a chart are red, and not the orange of the right robot."""
+    picture = page.evaluate(f"document.getElementById('{chart}').toDataURL()").split(",")[1]
+    image = Image.open(io.BytesIO(base64.b64decode(picture))).convert("RGB")
+    r, g, b = np.asarray(image, int).transpose(2, 0, 1)
+    return int(((r > g + 40) & (b > g + 5)).sum())
+
+
+def test_a_story_shows_the_ends_of_the_palms(open_page: Open) -> None:
+    """Also in parts in which no contact comes near them, and after the part was watched."""
+    page = open_page(hash_of("stories", {"v.story": 3}), motion="reduce")
+    for _ in range(2):
+        if page.locator(".task input").count() > 0:
+            watch(page)
+        page.locator("#scrub").fill("1000")
+        expect(page.locator(".future")).to_have_count(0)
+        assert red_in(page, "contacts-chart") > 200
+        if page.locator(".act").count() > 0:
+            page.locator(".act").click()
+
+
+def test_space_plays_and_pauses_wherever_the_focus_is(open_page: Open) -> None:
     page = open_page(hash_of("stories", {"v.story": 4}))
     play = page.locator("#play")
     page.locator(".task input").first.click()
@@ -167,14 +200,37 @@ def test_space_pauses_after_a_click_on_a_button(open_page: Open) -> None:
     for label in ("pause", "play", "pause"):
         expect(play).to_have_attribute("aria-label", label)
         page.keyboard.press("Space")
-    page.locator(".chapters button").nth(3).press("Space")  # with the keyboard: it is pressed
+    for focus in ("#speed", ".chapters button >> nth=3", "#play", "#scrub", ".home button"):
+        for label in ("play", "pause"):
+            expect(play).to_have_attribute("aria-label", label)
+            page.locator(focus).press("Space")
+    page.locator(".chapters button").nth(3).press("Enter")  # Enter presses
     expect(page.locator(".task input").first).not_to_be_checked()
+
+
+def test_space_ticks_a_box_that_the_keyboard_reached_and_no_other(open_page: Open) -> None:
+    page = open_page("#carry?t=2")
+    page.locator("#cones").press("Space")
+    expect(page.locator("#cones")).to_be_checked()
+    expect(page.locator("#play")).to_have_attribute("aria-label", "play")
+    page.get_by_text("friction cones").click()
+    page.keyboard.press("Space")
+    expect(page.locator("#cones")).not_to_be_checked()
+    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
+    page.locator("#seed").press("Space")  # a field in which one types
+    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
+
+
+def test_space_plays_a_counterexample(open_page: Open) -> None:
+    page = open_page("#proofs", motion="reduce")
+    page.locator("#run").press("Space")
+    expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
 
 
 @pytest.mark.parametrize("height", [630, 768])
 @pytest.mark.parametrize("number", range(1, len(PARTS) + 1))
 def test_a_story_fits_on_one_screen(open_page: Open, number: int, height: int) -> None:
-    """Task, stage, player, explanation and the chart of messages, at 1366 pixels of width."""
+    """All that a story speaks of, at 1366 pixels of width."""
     page = open_page(
         hash_of("stories", {"v.story": number}), motion="reduce", width=1366, height=height
     )
@@ -184,5 +240,8 @@ def test_a_story_fits_on_one_screen(open_page: Open, number: int, height: int) -
         if page.locator(".task input").count() > 0:
             page.locator(".task input").first.check()
         page.locator("#scrub").fill("1000")
-        for place in (".task", "#stage", "#play", ".after", "#sequence-chart"):
+        for place in (
+            "h1", ".lead p", ".task", "#stage", ".ending", "#play", ".after", ".legend",
+            "#contacts-chart", "#palms-chart", "#sequence-chart",
+        ):  # fmt: skip
             expect(page.locator(place)).to_be_in_viewport(ratio=1)

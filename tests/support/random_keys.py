@@ -19,7 +19,9 @@ NEAR_ZERO = {
     "": 0.04, "m": 0.004, "s": 0.03, "m/s": 0.003, "m/√s": 0.01, "degrees": 2.0,
     "parts per million": 200.0, "bumps per metre": 3.0,
 }  # fmt: skip
-INSTEAD_OF_NONE = {"": 0.3, "m": 0.2, "s": 0.5, "degrees": 15.0, "parts per million": 5000.0}
+INSTEAD_OF_NONE = {
+    "": 0.3, "m": 0.2, "s": 0.5, "N": 30.0, "degrees": 15.0, "parts per million": 5000.0,
+}  # fmt: skip
 HOLDERS = dict.fromkeys(("palm", "robot", "arm"), ("left", "right"))
 SENDERS = ("left", "right", "station")
 OUTLINE = {  # the rows of an outline say nothing about its shape

@@ -8,8 +8,7 @@
 // docs/theory/contacts.md.
 #pragma once
 
-#include <algorithm>
-
+#include "palmbots/base/few_sorted.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/mechanics/twist_feasibility.hpp"
 
@@ -283,7 +282,7 @@ class PalmView {
     }
     marks[found++] = own_ - half_;
     marks[found++] = own_ + half_;
-    std::sort(marks.begin(), marks.begin() + static_cast<std::ptrdiff_t>(found));
+    sort_few(marks.data(), found);
     Real deepest = Real(0);
     const auto look = [&](Real inward) {
       const Real place = own_ - inward;

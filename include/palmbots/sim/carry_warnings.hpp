@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "palmbots/base/number_text.hpp"
 #include "palmbots/control/messages.hpp"
 #include "palmbots/sim/metrics.hpp"
 #include "palmbots/sim/radio.hpp"
@@ -37,12 +37,6 @@ inline constexpr double patience = 2.0;  // for an answer, besides the delay of 
 
 inline std::string robot_text(std::size_t side) {
   return side == left ? "the left robot" : "the right robot";
-}
-
-inline std::string one_decimal(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);  // as Python rounds
-  return text;
 }
 
 inline std::string with_article(MessageKind kind) {
@@ -86,7 +80,7 @@ inline std::vector<std::string> warnings_after(const Spec& spec, const CarryEnd&
     } else if (missed &&
                waiting_at_end(m, side, spec.period) > detail::patience + 2 * spec.longest_delay()) {
       lines.push_back(robot + " has waited since " +
-                      detail::one_decimal(double(m.waits_since[side]) * spec.period) + " s for " +
+                      fixed_text(double(m.waits_since[side]) * spec.period, 1) + " s for " +
                       detail::with_article(end.awaits[side]) + " that does not arrive (a message " +
                       detail::missing_reason(spec, end.links) + ")");
     }

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdio>
 #include <string>
 #include <string_view>
 
+#include "palmbots/base/number_text.hpp"
 #include "palmbots/sim/scene_key.hpp"
 #include "palmbots/sim/scene_problem.hpp"
 #include "palmbots/sim/scene_values.hpp"
@@ -34,9 +34,7 @@ inline std::string filled_in(std::string_view text, const Numbers& numbers) {
       filled += text[i];
       continue;
     }
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%g", numbers.values[std::size_t(text[i + 1] - '0')]);
-    filled += digits;
+    filled += short_text(numbers.values[std::size_t(text[i + 1] - '0')]);
     i += 2;
   }
   return filled;

@@ -38,9 +38,11 @@ enum class Unit : std::uint8_t {
   degrees,
   degrees_s,
   parts_per_million,
-  bumps_per_metre
+  bumps_per_metre,
+  newton,
+  newton_m
 };
-inline constexpr std::array<std::string_view, 11> unit_names = {"",
+inline constexpr std::array<std::string_view, 13> unit_names = {"",
                                                                 "m",
                                                                 "s",
                                                                 "kg",
@@ -50,7 +52,9 @@ inline constexpr std::array<std::string_view, 11> unit_names = {"",
                                                                 "degrees",
                                                                 "degrees/s",
                                                                 "parts per million",
-                                                                "bumps per metre"};
+                                                                "bumps per metre",
+                                                                "N",
+                                                                "N m"};
 
 // The size of a unit in SI units and radians.
 constexpr double scale_of(Unit unit) {

@@ -13,11 +13,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "palmbots/base/few_sorted.hpp"
+#include "palmbots/base/number_text.hpp"
 #include "palmbots/runtime/controller_registry.hpp"
 #include "palmbots/sim/scene_object.hpp"
 #include "palmbots/sim/scene_values.hpp"
@@ -42,7 +43,7 @@ inline ZeroZone zero_zone_of(const Spec& spec) {
       if (std::isfinite(edge)) edges.push_back(edge);
     }
   }
-  std::sort(edges.begin(), edges.end());
+  sort_few(edges.data(), edges.size());
   // The reading in a stretch without edges; a zone that reads 0 takes precedence.
   const auto reads = [&](double p) {
     std::int64_t sign = 0;
@@ -95,7 +96,7 @@ inline double overrun_of(const Spec& spec, const ControllerInfo& controller) {
   }
   // Along the palm a contact moves a little farther than the robots do.
   const double steepest = std::max(spec.palms[left].steep, spec.palms[right].steep);
-  return distance / std::cos(steepest);
+  return distance / sin_cos(steepest).cos;
 }
 
 // Overlap of the palms at the start, both steep [m]; negative: the gap between them. A palm extends
@@ -106,27 +107,15 @@ inline double palm_overlap_of(const Spec& spec) {
   for (const std::size_t side : {left, right}) {
     const PalmSpec& palm = spec.palms[side];
     const double p = spec.start[side];
-    reach += (p + 0.5 * palm.length) * std::cos(palm.steep);
-    rise[side] = p * std::sin(palm.steep) + palm.offset * std::cos(palm.steep);
+    const SinCos<double> steep = sin_cos(palm.steep);
+    reach += (p + 0.5 * palm.length) * steep.cos;
+    rise[side] = p * steep.sin + palm.offset * steep.cos;
   }
   const double z = rise[right] - rise[left];
   return reach - std::sqrt(std::max(spec.width * spec.width - z * z, 0.0));
 }
 
 namespace detail {
-
-// A sentence with numbers, as printf writes them.
-template <class... Numbers>
-std::string sentence(const char* format, Numbers... numbers) {
-  char text[512];
-  std::snprintf(text, sizeof text, format, numbers...);
-  return text;
-}
-
-inline std::string millimetres(double metres) {
-  const std::string text = sentence("%.1f mm", 1e3 * metres);
-  return text == "-0.0 mm" ? "0.0 mm" : text;
-}
 
 // The sensor of a palm reads 0 up to an end: it cannot foresee a drop there.
 inline void warn_if_blind(const Spec& spec, std::size_t side, std::vector<std::string>& lines) {
@@ -147,9 +136,11 @@ inline void warn_if_in_rad(const Spec& spec, std::size_t side, std::vector<std::
   constexpr double degrees_per_radian = 1 / radians_per_degree<double>;
   const double degrees = spec.palms[side].steep * degrees_per_radian;
   if (!(degrees > 0.05 && degrees < 1)) return;
+  const std::string given = short_text(degrees);
   lines.push_back(
-      sentence("palm.steep_deg of the %s palm is %g degrees; if %g is an angle in rad, write %.1f",
-               side == left ? "left" : "right", degrees, degrees, degrees * degrees_per_radian));
+      sentence("palm.steep_deg of the {} palm is {} degrees; if {} is an angle in rad, write {}",
+               {side == left ? "left" : "right", given, given,
+                fixed_text(degrees * degrees_per_radian, 1)}));
 }
 
 // The lease of a table within which a beacon may not be answered in time. Below twice the latency of
@@ -167,10 +158,10 @@ void warn_of_short_lease(const runtime::TableProgramMaker<Table>&, const Spec& s
     const double shortest = shortest_table_lease<Table>(spec);
     if (lease > shortest - 1e-9) return;
     lines.push_back(sentence(
-        "radio.lease_s: %g s is shorter than the round trip of two beacons, %g s: a robot "
-        "takes its partner for silent although no message is lost, and %s works like silent "
+        "radio.lease_s: {} s is shorter than the round trip of two beacons, {} s: a robot "
+        "takes its partner for silent although no message is lost, and {} works like silent "
         "meanwhile (raise it, or lower radio.latency_s or radio.beacon_s)",
-        lease, shortest, controller.name));
+        {short_text(lease), short_text(shortest), controller.name}));
   }
 }
 
@@ -179,12 +170,12 @@ inline void warn_of_noisy_lease(const Spec& spec, std::vector<std::string>& line
   const ResilientTiming b = resilient_timing_of(spec);
   if (!b.is_noisy) return;
   lines.push_back(sentence(
-      "radio.lease_s: %g s is the shortest lease that this radio permits, but with it a robot that "
-      "travels alone, and the noise, can shift a contact by %.0f mm, and the palm has room for "
-      "only "
-      "%.0f mm: a fault may drop the object (lower robot.noise_m_s, robot.speed_m_s or "
+      "radio.lease_s: {} s is the shortest lease that this radio permits, but with it a robot that "
+      "travels alone, and the noise, can shift a contact by {} mm, and the palm has room for only "
+      "{} mm: a fault may drop the object (lower robot.noise_m_s, robot.speed_m_s or "
       "radio.latency_s)",
-      b.times.lease * spec.period, 1e3 * (b.skew + b.noise), 1e3 * b.room));
+      {short_text(b.times.lease * spec.period), fixed_text(1e3 * (b.skew + b.noise), 0),
+       fixed_text(1e3 * b.room, 0)}));
 }
 
 }  // namespace detail
@@ -199,9 +190,9 @@ inline std::vector<std::string> object_warnings(const SceneValues& scene) {
   const double turned = std::atan2(l.y - r.y, r.x - l.x) * degrees_per_radian;
   if (std::abs(turned) > 90) {
     lines.push_back(
-        detail::sentence("the object rests upside down: its outline is turned by %.0f° "
-                         "(object.contacts are upper vertices of object.vertices_m)",
-                         turned));
+        sentence("the object rests upside down: its outline is turned by {}° "
+                 "(object.contacts are upper vertices of object.vertices_m)",
+                 {fixed_text(turned, 0)}));
   }
   const SceneValues usual;
   const SceneObject box = object_of(usual);
@@ -211,9 +202,9 @@ inline std::vector<std::string> object_warnings(const SceneValues& scene) {
       std::equal(object.vertices.begin(), object.vertices.end(), box.vertices.begin(), is_same);
   if (is_same(object.com, box.com) && !has_its_outline) {
     lines.push_back(
-        detail::sentence("object.com_m is [%g, %g], that of the paper's box, but the outline is "
-                         "another one (without com_m it is the centroid)",
-                         box.com.x, box.com.y));
+        sentence("object.com_m is [{}, {}], that of the paper's box, but the outline is "
+                 "another one (without com_m it is the centroid)",
+                 {short_text(box.com.x), short_text(box.com.y)}));
   }
   return lines;
 }
@@ -226,8 +217,8 @@ inline std::vector<std::string> warnings_before(const Spec& spec, const Controll
   const double overrun = overrun_of(spec, controller);
   if (overrun > zone) {
     const bool is_late = controller.decider == Decider::station || controller.drives_by_both_signs;
-    lines.push_back("the zero zone is " + detail::millimetres(zone) +
-                    " wide, but a contact overruns its edge by " + detail::millimetres(overrun) +
+    lines.push_back("the zero zone is " + millimetres(zone) +
+                    " wide, but a contact overruns its edge by " + millimetres(overrun) +
                     ": corrections may not end (widen tactile.zero_half_width_m or lower "
                     "robot.correction_m_s, " +
                     (is_late ? "radio.latency_s)" : "control.period_s)"));
@@ -241,7 +232,7 @@ inline std::vector<std::string> warnings_before(const Spec& spec, const Controll
   for (const std::size_t side : {left, right}) detail::warn_if_in_rad(spec, side, lines);
   lines.insert(lines.end(), of_object.begin(), of_object.end());
   if (const double overlap = palm_overlap_of(spec); overlap > 0) {
-    lines.push_back("the palms overlap by " + detail::millimetres(overlap) +
+    lines.push_back("the palms overlap by " + millimetres(overlap) +
                     " under the object and would collide; neither world models that contact (use a "
                     "wider object, or a shorter palm.length_m)");
   }

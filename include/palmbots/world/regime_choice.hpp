@@ -12,8 +12,7 @@
 //   - the palm that leads slides first (`leading_side`).
 #pragma once
 
-#include <algorithm>
-
+#include "palmbots/base/few_sorted.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/world/regime_conditions.hpp"
 
@@ -178,12 +177,11 @@ inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frame
     }
     if (found.count > 0 || problem.push == 0.0) break;
   }
-  std::stable_sort(found.at.begin(), found.at.begin() + static_cast<std::ptrdiff_t>(found.count),
-                   [](const RegimeCandidate& a, const RegimeCandidate& b) {
-                     if (a.on_both != b.on_both) return a.on_both;
-                     if (a.staying != b.staying) return a.staying > b.staying;
-                     return a.alike && !b.alike;
-                   });
+  sort_few(found.at.data(), found.count, [](const RegimeCandidate& a, const RegimeCandidate& b) {
+    if (a.on_both != b.on_both) return a.on_both;
+    if (a.staying != b.staying) return a.staying > b.staying;
+    return a.alike && !b.alike;
+  });
   return found;
 }
 

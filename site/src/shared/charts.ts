@@ -105,7 +105,7 @@ interface Band {
 }
 
 // Contacts in mm: both palms, the zero zone, the ends of the palms. `isWhole`: the axis is as long as
-// the palms, so that it does not show how far the contacts will come.
+// the palms.
 export function drawContacts(
   surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, ghost: Recorded | null, zero: Band,
   half: number, isWhole: boolean,
@@ -289,7 +289,7 @@ export function drawSequence(
     c.strokeStyle = p.quiet;
     c.lineWidth = 1;
     line(c, LEFT_MARGIN, lanes.station, surface.width - RIGHT_MARGIN, lanes.station);
-    write(c, "station", LEFT_MARGIN - 4, lanes.station, p.quiet, LANE_NAME);
+    write(c, "station", LEFT_MARGIN - 4, lanes.station, p.quiet, { ...LANE_NAME, size: 10 });
   }
   for (const side of [0, 1]) {
     c.strokeStyle = sideColour(p, side);

@@ -16,6 +16,7 @@ interface Exports {
   set_scene(bytes: number): void;
   problem(): number;
   answered(): number;
+  refusal(): number;
   object(): number;
   set_policy(): void;
   set_forks(): void;
@@ -217,6 +218,12 @@ export class Core {
     const value = Array.from(this.take(this.wasm.answered()));
     const given = get(scene, key) ?? get(builtInScene("paper"), key);
     refuse(key, value.length > 1 ? value : (value[0] ?? given), problem!, allowed!);
+  }
+
+  // Why no carry of a scene can begin although its keys agree; empty if one can.
+  cannotBegin(scene: Scene): string {
+    this.setScene(scene);
+    return this.text(this.wasm.refusal());
   }
 
   // Outline of the scene's object; contacts and centre of mass, which follow from it if not given.

@@ -16,7 +16,13 @@ export function pair(run: Recorded, row: number, column: number): [number, numbe
   return [cell(run, row, column), cell(run, row, column + 1)];
 }
 
+// The letter of a robot's case, or "". A program may begin as if it had just assisted: nobody assists
+// before its partner has asked.
 export function caseAt(run: Recorded, row: number, side: number): string {
   const code = cell(run, row, ROW.name + side);
-  return code === 32 || code === 0 ? "" : String.fromCharCode(code);
+  const letter = code === 32 || code === 0 ? "" : String.fromCharCode(code);
+  const time = cell(run, row, ROW.time);
+  const isAsked = () =>
+    run.messages.some((m) => m.sender === 1 - side && m.kind === "TiltUp" && m.sent <= time);
+  return letter === "c" && !isAsked() ? "" : letter;
 }

@@ -64,7 +64,7 @@ function problemOf(machine: Core, of: Scene): string {
   } catch (error) {
     return (error as Error).message;
   }
-  return "";
+  return machine.cannotBegin(of);
 }
 
 // Throws an Error with one line where a scene that differs so from `paper` cannot be carried.
@@ -214,7 +214,9 @@ export function address(changes: { view?: ViewName; time?: boolean } = {}): stri
   }
   for (const [name, value] of Object.entries(extras.value)) query.set(`v.${name}`, value);
   if (changes.time !== false && player.time.value > 0) {
-    query.set("t", player.time.value.toFixed(2));
+    // The end is seldom a whole number of hundredths: rounded down, it would be before the end.
+    const time = player.time.value;
+    query.set("t", (time < player.end() ? time : Math.ceil(100 * time) / 100).toFixed(2));
   }
   if (player.speed.value !== 1) query.set("speed", String(player.speed.value));
   const text = query.toString();

@@ -57,7 +57,6 @@ interface Tables {
   requiredModes: Record<string, string>; // by property, with the left palm shallow
   motionMeanings: Record<string, string>; // of the symbols in modes
   modeSentences: Record<string, string>; // with names in braces for what is filled in
-  failing: string; // the warning that properties fail, with names in braces
   bindings: Record<string, string>;
   bindingNames: string[];
   quantities: Record<string, { number: number; most: number; unit: string; name: string }>;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carry: one carry to watch, to scrub through, to fork and to disturb.
-import { computed, signal } from "@preact/signals";
+import { signal } from "@preact/signals";
 import {
-  AtHome, ControllerChoice, Disturbances, Field, ResetButton, SceneChoice, caseMeaning, presentRun, setController,
+  AtHome, ControllerChoice, Disturbances, Field, ResetButton, SceneChoice, caseWords, presentRun, setController,
 } from "./parts";
 import { PlayerBar, usePlayerKeys } from "./player_bar";
 import { saveFilm, savePicture } from "./save";
@@ -12,10 +12,10 @@ import { ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
 import { get } from "../shared/scene_values";
 import {
-  address, append, controller, core, forks, go, overrides, player, recorded, refusal, scene, seed, setExtra,
+  address, append, controller, forks, go, overrides, player, recorded, refusal, scene, seed, setExtra,
   setExtraFlag, setKey,
 } from "../shared/state";
-import { type Json, SIDES, controllerInfo, filledIn, tables } from "../shared/tables";
+import { type Json, SIDES, controllerInfo, tables } from "../shared/tables";
 
 const NUDGE_M = 0.012;
 const UNTIL_SWITCHED_ON_S = 1000; // longer than any carry
@@ -36,7 +36,7 @@ function Status() {
   const run = recorded.value;
   if (refusal.value) {
     return (
-      <p class="status refusal">
+      <p class="status refusal" role="status">
         {refusal.value}
       </p>
     );
@@ -50,7 +50,7 @@ function Status() {
     if (offAt(scene.value, player.time.value)[k]) return `${side}: switched off`;
     const letter = caseAt(run, row, k);
     const mm = (1000 * contact[k]!).toFixed(1).replace("-", "−");
-    return `${side} p = ${mm} mm${letter ? `, (${letter}) ${caseMeaning(controller.value, letter)}` : ""}`;
+    return `${side} p = ${mm} mm${letter ? `, ${caseWords(controller.value, letter)}` : ""}`;
   });
   return (
     <>
@@ -61,35 +61,13 @@ function Status() {
         </strong>
         <span class="right-text">{does[1]}</span>
       </div>
+      <p class="unseen" role="status">{[...(ended ? [outcomeText(run)] : []), ...warnings].join("; ")}</p>
       {warnings.length > 0 && (
-        <ul class="warnings" role="status">
+        <ul class="warnings">
           {warnings.map((text) => <li>warning: {text}</li>)}
         </ul>
       )}
     </>
-  );
-}
-
-// The properties that fail for contacts somewhere on the palms, in the words of the command's warning.
-const failing = computed(() => {
-  const machine = core.value;
-  if (!machine || refusal.value || controllerInfo(controller.value)?.team === "none") return "";
-  machine.setScene(scene.value);
-  const found = machine.limits(0).filter((limit) => !limit.holds).map((limit) => limit.property);
-  const numbers = [...new Set(found)];
-  if (numbers.length === 0) return "";
-  return filledIn(tables.failing, {
-    names: numbers.map((n) => `property ${n}`).join(" and "), fails: numbers.length > 1 ? "fail" : "fails",
-  });
-});
-
-function Failing() {
-  if (!failing.value) return null;
-  return (
-    <p class="failing" id="failing">
-      warning: {failing.value};{" "}
-      <a href={address({ view: "design", time: false })}>Design</a> shows what happens there.
-    </p>
   );
 }
 
@@ -235,7 +213,6 @@ export function CarryView() {
         <div class="scene">
           <Stage run={run} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
           <Status />
-          <Failing />
           <PlayerBar />
           <Hands />
         </div>

@@ -290,7 +290,7 @@ export function DesignView() {
       <div class="sliders">
         <KeySlider name="palm.friction" label="friction μ" min={0.05} max={1} step={0.01} digits={2} />
         <label class="slider">
-          <span>contacts within <output>±{region_mm.toFixed(0)} mm</output></span>
+          <span>contacts within <span class="value">±{region_mm.toFixed(0)} mm</span></span>
           <input type="range" id="region" min={5} max={1000 * halfPalm.value} step={1} value={region_mm}
             onInput={(event) => setExtra("r", event.currentTarget.value, String(1000 * halfPalm.value))} />
         </label>

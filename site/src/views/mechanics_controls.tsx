@@ -10,7 +10,7 @@ export function StateSliders() {
   ) => (
     <label class="slider">
       <span>
-        {label} <output>{value.toFixed(1).replace("-", "−")} {unit}</output>
+        {label} <span class="value">{value.toFixed(1).replace("-", "−")} {unit}</span>
       </span>
       <input type="range" id={id} min={low} max={high} step={step} value={value}
         onInput={(event) => change(Number(event.currentTarget.value))} />
@@ -25,7 +25,7 @@ export function StateSliders() {
       {slider("p_L", "p-left", contact.value[0], -1000 * half(0), 1000 * half(0), 0.5, "mm", (v) => setContact(0, v))}
       {slider("p_R", "p-right", contact.value[1], -1000 * half(1), 1000 * half(1), 0.5, "mm", (v) => setContact(1, v))}
       <label class="slider">
-        <span>friction μ <output>{shown}</output></span>
+        <span>friction μ <span class="value">{shown}</span></span>
         <input type="range" id="friction" min={0.05} max={1.2} step={0.01} value={friction[0]}
           onInput={(event) => setForAll("palm.friction", Number(event.currentTarget.value))} />
       </label>

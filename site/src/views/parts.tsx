@@ -108,6 +108,7 @@ export function ResetButton() {
         forks.value = [];
         setExtra("m", "", "");
         player.speed.value = 1;
+        player.pause();
         player.seek(0);
       }}
     >
@@ -128,7 +129,7 @@ export function KeySlider(props: {
   return (
     <label class="slider" title={meaning}>
       <span>
-        {props.label} <output>{shown.join(" / ")}{props.unit ? ` ${props.unit}` : ""}</output>
+        {props.label} <span class="value">{shown.join(" / ")}{props.unit ? ` ${props.unit}` : ""}</span>
       </span>
       <input
         type="range"
@@ -256,8 +257,12 @@ export async function openScene(file: File): Promise<void> {
   player.seek(0);
 }
 
-export function caseMeaning(name: string, letter: string): string {
-  return controllerInfo(name)?.cases[letter] ?? "";
+// A case in words. Its condition held when it began: later the contacts may be elsewhere, and the palm of
+// a robot that assists may turn back.
+export function caseWords(name: string, letter: string): string {
+  const meaning = (controllerInfo(name)?.cases[letter] ?? "").replaceAll(/ ([<>]) /g, "\u00a0$1\u00a0");
+  if (letter === "c") return `(c) ${meaning.split(":")[0]}`;
+  return `(${letter}) ${/[<>]/.test(meaning) ? "began with " : ""}${meaning}`;
 }
 
 export function setController(name: string): void {

@@ -1,11 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // Play, pause, step, scrub and speed.
 import { useEffect } from "preact/hooks";
-import { player, recorded } from "../shared/state";
+import { ROW } from "../shared/core";
+import { pair, rowAt } from "../shared/row";
+import { get } from "../shared/scene_values";
+import { player, recorded, scene } from "../shared/state";
+import { SIDES } from "../shared/tables";
 
 const TICK = 0.01;
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 25, 50];
 
+// The moment in words, for those who do not see the picture.
+function momentWords(): string {
+  const run = recorded.value;
+  const time = `${player.time.value.toFixed(2)} s`;
+  if (!run) return time;
+  const row = rowAt(run, player.time.value, Number(get(scene.value, "control.period_s")));
+  const p = pair(run, row, ROW.contact).map((value) => (1000 * value).toFixed(1).replace("-", "−"));
+  return [time, ...SIDES.map((side, k) => `${side} p = ${p[k]} mm`)].join(", ");
+}
+
+// `end`: of several carries; without it, the bar is that of the one which the state describes.
 export function PlayerBar(props: { end?: number }) {
   const end = props.end ?? recorded.value?.time ?? 0;
   return (
@@ -28,6 +43,7 @@ export function PlayerBar(props: { end?: number }) {
         max={end}
         step={TICK}
         value={player.time.value}
+        aria-valuetext={props.end === undefined ? momentWords() : `${player.time.value.toFixed(2)} s`}
         onInput={(event) => {
           player.pause();
           // The end seldom is a whole number of steps.
@@ -35,7 +51,7 @@ export function PlayerBar(props: { end?: number }) {
           player.seek(to + TICK > end ? end : to);
         }}
       />
-      <output class="time">{player.time.value.toFixed(2)} s</output>
+      <output class="time" aria-live="off">{player.time.value.toFixed(2)} s</output>
       <select
         aria-label="speed"
         id="speed"
@@ -58,37 +74,60 @@ function Pause() {
   return <svg viewBox="0 0 16 16" width="16" height="16" aria-hidden="true"><path d="M3 2h4v12H3zM9 2h4v12H9z" fill="currentColor" /></svg>;
 }
 
-// Keys that work wherever the focus is not in a field that takes them.
-function playerKeys(event: KeyboardEvent): void {
-  const target = event.target as HTMLElement;
-  if (event.ctrlKey || event.metaKey || event.altKey) return;
-  // A slider and an answer that is already chosen do not use the space bar.
-  const isFree =
-    target instanceof HTMLInputElement &&
-    (target.type === "range" || (target.type === "radio" && target.checked));
-  if (/^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && !isFree) return;
-  if (event.key === " " && target.tagName !== "BUTTON") {
-    event.preventDefault();
-    player.toggle();
-  }
-  if (event.key === ",") player.step(-TICK);
-  if (event.key === ".") player.step(TICK);
+// Where one types, all keys are text.
+const isText = (target: HTMLElement) =>
+  target instanceof HTMLTextAreaElement ||
+  (target instanceof HTMLInputElement && /^(number|text|search)$/.test(target.type));
+
+// The space bar is the only key that ticks a box or chooses the first answer.
+const needsSpace = (target: HTMLElement) =>
+  target instanceof HTMLInputElement &&
+  (target.type === "checkbox" || (target.type === "radio" && !target.checked));
+
+const isPlayKey = (event: KeyboardEvent) =>
+  event.key === " " && !isText(event.target as HTMLElement) && !needsSpace(event.target as HTMLElement);
+
+interface Clock {
+  toggle(): void;
+  stepBy(steps: number): void;
 }
 
-// A button that was clicked with a pointer keeps no focus: else the space bar would press it again.
-function releaseButton(event: MouseEvent): void {
-  const button = (event.target as HTMLElement).closest("button");
-  if (button && event.detail > 0) button.blur();
+const ofCarry: Clock = { toggle: () => player.toggle(), stepBy: (steps) => player.step(steps * TICK) };
+
+// Keys that work wherever the focus is not in a field that takes them. Enter presses buttons.
+function playerKeys(clock: Clock, event: KeyboardEvent): void {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (isPlayKey(event)) {
+    event.preventDefault();
+    if (!event.repeat) clock.toggle();
+  }
+  if (isText(event.target as HTMLElement)) return;
+  if (event.key === ",") clock.stepBy(-1);
+  if (event.key === ".") clock.stepBy(1);
+}
+
+// Some browsers press a button when the key is released.
+function releasedKey(event: KeyboardEvent): void {
+  if (isPlayKey(event)) event.preventDefault();
+}
+
+// A box that was clicked with a pointer keeps no focus: else the space bar would tick it again.
+function releaseBox(event: MouseEvent): void {
+  const target = event.target as HTMLElement;
+  if (event.detail > 0 && needsSpace(target)) target.blur();
 }
 
 // Makes the keys of the player work in a view.
-export function usePlayerKeys(): void {
+export function usePlayerKeys(clock: Clock = ofCarry): void {
   useEffect(() => {
-    document.addEventListener("keydown", playerKeys);
-    document.addEventListener("click", releaseButton);
+    const keys = (event: KeyboardEvent) => playerKeys(clock, event);
+    document.addEventListener("keydown", keys);
+    document.addEventListener("keyup", releasedKey);
+    document.addEventListener("click", releaseBox);
     return () => {
-      document.removeEventListener("keydown", playerKeys);
-      document.removeEventListener("click", releaseButton);
+      document.removeEventListener("keydown", keys);
+      document.removeEventListener("keyup", releasedKey);
+      document.removeEventListener("click", releaseBox);
     };
   }, []);
 }

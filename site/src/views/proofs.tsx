@@ -5,6 +5,7 @@ import { computed, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { AtHome } from "./parts";
+import { usePlayerKeys } from "./player_bar";
 import { PROOF_CHART_HEIGHT, cellText, drawProofChart, stepAt } from "./proof_chart";
 import { Stage } from "./stage";
 import { Canvas, type Surface } from "../shared/canvas";
@@ -205,16 +206,23 @@ function Chart(props: { item: Counterexample; place: number }) {
   );
 }
 
+// Plays or pauses. A run that does not return begins again after its end.
+function toggle(): void {
+  const item = chosen.value;
+  if (!item) return;
+  if (!playing.value && step.value === item.steps.length - 1 && item.loop === null) goTo(0);
+  playing.value = !playing.value;
+}
+
+const clock = { toggle, stepBy: (steps: number) => chosen.value && stepTo(step.value + steps) };
+
 function Player(props: { item: Counterexample; place: number }) {
   const { item, place } = props;
   const last = item.steps.length - 1;
   return (
     <div class="player" role="group" aria-label="playback">
       <button type="button" class="round" id="play" aria-label={playing.value ? "pause" : "play"}
-        onClick={() => {
-          if (!playing.value && place === last && item.loop === null) goTo(0);
-          playing.value = !playing.value;
-        }}>
+        onClick={toggle} title="space">
         {playing.value ? "❚❚" : "▶"}
       </button>
       <button type="button" class="plain" id="step-back" aria-label="one step back" onClick={() => stepTo(place - 1)}>
@@ -225,7 +233,7 @@ function Player(props: { item: Counterexample; place: number }) {
       </button>
       <input type="range" id="scrub" aria-label="step" min={0} max={last} step={1} value={place}
         onInput={(event) => stepTo(Number(event.currentTarget.value))} />
-      <output class="time">{place + 1} of {last + 1}</output>
+      <output class="time" aria-live="off">{place + 1} of {last + 1}</output>
     </div>
   );
 }
@@ -249,6 +257,7 @@ export function ProofsView() {
     });
   }, []);
   useClock();
+  usePlayerKeys(clock);
   const item = chosen.value;
   if (!item) return <p class="status">…</p>;
   const place = step.value;
@@ -308,7 +317,7 @@ export function ProofsView() {
                 label="side view of a carry with the same failure" />
               <p class="note">
                 The same failure occurs in a carry with friction and geometry, shown at{" "}
-                <output id="carry-time">{carried.times[place]!.toFixed(2)}&nbsp;s</output>.{" "}
+                <output id="carry-time" aria-live="off">{carried.times[place]!.toFixed(2)}&nbsp;s</output>.{" "}
                 <button type="button" id="carry-it" onClick={() => openInCarry(item)}>open this carry</button>
               </p>
               <Robots robots={now.robots} />

@@ -75,8 +75,9 @@ function stationed(name: string): boolean {
   return name === OWN_ROWS || controllerInfo(name)?.team === "station";
 }
 
-// `hidesFuture`: shows only what has happened by the time of the player.
-export function Charts(props: { hidesFuture?: boolean }) {
+// `hidesFuture`: shows only what has happened by the time of the player. `showsWholePalms`: the contacts
+// from end to end of the palms, however far they come: the axis does not tell.
+export function Charts(props: { hidesFuture?: boolean; showsWholePalms?: boolean }) {
   const run = recorded.value;
   const frame = useRef<HTMLDivElement>(null);
   if (!run) return null;
@@ -150,6 +151,7 @@ export function Charts(props: { hidesFuture?: boolean }) {
         <span class="left-key">left robot</span>
         <span class="right-key">right robot</span>
         <span class="zero-key">sensor reads 0</span>
+        <span class="end-key">end of a palm</span>
         <label class="check small">
           <input
             type="checkbox"
@@ -174,7 +176,7 @@ export function Charts(props: { hidesFuture?: boolean }) {
             draw={(s) =>
               drawContacts(
                 s, palette.value, axis(run, s.width), run, before.value, zeroZone(of), half,
-                props.hidesFuture ?? false,
+                props.showsWholePalms ?? false,
               )
             }
           />
@@ -192,8 +194,11 @@ export function Charts(props: { hidesFuture?: boolean }) {
           />
         </figure>
         <figure>
-          <figcaption>
+          <figcaption class="keys">
             {talks ? "corrections and messages: click a message" : "corrections"}
+            <span class="corrects-key" aria-hidden="true">corrects, in this case</span>
+            {talks && !hasStation && <span class="assists-key" aria-hidden="true">assists</span>}
+            {talks && <span class="lost-key" aria-hidden="true">lost</span>}
           </figcaption>
           <Canvas
             id="sequence-chart"

@@ -53,6 +53,12 @@ function begin(story: number, number: number): void {
   else run();
 }
 
+// Begins a part with a button that is gone then: the focus goes where the part is played.
+function goOn(story: number, number: number): void {
+  begin(story, number);
+  document.getElementById("play")?.focus();
+}
+
 function run(): void {
   if (!reducedMotion.matches) player.play();
 }
@@ -123,7 +129,7 @@ export function StoriesView() {
           <span class="note">Press play, or the space bar, to see what happens.</span>
         )}
         {number > 1 && (
-          <button type="button" class="plain" onClick={() => begin(place, 1)}>
+          <button type="button" class="plain" onClick={() => goOn(place, 1)}>
             back to the beginning
           </button>
         )}
@@ -141,7 +147,7 @@ export function StoriesView() {
               {next && (
                 <p class="row next">
                   <strong>{next.task}</strong>
-                  <button type="button" class="act" onClick={() => begin(place, number + 1)}>
+                  <button type="button" class="act" onClick={() => goOn(place, number + 1)}>
                     {next.label}
                   </button>
                 </p>
@@ -149,7 +155,7 @@ export function StoriesView() {
             </div>
           )}
         </div>
-        <Charts hidesFuture={!isSeen()} />
+        <Charts hidesFuture={!isSeen()} showsWholePalms />
       </section>
       <AtHome runs={presentRun()} />
       {import.meta.env.MODE !== "file" && (
@@ -172,7 +178,7 @@ function Question(props: { story: Story; part: Part }) {
               setExtra("answer", String(k + 1), "");
               run();
             }} />
-          {words}
+          <span class="number">{k + 1}</span> {words}
           {isSeen() && k === right && <strong class="good">✓ this happens</strong>}
         </label>
       ))}
@@ -213,16 +219,16 @@ const counted = (number: number, what: string) =>
 
 function Ending(): ComponentChildren {
   const carried = recorded.value;
-  if (!carried || player.time.value < carried.time) return <p class="status">&nbsp;</p>;
+  if (!carried || player.time.value < carried.time) return <p class="status" role="status">&nbsp;</p>;
   const wrong = carried.warnings.length > 0 ? carried.warnings : endless(carried);
   return (
-    <p class="status ending">
+    <p class="status ending" role="status">
       <strong class={carried.outcome === 1 && wrong.length === 0 ? "good" : "bad"}>
         {[outcomeText(carried), ...wrong].join("; ")}
       </strong>{" "}
       <span class="note" id="tally">
         {counted(carried.correctionCount, "correction")}, {counted(carried.sent, "message")}, contacts
-        up to {(1000 * Math.max(...carried.peak)).toFixed(0)} mm from p = 0
+        up to {(1000 * Math.max(...carried.peak)).toFixed(0)} mm from <span class="whole">p = 0</span>
       </span>
     </p>
   );

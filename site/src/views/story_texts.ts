@@ -85,7 +85,7 @@ export const STORIES: Story[] = [
   {
     title: "Why the palms tilt",
     text:
-      "The right robot drives 8 mm/s too fast. Both palms stay steep, and no robot corrects anything.",
+      "The right robot drives 8 mm/s too fast. First, no robot corrects anything, and both palms stay steep. Then a controller tilts them.",
     parts: [
       {
         cones: true, controller: "none", set: FAST_RIGHT, speed: 2,

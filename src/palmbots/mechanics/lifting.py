@@ -14,8 +14,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 import palmbots._core as _core
 from palmbots._types import SIDES, BySide, MaybeNaN, Side
 from palmbots._util.arguments import show
@@ -33,9 +31,9 @@ from palmbots.mechanics.lifting_forces import (
     plate_on_floor,
     standing,
 )
-from palmbots.mechanics.load_states import LoadStates
 from palmbots.mechanics.unlevel_pivots import PROPERTIES, PivotRises
 from palmbots.scene.scene import Scene
+from palmbots.scene.section import as_given
 from palmbots.scene.spec import to_spec
 
 _G = _core.standard_gravity
@@ -318,9 +316,8 @@ def _traction(
     load = squeeze / math.tan(lean) if lean > 0 and math.isfinite(squeeze) else 0.5 * body.weight
     pushes, heaviest = [math.inf, math.inf], math.inf
     for k, carried in ((side, load), (1 - side, body.weight - load)):
-        nose = [np.array([-0.5 * palm.length]) for palm in spec.palms]
-        states = LoadStates(scene, spec, nose, 0.0, plates[k].pivot)
-        limit, by_load = states.push(k)
+        nose = -0.5 * spec.palms[k].length
+        limit, by_load = _core.push_of_robot(as_given(scene), k, nose, plates[k].pivot)
         most = scene.mujoco.drive_force_n
         pushes[k] = max(0.0, limit + by_load * carried)
         if most is not None:

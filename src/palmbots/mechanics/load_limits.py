@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What two robots can hold: which object is too heavy for their balance, servos and wheels.
 
-The mechanics are in `palmbots.mechanics.load_states`. Contacts are taken on a grid over the region.
+The core computes the limits, the refusal and the warning, for the page, too
+(`sim/load_states.hpp` has the mechanics). Contacts are taken on a grid over the region.
 """
 
 from __future__ import annotations
@@ -9,8 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-
-import numpy as np
 
 import palmbots._core as _core
 from palmbots._types import SIDES, BySide, Overrides, Side
@@ -20,18 +19,13 @@ from palmbots._util.report import Item, Line, Table, bold, verdict
 from palmbots._util.results import Result
 from palmbots._util.text import millimetres
 from palmbots.errors import SceneError
-from palmbots.mechanics.load_states import LoadStates
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.section import as_given
 
-_CONTACTS = 9  # places on each palm
 _HALVINGS = 20
 _NEAR = 5e-4  # [m] from the pivot; two contacts are never both as close as this
-MEANINGS = {
-    "tipping": ("a robot tips over", "mujoco.body_kg"),
-    "servo": ("a palm sags", "mujoco.palm_torque_n_m"),
-    "traction": ("the wheels of a robot slip", "mujoco.floor_friction"),
-    "drive": ("the motors of a robot are too weak", "mujoco.drive_force_n"),
+MEANINGS: dict[str, tuple[str, str]] = {
+    kind: (happens, key) for kind, happens, key in _core.load_meanings
 }
 """What happens beyond each limit, and the key that moves it."""
 DECISIVE = ("tipping", "servo")  # no carry can begin; wheels that slip only end a squeeze
@@ -80,7 +74,8 @@ class LoadLimits(Result):
     def at_start_kg(self) -> float | None:
         """The heaviest object that does not tip a robot, or make a palm sag, with the contacts
         where the carry starts; None: any. A carry beyond it is refused."""
-        return _first_at_start(self._at_start())[1]
+        masses = [one.at_start_kg for one in self.limits if one.kind in DECISIVE]
+        return min((mass for mass in masses if mass is not None), default=None)
 
     @derived
     def holds(self) -> bool:
@@ -108,23 +103,16 @@ class LoadLimits(Result):
     def heaviest_within(self, reach_m: float) -> float:
         """The heaviest object that tips no robot and makes no palm sag with contacts up to this
         distance from the pivots, whatever the squeeze [kg]; infinite: any."""
-        states = _everywhere(self.scene, reach_m)
-        return min(states.heaviest(kind)[0] for kind in DECISIVE)
+        loads = _heaviest(self.scene, reach_m)
+        return min(loads[kind].mass_kg for kind in DECISIVE)
 
     def refusal(self) -> str | None:
         """Why no carry of the object can begin; None: it can."""
-        return _refusal(self.mass_kg, self._at_start())
+        return refusal_of(self.scene)
 
     def warning(self) -> str | None:
         """The limit that the object exceeds somewhere in the region; None: none."""
-        if self.holds:
-            return None
-        first = self.limits[0]
-        return (
-            f"object.mass_kg is {self.mass_kg:g}, but the robots certainly hold only "
-            f"{mass_text(first.heaviest_kg)} kg {_place(first)}: beyond it {first.meaning} "
-            f"({first.key})"
-        )
+        return _core.load_warning(as_given(self.scene), self.scene.task.path.is_curved) or None
 
     def sentence(self) -> str:
         """The heaviest object in one line."""
@@ -148,11 +136,11 @@ class LoadLimits(Result):
         elif not self.holds:
             yield self.zone_sentence()
         yield self.sentence()
-        half = _everywhere(self.scene, 0.5 * self.reach_m)
+        half = _heaviest(self.scene, 0.5 * self.reach_m)
         rows = [
             (
                 f"  {limit.meaning}",
-                *map(_mass, (limit.heaviest_kg, half.heaviest(limit.kind)[0], limit.at_start_kg)),
+                *map(_mass, (limit.heaviest_kg, half[limit.kind].mass_kg, limit.at_start_kg)),
                 limit.key,
             )
             for limit in self.limits
@@ -174,11 +162,6 @@ class LoadLimits(Result):
             text += f"; with the hardest squeeze that friction permits, {' and '.join(beyond)}"
         return text
 
-    def _at_start(self) -> dict[str, float]:
-        return {
-            limit.kind: limit.at_start_kg for limit in self.limits if limit.at_start_kg is not None
-        }
-
 
 @command("load", order=25, example="palmbots load --set object.mass_kg=2")
 def load_limits(scene: SceneLike = "paper", *, overrides: Overrides = None) -> LoadLimits:
@@ -195,66 +178,52 @@ def load_limits(scene: SceneLike = "paper", *, overrides: Overrides = None) -> L
         SceneError: the scene cannot be read or is not valid.
     """
     chosen = load_scene(scene, overrides)
-    everywhere = _everywhere(chosen)
-    start = _start(chosen, to_spec(chosen, unrolled=True))
+    everywhere, start = _heaviest(chosen, math.inf), _heaviest(chosen, None)
     found: list[LoadLimit] = []
     for kind, (_, key) in MEANINGS.items():
-        mass, side, k = everywhere.heaviest(kind)
-        if math.isinf(mass):
+        most, at_start = everywhere[kind], start[kind].mass_kg
+        if math.isinf(most.mass_kg):
             continue
-        at_start = start.heaviest(kind)[0]
-        p, theta = everywhere.state(k)
-        found.append(
-            LoadLimit(kind, mass, None if math.isinf(at_start) else at_start, side, p, theta, key)
-        )
+        first = None if math.isinf(at_start) else at_start
+        found.append(LoadLimit(kind, most.mass_kg, first, most.side, most.p_m, most.theta_deg, key))
     found.sort(key=lambda limit: limit.heaviest_kg)
     return LoadLimits(chosen, chosen.object.mass_kg, tuple(found))
 
 
-def check_load(scene: Scene, spec: _core.Spec) -> None:
+def refusal_of(scene: Scene) -> str | None:
+    """Why no carry of the object can begin; None: it can."""
+    return _core.load_refusal(as_given(scene), scene.task.path.is_curved) or None
+
+
+def check_load(scene: Scene) -> None:
     """Raise `SceneError` for an object that is too heavy for the robots to start with."""
-    start = _start(scene, spec)
-    refusal = _refusal(scene.object.mass_kg, {k: start.heaviest(k)[0] for k in DECISIVE})
+    refusal = refusal_of(scene)
     if refusal is not None:
         raise SceneError(refusal)
 
 
-def _everywhere(scene: Scene, reach_m: float = math.inf) -> LoadStates:
-    """All states of a carry with contacts up to this distance from the pivots."""
-    spec = to_spec(scene, unrolled=True)
-    ends = [min(reach_m, scene.palm_of(side).reach_m) for side in SIDES]
-    grid = [np.linspace(-end, end, _CONTACTS) for end in ends]
-    fastest = max(robot.acceleration for robot in spec.robots) if spec.inertia else 0.0
-    return LoadStates(scene, spec, grid, fastest)
+@dataclass(frozen=True)
+class _Heaviest:
+    """The heaviest object that a limit allows, and where it binds."""
+
+    mass_kg: float
+    side: Side
+    p_m: BySide[float]
+    theta_deg: BySide[float]
 
 
-def _start(scene: Scene, spec: _core.Spec) -> LoadStates:
-    """The start of the carry, at rest."""
-    return LoadStates(scene, spec, [np.array([p]) for p in spec.start], 0.0)
-
-
-def _first_at_start(masses: dict[str, float]) -> tuple[str, float | None]:
-    """The limit that ends a carry before it begins, and its mass [kg]."""
-    decisive = {kind: masses[kind] for kind in DECISIVE if masses.get(kind, math.inf) < math.inf}
-    first = min(decisive, key=lambda kind: decisive[kind], default="")
-    return first, decisive.get(first)
-
-
-def _refusal(mass_kg: float, masses: dict[str, float]) -> str | None:
-    kind, most = _first_at_start(masses)
-    if most is None or mass_kg <= most:
-        return None
-    meaning, key = MEANINGS[kind]
-    return (
-        f"object.mass_kg: value is {mass_kg:g}, and {meaning} where the carry starts; allowed: at "
-        f"most {mass_text(most)} kg with these robots ({key})"
-    )
+def _heaviest(scene: Scene, reach_m: float | None) -> dict[str, _Heaviest]:
+    """By kind, with contacts up to this distance from the pivots; None: at rest, at the start."""
+    loads = _core.heaviest_loads(as_given(scene), reach_m, scene.task.path.is_curved)
+    return {
+        kind: _Heaviest(mass, SIDES[side], BySide(*p), BySide(*map(math.degrees, theta)))
+        for kind, (mass, side, p, theta) in zip(MEANINGS, loads, strict=True)
+    }
 
 
 def mass_text(mass: float) -> str:
     """A mass with three digits, rounded down, so that it is allowed itself."""
-    unit = 10.0 ** (math.floor(math.log10(mass)) - 2) if mass > 0 else 1.0
-    return f"{math.floor(mass / unit * (1 + 1e-12)) * unit:.3g}"
+    return _core.mass_text(mass)
 
 
 def _mass(mass: float | None) -> str:

@@ -8,6 +8,7 @@ else is assumed (`palmbots.scene.robot_dimensions`, section `mujoco` of the scen
 
 from dataclasses import dataclass
 
+import palmbots._core as _core
 from palmbots.scene.robot_dimensions import (
     BODY_GAP,
     BODY_SIZE,
@@ -16,9 +17,7 @@ from palmbots.scene.robot_dimensions import (
     WHEEL_INSET,
 )
 from palmbots.scene.scene import Scene
-
-_WHEEL_KG = 0.05
-_AXLE = 0.2  # m, outward of the pivot, if the scene does not state it; assumed
+from palmbots.scene.section import as_given
 
 
 @dataclass(frozen=True)
@@ -41,9 +40,7 @@ class Chassis:
 
 def axle_out(scene: Scene) -> float:
     """Distance of the wheels outward of the pivot [m]."""
-    if scene.mujoco.axle_m is not None:
-        return scene.mujoco.axle_m
-    return 0.0 if scene.task.path.is_curved else _AXLE
+    return _core.axle_out(as_given(scene), scene.task.path.is_curved)
 
 
 def shoulder(floor: float) -> tuple[float, float]:
@@ -52,23 +49,15 @@ def shoulder(floor: float) -> tuple[float, float]:
     return BODY_GAP + SHOULDER_INSET, floor + GROUND_CLEARANCE + BODY_SIZE - SHOULDER_INSET
 
 
-def chassis(height: float, axle: float = _AXLE) -> Chassis:
+def chassis(height: float, axle: float) -> Chassis:
     """The positions on a robot whose pivot is `height` above the floor [m].
 
     The wheels are `axle` outward of the pivot [m], the caster is on the other side of the COM.
     """
-    low, middle = GROUND_CLEARANCE, BODY_GAP + BODY_SIZE / 2
-    x, z = shoulder(-height)
-    return Chassis(
-        axle=0.05 if axle == _AXLE else axle - middle,
-        caster=-0.07 if axle > middle + 0.02 else 0.07,
-        track=BODY_SIZE + 2 * WHEEL_INSET,
-        com=(0.02, low + 0.06),
-        shoulder=(x - middle, z + height),
-        pivot=(-BODY_GAP - BODY_SIZE / 2, height),
-    )
+    wheels, caster, com, begins, pivot = _core.chassis(height, axle)
+    return Chassis(wheels, caster, BODY_SIZE + 2 * WHEEL_INSET, com, begins, pivot)
 
 
 def wheel_kg(scene: Scene) -> float:
     """Mass of one wheel, a part of the mass of the body."""
-    return min(_WHEEL_KG, 0.1 * scene.mujoco.body_kg)
+    return _core.wheel_kg(scene.mujoco.body_kg)

@@ -17,10 +17,11 @@ from palmbots.scene.fields import OneOf, Range, from_list, is_switch, whole
 
 OUTSIDE_CORE = (
     "palm.width_m", "palm.lip_height_m",
-    "palm.lip_clearance_m", "task.path", "mujoco",
+    "palm.lip_clearance_m", "task.path", "mujoco.wheel_radius_mismatch", "mujoco.switch",
+    "mujoco.step_s",
 )  # fmt: skip
-"""Keys and tables of a scene that only Python reads: the MuJoCo world without its ridges, and the
-curve of a path."""
+"""Beginnings of keys of a scene that only Python reads: of the MuJoCo world and of the curve of a
+path."""
 
 ROWS: dict[str, dict[str, Any]] = {row["name"]: row for row in _core.scene_keys()}
 """The rows of the core's table by name. ``[]`` in a name stands for the records of a list."""

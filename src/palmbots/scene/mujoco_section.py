@@ -9,20 +9,17 @@ from typing import Annotated
 
 from pydantic import BeforeValidator
 
-from palmbots.scene.core_keys import key, records
-from palmbots.scene.fields import Friction, Mass, Range, Size
+from palmbots.scene.core_keys import ROWS, key, records
+from palmbots.scene.fields import Range
 from palmbots.scene.section import Section
 
 Force = Annotated[float, BeforeValidator(Range("N", least=0, most=1000))]
 Debounce = Annotated[float, BeforeValidator(Range("s", least=0, most=1))]
-Torque = Annotated[float, BeforeValidator(Range("N m", least=0.001, most=1000))]
-Pull = Annotated[float, BeforeValidator(Range("N", least=0.01, most=10000))]
 Step = Annotated[float, BeforeValidator(Range("s", least=0.0001, most=0.005))]
-Axle = Annotated[float, BeforeValidator(Range("m", least=0, most=0.25))]
 Mismatch = Annotated[float, BeforeValidator(Range(least=-0.2, most=0.2))]
 
 
-PALM_TORQUE = 0.43
+PALM_TORQUE: float = ROWS["mujoco.palm_torque_n_m"]["default"]
 """Of the default servo [N m]."""
 
 
@@ -39,26 +36,26 @@ class Ridge(Section):
 class MujocoParameters(Section):
     """[mujoco] What only the MuJoCo world and the check of the load use."""
 
-    body_kg: Mass = 3.0
+    body_kg: float = key("mujoco.body_kg")
     """MuJoCo world: mass of a robot without arm and palm."""
-    arm_kg: Mass = 0.2
+    arm_kg: float = key("mujoco.arm_kg")
     """MuJoCo world: mass of an arm."""
-    palm_kg: Mass = 0.1
+    palm_kg: float = key("mujoco.palm_kg")
     """MuJoCo world: mass of a palm."""
-    wheel_radius_m: Size = 0.04
+    wheel_radius_m: float = key("mujoco.wheel_radius_m")
     """MuJoCo world: radius of the two driven wheels."""
     wheel_radius_mismatch: Mismatch = 0.0
     """MuJoCo world: fraction by which a robot's left wheel is larger than its right one. The
     heading controller has to compensate for it."""
-    axle_m: Axle | None = None
+    axle_m: float | None = key("mujoco.axle_m")
     """MuJoCo world: distance of the wheels outward of the palm's pivot. Not set: 0.2 on a straight
     path. On a curved path 0, because the axle follows the path and must be below the palm."""
-    floor_friction: Friction = 0.8
+    floor_friction: float = key("mujoco.floor_friction")
     """MuJoCo world: Coulomb coefficient between wheels and floor."""
-    palm_torque_n_m: Torque = PALM_TORQUE
+    palm_torque_n_m: float = key("mujoco.palm_torque_n_m")
     """MuJoCo world: torque with which a palm's servo still holds the palm within a quarter of a
     degree of its commanded angle. Under more, a robot waits for a palm that does not arrive."""
-    drive_force_n: Pull | None = None
+    drive_force_n: float | None = key("mujoco.drive_force_n")
     """MuJoCo world: largest force of both wheels of a robot together on the floor. Not set: as much
     as the floor's friction allows."""
     ridges: tuple[Ridge, ...] = records("mujoco.ridges")

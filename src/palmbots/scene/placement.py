@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import palmbots._core as _core
 from palmbots._core import Spec
-from palmbots.scene.robot_dimensions import PIVOT_HEIGHT
 from palmbots.scene.spec import contact_radii
 
 if TYPE_CHECKING:
@@ -120,5 +120,4 @@ def placements(spec: Spec, trace: "xr.Dataset", rows: slice | NDArray[np.integer
 
 def floor_level(spec: Spec) -> float:
     """World y of the floor to draw: low enough for the robots and for any object."""
-    lowest = min(y for _, y in spec.silhouette) + max(contact_radii(spec))
-    return min(-PIVOT_HEIGHT, lowest - 0.05)
+    return _core.floor_level(spec)

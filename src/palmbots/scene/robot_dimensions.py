@@ -8,17 +8,17 @@ world the scene section `mujoco` sets the wheels' radius and the place of the ax
 
 import palmbots._core as _core
 
-BODY_SIZE = 0.20
+BODY_SIZE: float = _core.BODY_SIZE
 """Edge of the cubic body."""
-BODY_GAP = 0.05
+BODY_GAP: float = _core.BODY_GAP
 """From the palm's pivot outward to the near face of the body."""
-GROUND_CLEARANCE = 0.02
+GROUND_CLEARANCE: float = _core.GROUND_CLEARANCE
 """From the floor to the body."""
-PIVOT_HEIGHT = 0.25
+PIVOT_HEIGHT: float = _core.PIVOT_HEIGHT
 """From the floor to the palms' pivots, at least; clears the body at usual palm angles."""
 PALM_THICKNESS: float = _core.thin_plate_thickness
 """Of a palm whose `palm.thickness_m` is 0, in pictures and in the MuJoCo world."""
-SHOULDER_INSET = 0.03
+SHOULDER_INSET: float = _core.SHOULDER_INSET
 """From the near and the upper face of the body to the shoulder, where the arm begins."""
 ARM_HALF_SPACING = 0.02
 """From the middle of the robot sideways to each of the arm's two bars."""

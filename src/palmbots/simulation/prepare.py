@@ -60,7 +60,7 @@ def prepare(
     entry = resolve(controller)
     check_scene(place, scene)
     spec = to_spec(scene, unrolled=place.supports_curved)
-    check_load(scene, spec)
+    check_load(scene)
     lifts = check_lift(scene) if spec.uses_floor else ()
     if not place.supports_references:
         refuse_reference(entry, f"the {place.name} world")

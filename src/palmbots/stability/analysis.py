@@ -282,7 +282,7 @@ def analyze(
         sideways=sideways_of(chosen),
         load=load,
         lifting=lifting(chosen),
-        warnings=limit_warnings(chosen, problem, slope, angle, load),
+        warnings=limit_warnings(chosen, problem.contacts),
     )
 
 

@@ -239,12 +239,6 @@ def stability_problem(
         contacts=contacts,
         beyond=beyond_m,
     )
-    for angles in ((problem.angles[0][1], problem.angles[1][1]), problem.palms("left")):
-        low, high = problem.rise(0, "left", angles)
-        if not (math.isfinite(low) and max(-low, high) < spec.width):
-            raise PalmbotsError(
-                f"palm.length_m: contacts at opposite ends of the palms differ in height by "
-                f"{max(-low, high):.3g} m, more than the width of the object; allowed: less than "
-                f"{spec.width:g} m (shorter palms, shallower angles, or a smaller region)"
-            )
+    if refused := _core.cannot_span(spec, contacts):
+        raise PalmbotsError(refused)
     return problem

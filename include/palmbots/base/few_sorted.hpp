@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sorts a few items by insertion. Equal ones keep their order, and no memory is needed. The sorts of
+// the C++ library are faster for many, and take several kilobytes of code for each type.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+
+namespace palmbots {
+
+// `before(a, b)`: whether a belongs before b.
+template <class Item, class Before>
+constexpr void sort_few(Item* items, std::size_t count, Before before) {
+  for (std::size_t i = 1; i < count; ++i) {
+    Item moved = std::move(items[i]);
+    std::size_t at = i;
+    for (; at > 0 && before(moved, items[at - 1]); --at) items[at] = std::move(items[at - 1]);
+    items[at] = std::move(moved);
+  }
+}
+
+template <class Item>
+constexpr void sort_few(Item* items, std::size_t count) {
+  sort_few(items, count, [](const Item& a, const Item& b) { return a < b; });
+}
+
+}  // namespace palmbots
