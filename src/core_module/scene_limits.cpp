@@ -43,6 +43,7 @@ void bind_scene_limits(nb::module_& m) {
   m.attr("GROUND_CLEARANCE") = ground_clearance;
   m.attr("PIVOT_HEIGHT") = pivot_height;
   m.attr("SHOULDER_INSET") = shoulder_inset;
+  m.attr("USUAL_AXLE") = usual_axle;
   m.def(
       "chassis",
       [](double height, double axle) {

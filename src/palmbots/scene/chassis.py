@@ -49,7 +49,7 @@ def shoulder(floor: float) -> tuple[float, float]:
     return BODY_GAP + SHOULDER_INSET, floor + GROUND_CLEARANCE + BODY_SIZE - SHOULDER_INSET
 
 
-def chassis(height: float, axle: float) -> Chassis:
+def chassis(height: float, axle: float = _core.USUAL_AXLE) -> Chassis:
     """The positions on a robot whose pivot is `height` above the floor [m].
 
     The wheels are `axle` outward of the pivot [m], the caster is on the other side of the COM.
