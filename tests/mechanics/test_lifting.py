@@ -104,9 +104,33 @@ def test_arms_that_may_differ_too_much_are_warned_about() -> None:
     assert f"differ by {1e3 * differ:.1f} mm" in line
 
 
-def test_a_palm_that_drags_is_warned_about() -> None:
-    (line,) = of(floor__friction=0.02).warnings
-    assert "drags the object along" in line and "from 0.03 on" in line
+def test_one_palm_that_takes_the_object_along_is_warned_about() -> None:
+    """With both palms like that the job is refused (tests/laws/refusals)."""
+    found = of(floor__friction=0.06, palm__left__friction=0.4)
+    assert found.works
+    (line,) = [line for line in found.warnings if "floor.friction" in line]
+    assert "takes the object along" in line and "from 0.119 on" in line
+
+
+def test_the_easiest_way_under_the_object_decides_what_the_robots_need() -> None:
+    """With its corner at the heel a tall object would tip; its contact may roll instead."""
+    found = of(
+        object__vertices_m=[[0, 0], [0.276, 0], [0.276, 0.166], [0, 0.166]],
+        object__com_m=[0.138, 0.061], object__edge_radius_m=0.0064, palm__nose_m=0.0018,
+        palm__thickness_m=0.0019, palm__bevel_m=0.01, palm__steep_deg=29.65, palm__length_m=0.171,
+        palm__friction=0.325,
+    )  # fmt: skip
+    assert found.works and math.isfinite(found.squeeze_n)
+
+
+def test_states_that_palms_cannot_reach_hold_no_property() -> None:
+    """Narrow objects on long, steep palms: some pairs of contacts do not exist."""
+    found = of(
+        object__vertices_m=[[0, 0], [0.14, 0], [0.14, 0.25], [0, 0.25]],
+        object__com_m=[0.06, 0.09], palm__length_m=0.152, palm__steep_deg=34.8,
+        palm__shallow_deg=25.2,
+    )  # fmt: skip
+    assert not found.on_floor
 
 
 def test_a_low_heel_is_warned_about() -> None:

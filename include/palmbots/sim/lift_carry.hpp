@@ -23,11 +23,15 @@
 #include "palmbots/sim/random_streams.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/robot_pair.hpp"
+#include "palmbots/world/small_fall.hpp"
 
 namespace palmbots {
 
 // Distance between the object and the noses at the start [m].
 inline constexpr double approach_distance = 0.03;
+
+// How far a contact vertex may fall, for example off a nose, before the job ends [m].
+inline constexpr double most_fall = 0.003;
 
 // A phase of one robot, which lasts until its next one [ticks].
 struct LiftPhase {
@@ -202,51 +206,26 @@ class LiftCarry : public RobotPair<double, LiftTeam<Inner>> {
     }
     robots_.midpoint += step.fraction * act.travel;
     recorder_.after(*this);
-    const bool goes_on = step.reason == DropReason::none || stalls || (!airborne && settle());
+    const bool goes_on =
+        step.reason == DropReason::none || stalls || (!airborne && falls_a_little());
     end_tick(goes_on ? DropReason::none : step.reason, step.fraction);
   }
 
-  // An object that slips off the last nose falls by less than the nose is thick, which no sequence of
-  // states in balance describes. It then stands flat, beside the nose. False if it has farther to
-  // fall.
-  bool settle() {
-    const double radius =
-        larger(contact_radii(spec_.outline)[left], contact_radii(spec_.outline)[right]);
-    const Pose pose = world_.pose();
-    const double high = spec_.com_height + radius;
-    double fall = 0;  // of the corner that is higher
-    double nose = 0;
-    for (const std::size_t side : {left, right}) {
-      const double along = side == left ? spec_.com_left : spec_.com_right;
-      const Vec corner = pose.to_world({outward<double>(side) * along, -spec_.com_height});
-      fall = larger(fall, magnitude(pose.at.y + corner.y - radius));
-      nose = larger(nose, spec_.palms[side].tip_thickness());
-    }
-    constexpr double slack = 1e-9;
-    if (fall > nose + 1e-4) return false;  // 0.1 mm: the face beside the nose
+  // Lets an object that its contacts no longer hold fall to where it rests while the palms stand
+  // still. False, and nothing changes, if it has farther to fall.
+  bool falls_a_little() {
     PerSide<Vec> pivots{};
     PerSide<double> angles{};
-    PerSide<double> free{};  // how far the corner is beside the nose, outward [m]
+    Travel still{};
     for (const std::size_t side : {left, right}) {
-      const PalmSpec& palm = spec_.palms[side];
       pivots[side] = world_.pivot(side);
       angles[side] = world_.configuration().palms[side].angle;
-      const SinCos<double> at = sin_cos(angles[side]);
-      const double half = 0.5 * palm.length;
-      const double nose_x =
-          pivots[side].x * outward<double>(side) - half * at.cos - palm.offset * at.sin;
-      const double nose_y = pivots[side].y - half * at.sin + palm.offset * at.cos;
-      const double below = radius - nose_y;
-      const double inset =
-          below > 0 ? std::sqrt(larger(radius * radius - below * below, 0.0)) : radius;
-      const double along = side == left ? spec_.com_left : spec_.com_right;
-      free[side] = nose_x - (outward<double>(side) * pose.at.x + along + inset);
+      still.palms[side] = {pivots[side], {}, angles[side], 0.0, angles[side]};
     }
-    const PerSide<double> inside{larger(slack - free[left], 0.0), larger(slack - free[right], 0.0)};
-    if (inside[left] > 0 && inside[right] > 0) return false;
-    const double shift = inside[left] - inside[right];
-    if (magnitude(shift) > radius + slack) return false;
-    world_.put(pivots, angles, Pose::of({pose.at.x + shift, high}, 0.0));
+    const ContactProblem problem{world_.shapes(), spec_.slope, 0.0, false};
+    Pose rests = world_.pose();
+    if (!SmallFall(problem, still.frames(0.0), most_fall).run(rests)) return false;
+    world_.put(pivots, angles, rests);
     return true;
   }
 

@@ -37,13 +37,15 @@ from palmbots.stability.tightest_margins import RankedMargin
 def on_mechanics(
     analysis: Analysis, near: Analysis | None, best: OutcomeCounts | None, name: str
 ) -> Answer:
-    """Whether the palms hold the object, and what is tightest.
+    """Whether the palms lift and hold the object, and what is tightest.
 
     `near` is the analysis for contacts no farther out than in the carries with the best controller;
     None: no carry delivers. A property that fails only farther out does not count against the
     scene.
     """
     question, command = "Can palms hold it?", f"palmbots analyze {name}"
+    if analysis.lifting is not None and not analysis.lifting.works:
+        return Answer(question, "no", analysis.lifting.refusals[0], command)
     doubt = _doubt(analysis)
     if doubt is None:
         tightest = _tightest(analysis)

@@ -98,6 +98,9 @@ class Lifting:
     nose_gap_m: float
     """Between the noses when one contact is at its heel and the other one at its pivot; negative:
     they meet first."""
+    held_gap_m: float
+    """The same while the object is docked and centred: with both contacts at their pivots, or with
+    one at the heel that its partner needs and the other one at its nose."""
     on_floor: tuple[int, ...]
     """The properties that hold while both noses are on the floor, for contacts anywhere on the
     palms."""
@@ -126,7 +129,7 @@ class Lifting:
 
     @derived
     def squeeze_n(self) -> MaybeNaN:
-        """The most that the robots must push with; infinite: no push suffices."""
+        """The least with which the robots have to push; infinite: no push suffices."""
         return max(
             max(palm.squeeze_n, palm.second_n) if palm.may_get_under else math.inf
             for palm in self.palms.values()
@@ -138,14 +141,18 @@ class Lifting:
         on the floor."""
         return len(self.on_floor) < len(PROPERTIES) == len(self.in_air)
 
-    def lines(self) -> Iterator[Item]:
-        """The verdict, the margins of both palms, and what limits."""
+    def verdict_lines(self) -> Iterator[Item]:
+        """Whether the job can begin, and why not."""
         what = {(True, True): "picks up and puts down", (True, False): "picks up"}.get(
             (self.picks_up, self.puts_down), "puts down"
         )
         yield Line(verdict(self.works, "LIFTS", "FAILS"), bold(f"  the pair {what} on the floor"))
         for refusal in self.refusals:
             yield Line(refusal, indent=2)
+
+    def lines(self) -> Iterator[Item]:
+        """The margins of both palms, and what limits."""
+        yield bold("Picking up and putting down")
         heads = ("left", "right")
         yield Table(list(self._rows()), ("", *heads), right=heads)
         yield (
@@ -207,6 +214,7 @@ def lifting(scene: Scene) -> Lifting | None:
         edge_radius_m=body.radii[0],
         floor_friction=scene.floor.friction,
         nose_gap_m=_nose_gap(body, plates[1]),
+        held_gap_m=_held_gap(body, plates[1], [dock.needs_heel for dock in docks]),
         on_floor=tuple(sorted(rises.on_floor())),
         in_air=tuple(sorted(rises.in_air())),
         permitted_rise_m=centred.permitted_m(clear=False),
@@ -335,6 +343,13 @@ def _nose_gap(body: Standing, plates: tuple[Plate, Plate]) -> float:
     return body.width - max(2 * reaches[0] + reaches[1], reaches[0] + 2 * reaches[1])
 
 
+def _held_gap(body: Standing, plates: tuple[Plate, Plate], need_heel: list[bool]) -> float:
+    """Between the noses in the states through which every job passes."""
+    reaches = [plate.half * math.cos(plate.angle) for plate in plates]
+    at_heel = [2 * reaches[1 - k] for k in (0, 1) if need_heel[k]]
+    return body.width - max(sum(reaches), *at_heel, 0.0)
+
+
 def _least_angle(palm: _core.PalmSpec, lowest: float) -> float:
     """The least angle at which the pivot of a palm on the floor is at least this high [rad]; 80° if
     none is that high."""
@@ -362,6 +377,37 @@ def _refusals(scene: Scene, found: Lifting) -> Iterator[str]:
     if found.picks_up:
         for side in SIDES:
             yield from _refusals_of_dock(scene, found, side)
+        if found.held_gap_m < 0:
+            width, least = found.body.width, found.body.width - found.held_gap_m
+            yield (
+                f"object.vertices_m: the contact vertices are {millimetres(width)} apart, and the "
+                "noses of the palms meet below the object; allowed: at least "
+                f"{millimetres(least)}, or shorter palms (palm.length_m)"
+            )
+        missing = [n for n in (0, 2) if n not in found.on_floor]
+        if missing:
+            yield (
+                f"palm.shallow_deg, palm.steep_deg: property {_names(missing)} does not hold while "
+                "the noses are on the floor, where the pivots of the palms are at different "
+                "heights, so corrections lose the object; allowed: pairs of angles with which it "
+                "holds"
+            )
+    taken = [found.palms[side].floor_friction.right for side in _keeping(scene)]
+    if found.puts_down and len(taken) == len(SIDES) and found.floor_friction < min(taken):
+        yield (
+            f"floor.friction: value is {found.floor_friction:g}, so the palm that leaves last "
+            f"takes the object along; allowed: at least {_up(min(taken), 3):g}, or palm.steep_deg "
+            "nearer to the friction angle"
+        )
+
+
+def _keeping(scene: Scene) -> Iterator[Side]:
+    """The palms on which the object does not slide by itself: steep, they are below the friction
+    angle."""
+    for side in SIDES:
+        palm = scene.palm_of(side)
+        if math.radians(palm.steep_deg) < math.atan(palm.friction):
+            yield side
 
 
 def _refusals_of_arm(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
@@ -406,12 +452,14 @@ def _refusals_of_dock(scene: Scene, found: Lifting, side: Side) -> Iterator[str]
         return
     if not own.may_get_under:
         heel = scene.palm_of(partner).heel_m
+        angle = f"palm.steep_deg of at least {_up(own.least_partner_deg, 1):g}"
+        high = _up(own.least_heel_m, 4)
+        allowed = angle if math.isinf(high) else f"at least {high:g}, or {angle}"
         yield (
             f"palm.heel_m: value is {heel:g} on the {partner} side, so the robots jam: the "
-            f"{side} nose needs {_newtons(own.second_n)} to get under, and the {partner} palm "
-            f"holds {_newtons(max(own.held_n, own.heel_held_n))}; allowed: at least "
-            f"{_up(own.least_heel_m, 4):g}, or palm.steep_deg of at least "
-            f"{_up(own.least_partner_deg, 1):g}"
+            f"{side} nose needs {_newtons(own.second_n, 'more than any push')} to get under, and "
+            f"the {partner} palm holds {_newtons(max(own.held_n, own.heel_held_n))}; "
+            f"allowed: {allowed}"
         )
     elif scene.object.mass_kg > own.heaviest_kg:
         yield (
@@ -442,14 +490,12 @@ def _warnings(scene: Scene, found: Lifting) -> Iterator[str]:
             f"by {millimetres(-found.nose_gap_m)}, when one contact is at its heel"
         )
     if found.puts_down:
-        needed = min(
-            max(found.palms[side].floor_friction.right for side in SIDES),
-            max(found.palms[side].floor_friction.left for side in SIDES),
-        )
+        keeping = (found.palms[side].floor_friction.right for side in _keeping(scene))
+        needed = max(keeping, default=0.0)
         if found.floor_friction < needed:
             yield (
-                f"floor.friction is {found.floor_friction:g}: the palm that leaves last drags the "
-                f"object along, by up to half its length; it stays from {_up(needed, 3):g} on"
+                f"floor.friction is {found.floor_friction:g}: if the wrong palm leaves last, it "
+                f"takes the object along; none does from {_up(needed, 3):g} on"
             )
     if found.in_air == PROPERTIES and found.arms_differ_m > found.permitted_rise_m:
         yield (

@@ -217,12 +217,16 @@ class Docking:
 
     @property
     def second(self) -> Second:
-        """The state in which it gets under as the second one, or does not."""
-        return self.at_heel if self.needs_heel else self.just_on
+        """The state in which it gets under as the second one with the least squeeze; if there is
+        none, the one in which it does not."""
+        states = (self.just_on, self.at_heel, self.rolled)
+        if not self.may_get_under:
+            return self.at_heel if self.needs_heel else self.just_on
+        return min((state for state in states if state.works), key=lambda state: state.squeeze)
 
     @property
     def squeeze(self) -> float:
-        """The most that the robots must push with [N]; infinite: no push suffices."""
+        """The least with which the robots have to push [N]; infinite: no push suffices."""
         return max(self.alone, self.second.squeeze) if self.may_get_under else math.inf
 
 

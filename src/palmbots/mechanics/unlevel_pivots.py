@@ -30,6 +30,7 @@ _CONTACTS = 5  # places on each palm
 _TURNS = 4  # angles of a palm that turns
 _ROUNDS = 6  # the distance depends on τ; each round has a small part of the last error
 _HALVINGS = 12
+_STEEPEST = math.radians(89)
 _TOUCH = 1e-6  # m; what is deeper than that below a palm's line touches it
 _UP = {"left": 3, "right": 1}  # index of the contact mode in which only this contact slides up
 _DOWN = {"left": 6, "right": 2}
@@ -95,6 +96,7 @@ class PivotRises:
         p, tilt = poses.p, np.zeros_like(rise)
         for _ in range(_ROUNDS):
             theta = np.stack([poses.theta[0] + tilt, poses.theta[1] - tilt])
+            theta = np.clip(theta, -_STEEPEST, _STEEPEST)  # such a pair holds nothing
             acting = acting_object(spec, theta, p)
             out = [
                 place * np.cos(angle) - palm.offset * np.sin(angle)

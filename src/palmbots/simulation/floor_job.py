@@ -27,6 +27,8 @@ _GOALS = {
 }  # fmt: skip
 MISSED = {phase: goal for goal, phases in _GOALS.items() for phase in phases}
 """What a job did not achieve that ends in a phase."""
+STAGES = {phase: phases[0].partition("_")[0] for phases in _GOALS.values() for phase in phases}
+"""The stage to which a phase belongs, dock, centre, raise, carry, lower, leave or held."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +56,19 @@ class FloorJob:
     """How much farther that is than the distance of the task; < 0: it fell short."""
     stalled_s: float
     """How long wheels stalled, because the object could not give way."""
+
+
+def stages(job: FloorJob, robot: str) -> list[tuple[str, float, float]]:
+    """What a robot did: stage, start and end [s]."""
+    found: list[tuple[str, float, float]] = []
+    for phase in job.phases:
+        if phase.robot != robot:
+            continue
+        stage, start = STAGES[phase.phase], phase.start_s
+        if found and found[-1][0] == stage:
+            start = found.pop()[1]
+        found.append((stage, start, phase.end_s))
+    return found
 
 
 def floor_job(scene: Scene, measured: Any) -> FloorJob:

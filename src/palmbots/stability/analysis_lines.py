@@ -24,6 +24,8 @@ PROPERTIES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
     """The tightest margins, the properties with theirs, what limits them, and admissible ranges."""
     yield _verdict(analysis)
+    if analysis.lifting is not None:
+        yield from analysis.lifting.verdict_lines()
     yield bold("Tightest margins, relative to what this scene uses up")
     for number, margin in enumerate(analysis.ranking[:TIGHTEST], 1):
         yield Line(f"{number}. {margin.sentence()}", indent=2)

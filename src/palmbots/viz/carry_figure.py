@@ -5,7 +5,9 @@ The top panel is the timeline: a bar for each correction with its label and case
 right robot below, hatched where a robot only assists), and between the two rows each message from
 the moment it is sent to the moment it arrives. The panels below show the effect. Each correction is
 shaded there in the colour and hatch of its robot; in panels for both robots it is shaded in the
-half of its robot (left above, right below). Source: paper, section 5.2.
+half of its robot (left above, right below). A job that begins or ends on the floor has two panels
+more, with the stages of both robots and the heights of the pivots, and its contacts are drawn only
+while the object touches that palm. Source: paper, section 5.2.
 """
 
 import math
@@ -22,6 +24,7 @@ from matplotlib.patches import Patch
 from palmbots._types import SIDES, Side
 from palmbots.errors import PalmbotsError
 from palmbots.scene.spec import to_spec
+from palmbots.simulation.floor_job import stages
 from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import (
     DROP,
@@ -37,6 +40,7 @@ from palmbots.viz.style import (
 )
 from palmbots.viz.timeline import add_timeline, message_key
 
+_TOUCHES_M = 1e-5  # a vertex no farther from its palm touches it
 _NOTE: dict[str, Any] = {
     "xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"
 }  # fmt: skip
@@ -45,16 +49,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from palmbots._core import Spec
+    from palmbots.simulation.floor_job import FloorJob
     from palmbots.simulation.result import Carry
 
 _HEIGHTS = {  # inches of each panel
     "timeline": 1.25,
+    "stages": 0.45,
     "left": 1.1,
     "left sensor": 0.3,
     "right": 1.1,
     "right sensor": 0.3,
     "lateral": 0.9,
     "palms": 0.85,
+    "heights": 0.7,
     "separation": 0.8,
     "speeds": 1.2,
 }
@@ -134,6 +141,8 @@ def draw_carry(carry: "Carry", window: tuple[float, float] | None = None) -> Fig
         heights = dict(_HEIGHTS)
         if not carry.scene.task.path.is_curved:
             del heights["lateral"]
+        if carry.floor_job is None:
+            del heights["stages"], heights["heights"]
         height = top + bottom + sum(heights.values()) + gap * (len(heights) - 1)
         figure = Figure(figsize=(left + view.width_in + right, height))
         panels: dict[str, Axes] = {}
@@ -157,6 +166,9 @@ def draw_carry(carry: "Carry", window: tuple[float, float] | None = None) -> Fig
         if "lateral" in panels:
             _draw_lateral(panels["lateral"], view)
         _draw_palms(panels["palms"], view)
+        if carry.floor_job is not None:
+            _draw_stages(panels["stages"], view, carry.floor_job)
+            _draw_heights(panels["heights"], view)
         _draw_separation(panels["separation"], view)
         _draw_speeds(panels["speeds"], view)
 
@@ -231,9 +243,47 @@ def _contact_reach(view: _View) -> float:
         abs(e) for sign, *zone in view.spec.zones if sign == 0 for e in zone if math.isfinite(e)
     ]
     longest = max(view.carry.scene.palm_of(side).reach_m for side in SIDES)
-    seen = np.nan_to_num(np.abs(view.series("contact"))).max()
+    seen = max(np.nan_to_num(np.abs(_contact(view, side))).max() for side in SIDES)
     reach = max(1.25 * seen, 1.2 * max(edges, default=0.0), 1e-3)
     return 1e3 * (reach if reach < 0.6 * longest else max(reach, 1.12 * longest))
+
+
+def _contact(view: _View, side: Side) -> np.ndarray:
+    """Contact coordinate [m]; NaN where a job on the floor has nothing on this palm."""
+    p = view.series("contact", side)
+    if view.carry.floor_job is None:
+        return p
+    half = 0.5 * view.carry.scene.palm_of(side).length_m
+    on_palm = (np.abs(p) <= half) & (np.abs(view.series("vertex_height", side)) < _TOUCHES_M)
+    return np.where(on_palm, p, np.nan)
+
+
+def _draw_stages(panel: Axes, view: _View, job: "FloorJob") -> None:
+    """A bar for each stage of each robot, with its name where it has room."""
+    per_letter = 0.06 * (view.end - view.start) / view.width_in
+    for row, side in enumerate(reversed(SIDES)):
+        for k, (stage, start, end) in enumerate(stages(job, side)):
+            first, last = max(start, view.start), min(end, view.end)
+            if first >= last:
+                continue
+            place = ([(first, last - first)], (row + 0.08, 0.84))
+            panel.broken_barh(*place, facecolor=HUE[side], alpha=(0.18, 0.4)[k % 2], lw=0)
+            if last - first > len(stage) * per_letter:
+                panel.text((first + last) / 2, row + 0.5, stage, ha="center", va="center", size=7)
+    panel.set_ylim(0, 2)
+    panel.set_yticks([0.5, 1.5], [*reversed(SIDES)])
+    panel.grid(False)
+    panel.set_ylabel("stage", size=7)
+
+
+def _draw_heights(panel: Axes, view: _View) -> None:
+    """Heights of both pivots over the floor in mm."""
+    for side in SIDES:
+        height = view.series("pivot_height", side) * 1e3
+        panel.plot(view.time, height, color=HUE[side], ls=LINE[side])
+    panel.axhline(0, color=INK, lw=0.9)
+    panel.set_ylim(bottom=-0.05 * panel.get_ylim()[1])
+    panel.set_ylabel(axis_label("pivot\nheight", "mm"))
 
 
 def _draw_contact(panel: Axes, view: _View, side: Side, reach: float) -> None:
@@ -244,7 +294,7 @@ def _draw_contact(panel: Axes, view: _View, side: Side, reach: float) -> None:
         if sign == 0:
             panel.axhspan(low * 1e3, high * 1e3, color=ZERO, alpha=0.13, lw=0)
     panel.axhline(0, color=QUIET, lw=0.5)
-    panel.plot(view.time, view.series("contact", side) * 1e3, color=HUE[side], ls=LINE[side])
+    panel.plot(view.time, _contact(view, side) * 1e3, color=HUE[side], ls=LINE[side])
     if reach > half:
         for end in (-half, half):
             panel.axhline(end, color=DROP, lw=0.9)
@@ -340,7 +390,7 @@ def _shade(panel: Axes, view: _View, name: str) -> None:
 
     As in the top panel, the left robot's half is the upper one.
     """
-    if name == "timeline":
+    if name in ("timeline", "stages"):
         return
     halves = {"left": (0.5, 1.0), "right": (0.0, 0.5), "both": (0.0, 1.0)}
     for c in view.carry.corrections:
