@@ -158,7 +158,8 @@ class SmallFall {
                sizes))
       return {};
     Way way{true, moved_by(weight), bonds, count};
-    for (std::size_t r = 0; r < rows && r < 2; ++r) way.by = way.by + moved_by(forces[r]) * sizes[r];
+    for (std::size_t r = 0; r < rows && r < 2; ++r)
+      way.by = way.by + moved_by(forces[r]) * sizes[r];
     std::array<bool, ClosedPairs::most> bound{};
     for (std::size_t k = 0; k < count; ++k) {
       const auto& [pair, c] = closed.at[bonds[k].closed];
