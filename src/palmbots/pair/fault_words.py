@@ -52,7 +52,8 @@ FAULT_WORDS: dict[FaultCode, FaultWords] = {
     "stopping": FaultWords(
         "stopping",
         "hardware.stopping_s exceeds robot.speed_m_s / robot.acceleration_m_s2 of the scene",
-        "make the motors brake harder and calibrate again, or lower that acceleration in the scene",
+        "lower the acceleration in the scene (a lower speed needs a lower one, too), or make the "
+        "motors brake harder and calibrate again",
     ),
     "partner": FaultWords(
         "mode", "its partner has ended the carry", "see the partner, then arm again"

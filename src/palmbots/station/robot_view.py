@@ -109,7 +109,7 @@ class RobotView:
         if self.status.fault != "none":
             found.append(f"fault {fault_line(self.status.fault)}")
         if (late := self._numbers.get("overruns", 0)) >= _MANY_OVERRUNS:
-            found.append(f"{late} of the last 100 control ticks came too late")
+            found.append(f"missed {late} control ticks in its last 100 steps")
         if (loss := self.link.loss(now)) is not None and loss >= _MUCH_LOSS:
             found.append(f"{100 * loss:.0f} % of its packets are lost")
         return found
