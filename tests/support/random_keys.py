@@ -2,7 +2,8 @@
 """Scenes with random values for every key that the core reads, drawn from its table.
 
 A value is near the default of its key, so that a carry lasts. It is drawn again until it agrees
-with the keys before it, as the core checks.
+with the keys before it, as the core checks. Robots that cannot hold the object are those of the
+default scene instead.
 """
 
 import random
@@ -11,6 +12,8 @@ from typing import Any
 
 import palmbots._core as _core
 from palmbots.scene.core_keys import ROWS
+from palmbots.scene.scene import load_scene
+from palmbots.scene.section import as_given
 
 Keys = dict[str, Any]
 
@@ -133,6 +136,8 @@ def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
             keys[name] = records
     keys["task.distance_m"] = draw.uniform(0.2, 0.5)
     keys["task.from"] = keys["task.to"] = "palms"  # most of what carries random scenes has no floor
+    if _core.load_refusal(as_given(load_scene("paper", keys)), False):
+        return {name: value for name, value in keys.items() if not name.startswith("mujoco.")}
     return keys
 
 
