@@ -76,6 +76,13 @@ def test_what_a_radio_means_for_the_controllers() -> None:
     in_a_row = round((lossy.lease_s - good.lease_s) / scene.radio.beacon_s)
     beacons = 3600 / scene.radio.beacon_s
     assert beacons * 0.1**in_a_row <= 1 < beacons * 0.1 ** (in_a_row - 1)
+    # With more loss the partner is silent for longer than its news counts.
+    assert lossy.verdicts["shared-sign"] == "suffices" and lossy.lease_s < 0.5
+    bad = needs_of(scene, 0.04, 0.2)
+    assert bad.lease_s > 0.5 and bad.verdicts["shared-sign"] == "suffices"
+    stops = needs_of(scene, 0.04, 0.2, stops_without_partner=True)
+    assert 'set limits.partner_lost = "controller"' in stops.verdicts["shared-sign"]
+    assert stops.verdicts["silent"] == "suffices"
     slow = needs_of(scene, 1.0, 0.0)
     assert slow.verdicts["resilient"] != "suffices"
     assert slow.verdicts["silent"] == "suffices"

@@ -24,6 +24,8 @@ from palmbots.wire import Endpoint, FaultCode, Hello, Status, Verdict
 
 PERIOD_S = 0.05
 _ANSWER_S = 0.05
+NEWS_LEASE_S = 0.5
+"""For controllers without a lease of their own: how long the partner's news counts."""
 _FALSE_SILENCE_S = 3600.0
 """The lease should run out without need at most once in this time."""
 
@@ -147,10 +149,20 @@ class Needs:
     """For each controller: ``suffices``, or why not."""
 
 
-def needs_of(scene: Scene, delay_s: float, loss: float) -> Needs:
+def needs_of(
+    scene: Scene, delay_s: float, loss: float, *, stops_without_partner: bool = False
+) -> Needs:
     """What a radio with this delay and loss means for each controller of robots.
 
-    The robots' own link is assumed to be as good as those to the station.
+    The robots' own link is assumed to be as good as those to the station, and to lose packets
+    independently: where it loses several in a row, longer silences are more frequent.
+
+    Args:
+        scene: of the pair.
+        delay_s: in one direction [s].
+        loss: fraction of lost packets.
+        stops_without_partner: a robot ends the carry when it does not hear its partner
+            (``limits.partner_lost = "stop"``).
     """
     tick_s, beacon_s = scene.control.period_s, scene.radio.beacon_s
     shortest_s = 2 * (max(delay_s, tick_s) + beacon_s + tick_s)
@@ -158,11 +170,16 @@ def needs_of(scene: Scene, delay_s: float, loss: float) -> Needs:
     lease_s = shortest_s + in_a_row * beacon_s
     keys = {"radio.latency_s": delay_s, "radio.jitter_s": 0.0}
     measured = load_scene(scene, on_every_side(scene, keys))
-    verdicts = {name: _verdict(name, measured, loss, lease_s) for name in shipped_names("robots")}
+    verdicts = {
+        name: _verdict(name, measured, loss, lease_s, stops_without_partner)
+        for name in shipped_names("robots")
+    }
     return Needs(delay_s, loss, lease_s, verdicts)
 
 
-def _verdict(name: str, scene: Scene, loss: float, lease_s: float) -> str:
+def _verdict(
+    name: str, scene: Scene, loss: float, lease_s: float, stops_without_partner: bool
+) -> str:
     entry = resolve(name)
     why = refusal(entry, scene)
     if why is not None:
@@ -173,5 +190,11 @@ def _verdict(name: str, scene: Scene, loss: float, lease_s: float) -> str:
             return f"its lease of {own_s:.2f} s is shorter than {lease_s:.2f} s: it will stop often"
     if entry.assisted_cases and loss > 0:
         return "a lost message can make it hang"
+    is_bound = entry.uses_radio and not entry.has_time_bounds
+    if is_bound and stops_without_partner and lease_s > NEWS_LEASE_S:
+        return (
+            f"robots stop after {NEWS_LEASE_S:g} s without their partner, and this radio needs "
+            f'{lease_s:.2f} s: set limits.partner_lost = "controller"'
+        )
     warnings = warnings_before(scene, entry)
     return warnings[0] if warnings else "suffices"

@@ -90,7 +90,12 @@ def _of_pair(
     needs = None
     if heard:
         delay_s = max(one.delay_s for one in heard.values() if one.round_trips_s)
-        needs = needs_of(scene, delay_s, max(one.loss for one in heard.values()))
+        needs = needs_of(
+            scene,
+            delay_s,
+            max(one.loss for one in heard.values()),
+            stops_without_partner=pair.settings.limits.partner_lost == "stop",
+        )
     suffices = needs is not None and needs.verdicts.get(controller, "suffices") == "suffices"
     is_well = len(heard) == 2 and suffices and all(check.is_well for check in checks)
     return Diagnosis(is_well, checks, controller, figures, needs)

@@ -18,6 +18,7 @@ from palmbots.control.dead_band import warnings_before
 from palmbots.control.registry import ControllerEntry
 from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import PalmbotsError
+from palmbots.pair.link_check import NEWS_LEASE_S
 from palmbots.pair.live_ends import open_pair_driver, open_pair_link
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stopping_limit import stopping_limit_s
@@ -42,8 +43,6 @@ from palmbots.wire import Role
 
 _STATE_PERIOD_S = 0.05
 _STATUS_PERIOD_S = 0.05
-_LEASE_S = 0.5
-"""For controllers without a lease of their own: how long the partner's news counts."""
 _MOST_OVERRUNS = 50
 """The control loop is too slow if more of the last 100 ticks were missed."""
 
@@ -205,7 +204,7 @@ def core_settings(
     """The arguments of the core's `RuntimeSettings`, in control ticks. The station lives in real
     time."""
     limits = pair.settings.limits
-    lease_s = bounds_of(scene).lease_s if entry.has_time_bounds else _LEASE_S
+    lease_s = bounds_of(scene).lease_s if entry.has_time_bounds else NEWS_LEASE_S
     period_s = scene.control.period_s
 
     def ticks(seconds: float) -> int:
