@@ -36,7 +36,7 @@ def self_check(
     chosen = load_scene(scene, overrides)
     if chosen.task.path.is_curved:
         return ()
-    if region_m == "palm":
+    if isinstance(region_m, str) and region_m == "palm":
         return limit_warnings(chosen)
     try:
         problem = stability_problem(chosen, region_m)
