@@ -3,13 +3,13 @@
 
 import numpy as np
 import pytest
-from tests.support.random_lifts import random_lift
-from tests.support.sampled import amounts
 
 from palmbots.mechanics.lifting import lifting
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import run_seeds
+from random_lifts import random_lift
+from sampled import amounts
 
 JOBS = 4
 UNKNOWN = ("object.mass_kg", "object.vertices_m")
@@ -18,7 +18,11 @@ UNKNOWN = ("object.mass_kg", "object.vertices_m")
 
 @pytest.mark.parametrize("scenes", amounts(24, 300))
 def test_what_is_refused_fails_and_what_is_accepted_succeeds(scenes: int) -> None:
-    """Shares of all jobs. Accepted: without a warning of the analysis."""
+    """Shares of all jobs. Accepted: without a warning of the analysis.
+
+    The rule was adjusted on some of these scenes, and the bounds were set after its first result:
+    the test keeps the rule from getting worse, and is no evidence for it.
+    """
     delivered: dict[str, list[float]] = {"refused": [], "warned": [], "accepted": []}
     for seed in range(scenes):
         scene = load_scene("lift", random_lift(seed))
