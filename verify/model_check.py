@@ -131,7 +131,8 @@ def _call(command: Sequence[object], folder: Path) -> str:
     return done.stdout
 
 
-def build(model: str, searches: Sequence[str] = tuple(SEARCHES)) -> Path:
+@cache
+def build(model: str, searches: tuple[str, ...] = tuple(SEARCHES)) -> Path:
     """The folder with the compiled searches of a model; compiled again when a source changes."""
     if shutil.which("spin") is None:
         raise SystemExit("verify: needs spin; run: sudo apt-get install spin")
@@ -192,7 +193,7 @@ def _digest(files: Sequence[Path], more: bytes = b"") -> str:
 
 def explore(run: Run, megabytes: int = 6000) -> Finding:
     """Ask the checker."""
-    folder = build(run.model, [run.search])
+    folder = build(run.model, (run.search,))
     flags = SEARCHES[run.search][1]
     place = folder / "runs" / run.name
     shutil.rmtree(place, ignore_errors=True)

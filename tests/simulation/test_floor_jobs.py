@@ -111,10 +111,11 @@ def test_arms_keep_rate_height_and_company(lifted: Carry) -> None:
 
 
 def test_no_arm_rises_without_the_partners_word() -> None:
-    carry = pb.carry("lift", "shared-sign", overrides={"radio.loss": 1.0, "task.timeout_s": 60})
+    carry = pb.carry("lift", "shared-sign", overrides={"radio.loss": 1.0, "task.timeout_s": 300})
     assert carry.outcome == "stalled"
     assert job(carry).failure == "did not get under the object"
-    height = rows(carry, "pivot_height", 0, 60)
+    assert carry.time_s < 200 and "time limit" not in str(carry)  # they give up by themselves
+    height = rows(carry, "pivot_height", 0, 200)
     assert height.max() <= HALF_M * math.sin(math.radians(15)) + 0.0003
 
 

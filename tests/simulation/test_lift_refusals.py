@@ -11,7 +11,7 @@ from palmbots.simulation import run_seeds
 from random_lifts import random_lift
 from sampled import amounts
 
-JOBS = 4
+JOBS = 1
 UNKNOWN = ("object.mass_kg", "object.vertices_m")
 """Keys of refusals that the exact world does not know: traction, and noses that meet."""
 

@@ -49,7 +49,7 @@ def test_agrees_with_plain_monte_carlo(controller: str) -> None:
     Equal rates differ by more than 6 standard errors with a probability below 5e-7 (Student's t, 40
     degrees of freedom; the normal distribution has 2e-9).
     """
-    keys = NOISY[controller] | {"task.distance_m": 0.6}
+    keys = NOISY[controller] | {"task.distance_m": 0.3}
     n = 10_000
     run = run_seeds(to_spec(load_scene("paper", keys)), controller, 10**6, n, threads=2)
     plain = float(np.mean(run["outcome"] == DROPPED))
@@ -70,7 +70,7 @@ def test_levels_change_only_the_scatter(effort: int) -> None:
     Equal means differ by more than 6 standard errors with a probability below 1e-7 (Student's t, 78
     degrees of freedom).
     """
-    spec = to_spec(load_scene("paper", NOISY["distributed"] | {"task.distance_m": 0.6}))
+    spec = to_spec(load_scene("paper", NOISY["distributed"] | {"task.distance_m": 0.3}))
     values = []
     for levels in ([], [0.5], [0.3, 0.45, 0.6, 0.75, 0.9]):
         rows, _ = _core.replicates(spec, "distributed", 1, effort, levels, 0, 40, 2)
@@ -187,7 +187,7 @@ def test_budget_ends_the_work_and_its_interval_is_as_wide_as_it_has_to_be() -> N
 
 @pytest.mark.parametrize(
     ("noise", "controller", "budget"),
-    [(0.02, "distributed", 20_000), (0.01, "shared-sign", 20_000), (0.02, "distributed", 5000)],
+    [(0.02, "distributed", 10_000), (0.01, "shared-sign", 10_000), (0.02, "distributed", 5000)],
 )
 def test_estimated_rest_of_the_work_does_not_grow(
     noise: float, controller: str, budget: int, monkeypatch: pytest.MonkeyPatch
@@ -245,23 +245,23 @@ def test_student_quantiles_are_those_of_scipy(freedom: int) -> None:
 
 
 def test_estimate_depends_on_the_seed_and_not_on_threads() -> None:
-    keys = {"robot.noise_m_s": 0.018, "task.distance_m": 0.3}
+    keys = {"robot.noise_m_s": 0.022, "task.distance_m": 0.2}
 
     def estimate(seed: int, threads: int) -> pb.simulation.DropRate:
         return estimate_drop_rate(
-            overrides=keys, seed=seed, relative_half_width=1.0, effort=50, threads=threads
+            overrides=keys, seed=seed, relative_half_width=1.0, effort=20, threads=threads
         )
 
     one = estimate(0, 1)
-    assert one == estimate(0, 2) == estimate(0, 3)
+    assert one == estimate(0, 3)
     assert one.drop_rate != estimate(1, 1).drop_rate
 
 
 def test_drop_rate_falls_with_the_noise() -> None:
     rates = []
-    for noise in (0.018, 0.015):
-        keys = {"robot.noise_m_s": noise, "task.distance_m": 0.3}
-        result = estimate_drop_rate(overrides=keys, relative_half_width=1.0, effort=100)
+    for noise in (0.022, 0.016):
+        keys = {"robot.noise_m_s": noise, "task.distance_m": 0.2}
+        result = estimate_drop_rate(overrides=keys, relative_half_width=1.0, effort=20)
         rates.append(result.drop_rate)
     assert rates[0] > 10 * rates[1] > 0
 
@@ -280,14 +280,14 @@ def test_drop_rate_below_the_reach_of_monte_carlo() -> None:
 
 
 def test_command_prints_rate_and_levels(capsys: pytest.CaptureFixture[str]) -> None:
-    keys = ("--set", "robot.noise_m_s=0.02", "--set", "task.distance_m=0.3")
-    keys += ("--effort", "100", "--relative-error-percent", "50")
+    keys = ("--set", "robot.noise_m_s=0.022", "--set", "task.distance_m=0.2")
+    keys += ("--effort", "20", "--relative-error-percent", "100")
     run = runner(capsys)
     done = run("drop-rate", *keys, "--json")
     assert done.returncode == 0, done.stderr
     summary = json.loads(done.stdout)
     assert summary["interval"][0] < summary["drop_rate"] < summary["interval"][1]
-    assert summary["scene"]["robot"]["noise_m_s"] == 0.02
+    assert summary["scene"]["robot"]["noise_m_s"] == 0.022
     assert len(summary["levels"]) == len(summary["conditional_probabilities"])
     assert summary["levels"] == sorted(summary["levels"])
     again = run("drop-rate", *keys)

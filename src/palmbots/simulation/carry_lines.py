@@ -32,7 +32,10 @@ def carry_lines(
         yield Line(carry.floor_job.failure, indent=2)
     if carry.reason is not None:
         yield Line(reason_text(carry.reason, carry.world), indent=2)
-    elif carry.outcome == "stalled":
+    elif (
+        carry.outcome == "stalled"
+        and carry.time_s > carry.scene.timeout_s - carry.scene.control.period_s
+    ):
         is_default = carry.scene.task.timeout_s is None
         usual = ", the default: twice the time at nominal speed" if is_default else ""
         limit = f"time limit reached: task.timeout_s is {carry.scene.timeout_s:g} s{usual}"
