@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -393,19 +394,24 @@ def _shade(panel: Axes, view: _View, name: str) -> None:
     if name in ("timeline", "stages"):
         return
     halves = {"left": (0.5, 1.0), "right": (0.0, 0.5), "both": (0.0, 1.0)}
-    for c in view.carry.corrections:
-        if c.end_s < view.start or c.start_s > view.end:
+    for robot in (name, "both") if name in SIDES else HUE:
+        low, high = (0.0, 1.0) if name in SIDES else halves[robot]
+        spans = [
+            [(c.start_s, low), (c.start_s, high), (c.end_s, high), (c.end_s, low)]
+            for c in view.carry.corrections
+            if c.robot == robot and c.end_s >= view.start and c.start_s <= view.end
+        ]
+        if not spans:
             continue
-        low, high = halves[c.robot]
-        if name in SIDES:
-            if c.robot not in (name, "both"):
-                continue
-            low, high = 0.0, 1.0
-        span = (c.start_s, c.end_s, low, high)
-        panel.axvspan(*span, fc=HUE[c.robot], alpha=0.12, lw=0, zorder=0)
+        # One collection is drawn many times as fast as a patch for each correction.
+        looks: list[dict[str, Any]] = [{"fc": HUE[robot], "alpha": 0.12}]
         if name not in SIDES:
-            hatch = HATCH[c.robot]
-            panel.axvspan(*span, fc="none", ec=HUE[c.robot], hatch=hatch, alpha=0.2, lw=0, zorder=0)
+            looks.append({"fc": "none", "ec": HUE[robot], "hatch": HATCH[robot], "alpha": 0.2})
+        for look in looks:
+            shade = PolyCollection(
+                spans, transform=panel.get_xaxis_transform(), lw=0, zorder=0, **look
+            )
+            panel.add_collection(shade, autolim=False)
 
 
 def _mark_end(panel: Axes, view: _View) -> None:
