@@ -13,6 +13,7 @@ import palmbots as pb
 from palmbots._util.confidence_intervals import rate_interval
 from palmbots.assessment.angles import FRESH, AngleTrial, NoPair, count_failures, try_angles
 from palmbots.assessment.assess import QUESTIONS, _with_losses
+from palmbots.assessment.assumptions import assumed, on_assumptions
 from palmbots.assessment.changes import ChangeTrial, NoChange, _plans, _revealing_noise, try_changes
 from palmbots.assessment.friction import try_friction
 from palmbots.assessment.load import try_load
@@ -344,3 +345,16 @@ def test_named_commands_vary_what_has_an_effect() -> None:
             key, value = words[words.index("--sweep") + 1], words[-1].split(",")[1]
             assert pb.load_scene(scene, {key: float(value)}) != scene
         assert words[1] in ("compare", "drop-rate", "design")  # not `noise-limit`, which refuses
+
+
+def test_defaults_that_may_be_wrong_are_listed() -> None:
+    """Also those that follow from the outline, and those of one side."""
+    outline = [[0, 0], [0.4, 0], [0.4, 0.12], [0, 0.12]]
+    own = pb.load_scene({"object": {"vertices_m": outline}}, {"palm.left.friction": 0.4})
+    found = assumed(own)
+    assert found["object.com_m"] == [0.2, 0.06] and "palm.right.friction" not in found
+    assert "palm.friction" in found and "palm.left.friction" not in found
+    both = {"palm.left.friction": 0.4, "palm.right.friction": 0.5, "object.com_m": [0.2, 0.05]}
+    assert not {"palm.friction", "object.com_m"} & assumed(pb.load_scene(own, both)).keys()
+    text = on_assumptions(own).text
+    assert all(f"{key} " in text for key in found)

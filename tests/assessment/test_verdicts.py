@@ -209,6 +209,8 @@ def test_controllers(given: list[OutcomeCounts], verdict: str, text: str) -> Non
     assert on_controllers(given, "SCENE", still).command == "palmbots compare SCENE"
     table = needs_table(given, PAPER)
     named = [] if table is None else list(dict.fromkeys(row[0].strip() for row in table.rows))
+    if table is not None and len(named) > 1:
+        assert named.pop(0) == "all" and "sensor" in str(table.rows[0][1])
     assert named == ([] if verdict == "no" else text.split(", "))
 
 

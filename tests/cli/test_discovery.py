@@ -85,8 +85,9 @@ def test_controllers_lists_those_of_the_help(here: Run) -> None:
         assert all(need in " ".join(text.split()) for need in row["requirements"])
     needs = {row["name"]: row["requirements"] for row in rows}
     assert needs["none"] == []
-    assert "station" in needs["centralized"][0]
-    assert "agree" in needs["silent"][0]
+    assert all("sensor" in own[0] for name, own in needs.items() if name != "none")
+    assert "station" in needs["centralized"][1] and "lockstep" in needs["centralized"][2]
+    assert "agree" in needs["silent"][1]
 
 
 def test_init_scene_writes_the_default_scene(

@@ -57,7 +57,7 @@ def open_page(browser: Browser, address: str) -> Iterator[Open]:
         height: int = 900,
         touch: bool = False,
         scheme: Any = "light",
-        motion: Any = "no-preference",
+        motion: Any = "reduce",
         script: bool = True,
     ) -> Page:
         context = browser.new_context(

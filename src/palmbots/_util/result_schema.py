@@ -93,7 +93,7 @@ def _json_type(hint: Any) -> Any:
 def _table(kind: Any, arguments: tuple[Any, ...]) -> Any:
     """A typed dictionary with the keys that JSON has of a dataclass or named tuple."""
     of = dict(zip(getattr(kind, "__parameters__", ()), arguments, strict=True))
-    types = {key: _json_type(_substituted(_hint(kind, key), of)) for key in keys_of(kind)}
+    types = {key: _json_type(_substituted(annotation_of(kind, key), of)) for key in keys_of(kind)}
     return _closed(kind.__name__, types)
 
 
@@ -104,7 +104,7 @@ def _closed(name: str, types: Mapping[str, Any]) -> Any:
     return table
 
 
-def _hint(kind: Any, key: str) -> Any:
+def annotation_of(kind: Any, key: str) -> Any:
     """The annotation of one field or derived value; those of other fields need not be known."""
     for owner in kind.__mro__:
         member = vars(owner).get(key)

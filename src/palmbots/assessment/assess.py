@@ -24,6 +24,7 @@ from palmbots.assessment.answer import (
     failures,
     suffices,
 )
+from palmbots.assessment.assumptions import on_assumptions
 from palmbots.assessment.changes import FACTORS, ChangeTrial, NoChange, try_changes
 from palmbots.assessment.friction import (
     FrictionTrial,
@@ -78,6 +79,7 @@ CURVE_CARRIES = 10
 """Carries of a curve in the MuJoCo world."""
 QUESTIONS = (
     "carried", "load", "drops", "controllers", "angles", "friction", "radio", "curve", "change",
+    "assumed",
 )  # fmt: skip
 """Fields of `Answers`, in the order of the page."""
 _PARTS = ("counts", "friction", "load", "angles", "radio", "change", "curve")
@@ -100,6 +102,7 @@ class Answers:
     radio: Answer
     curve: Answer
     change: Answer
+    assumed: Answer
 
 
 @dataclass(frozen=True, repr=False)
@@ -306,6 +309,7 @@ def assess(
             path = turn_keys(chosen, turn_radius_m, turn_angle_deg)
         curve = try_curve(chosen, best.controller, path, report, carries=CURVE_CARRIES)
     known("curve", on_curve(curve, best, chosen))
+    known("assumed", on_assumptions(chosen))
     report(1.0)
     if not counts:
         refused = _refused(straight)

@@ -179,13 +179,20 @@ def on_controllers(counts: Sequence[OutcomeCounts], name: str, scene: Scene) -> 
 
 def needs_table(counts: Sequence[OutcomeCounts], scene: Scene) -> Table | None:
     """What each controller that suffices needs, and whether the zero zone is wide enough."""
-    enough = [one.controller for one in counts if suffices(one)]
-    if not enough:
+    needs = {
+        one.controller: describe(one.controller).requirements for one in counts if suffices(one)
+    }
+    if not needs:
         return None
-    rows = [
+    some = [own for own in needs.values() if own]
+    common = [need for need in some[0] if all(need in own for own in some)] if some[1:] else []
+    label = " but ".join(["  all", *(one for one, own in needs.items() if not own)])
+    rows = [(label, need) for need in common]
+    rows += [
         (f"  {one}", need.replace(WIDE_ZONE, f"{WIDE_ZONE} ({_widths(scene, one)})"))
-        for one in enough
-        for need in describe(one).requirements or ("",)
+        for one, own in needs.items()
+        for need in own or ("",)
+        if need not in common
     ]
     return Table(rows, ("  controller", "needs"))
 

@@ -85,10 +85,12 @@ class ControllerEntry:
 
     @property
     def requirements(self) -> tuple[str, ...]:
-        """What the controller needs besides palms, switches and wheels, one line each."""
+        """What the controller needs besides palms and wheels, one line each."""
         alone = self.team == "robots" and not self.uses_radio
         needs = {
+            "a sensor on each palm that distinguishes -, 0 and +": (self.team != "none"),
             "a station that both robots can reach by radio": self.team == "station",
+            "lockstep where robots are processes: no live station decides": self.team == "station",
             "a radio between the robots": self.uses_radio and self.team == "robots",
             "a time for start and end on which the robots agree": alone,
             "a radio and control period that its time bounds admit": self.has_time_bounds,

@@ -17,18 +17,18 @@ from typing import TYPE_CHECKING, Any
 from mcap.records import Channel, Metadata
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import CRCValidationError, StreamReader
+from pydantic import TypeAdapter
 
-from palmbots._types import SIDES, BySide
+from palmbots._types import SIDES
 from palmbots._util.plain_values import NOT_IN_JSON
+from palmbots._util.result_schema import annotation_of
 from palmbots._util.user_paths import user_path
 from palmbots._version import __version__
-from palmbots.control.python_source import ControllerSource
-from palmbots.control.resilient_timing import Bounds
 from palmbots.errors import PalmbotsError
 from palmbots.logs.channels import CorrectionEvent, MessageEvent, Variable, state_channels
 from palmbots.logs.mcap_writer import FORMAT, JSON_FACTS, RECORD, TEXT_FACTS
 from palmbots.scene.scene import load_scene
-from palmbots.simulation.result import Carry, ContactEvent, Correction, LinkStatistics, Message
+from palmbots.simulation.result import Carry, Correction, Message
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -128,18 +128,10 @@ def _parse(data: bytes) -> Log:
 
 def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
     fields: dict[str, Any] = {name: facts[name] for name in TEXT_FACTS}
-    facts = {"forks": "[]"} | facts  # logs of earlier versions have none
-    fields |= {name: json.loads(facts[name]) for name in JSON_FACTS}
-    links, bounds, source = fields["links"], fields["bounds"], fields["controller_source"]
-    fields["links"] = {name: LinkStatistics(**counts) for name, counts in links.items()}
-    fields["bounds"] = None if bounds is None else Bounds(**bounds)
-    fields["controller_source"] = None if source is None else ControllerSource(**source)
-    fields["forks"] = tuple((at_s, seed) for at_s, seed in fields["forks"])
-    fields["warnings"] = tuple(fields["warnings"])
-    for name in ("contact_rms_m", "contact_peak_m", "waiting_s", "lateral_peak_m"):
-        fields[name] = None if fields[name] is None else BySide(**fields[name])
-    events = json.loads(facts["contact_events"])
-    fields["contact_events"] = tuple(ContactEvent(**event) for event in events)
+    for name in JSON_FACTS:
+        if name in facts:  # a log of an earlier version lacks some
+            of_type = TypeAdapter(annotation_of(Carry, name))
+            fields[name] = of_type.validate_python(json.loads(facts[name]))
     corrections = [CorrectionEvent.FromString(m) for m in messages.get("/corrections", [])]
     fields["corrections"] = tuple(
         Correction(c.label, c.robot, c.case, c.assistant or None, c.start_s, c.end_s)

@@ -10,7 +10,7 @@ version, outcome and trace hash. Log time is simulated time. Checksums cover eve
 import json
 import math
 import os
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,13 +35,14 @@ RECORD = "palmbots"
 FORMAT = "4"
 """Version of the format of the log."""
 
-# Facts of a carry that are no time series: some as text, the others as JSON, which is exact too.
+# What JSON has of a carry, except its scene and what has a channel of its own: some as text, the
+# others as JSON, which is exact too.
 TEXT_FACTS = ("controller", "world", "precision", "version", "outcome", "trace_hash")
-JSON_FACTS = (
-    "seed", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "messages",
-    "messages_lost", "waiting_s", "bump_count", "warnings", "links", "bounds", "lateral_peak_m",
-    "correction_count", "controller_source", "forks",
-)  # fmt: skip
+JSON_FACTS = tuple(
+    one.name
+    for one in fields(Carry)
+    if one.metadata.get("json", True) and one.name not in (*TEXT_FACTS, "scene", "corrections")
+)
 
 _SCENE_INTERVAL_S = 0.04  # between two poses for the three-dimensional viewers
 
@@ -69,7 +70,6 @@ def _facts(carry: Carry, trace: "xr.Dataset") -> dict[str, str]:
     values["scene"] = carry.scene.model_dump(mode="json")
     values["samples"] = trace.sizes["time"]
     values["variables"] = [asdict(variable) for variable in variables_of(trace)]
-    values["contact_events"] = [asdict(event) for event in carry.contact_events]
     return (
         {"format": FORMAT}
         | {name: getattr(carry, name) for name in TEXT_FACTS}

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from palmbots._types import SIDES
-from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.plain_values import NOT_IN_JSON, derived, keys_of
 from palmbots._util.report import Item, Line, Table, verdict
 from palmbots._util.results import Result
 from palmbots._util.user_paths import user_path
@@ -30,11 +30,12 @@ if TYPE_CHECKING:
 
     from palmbots.logs.mcap_reader import Log
 
-_FACTS = (
-    "outcome", "reason", "time_s", "distance_m", "contact_rms_m", "contact_peak_m", "messages",
-    "messages_lost", "waiting_s", "bump_count", "warnings", "corrections", "contact_events",
-    "message_log",
+_GIVEN = (
+    "scene", "controller", "world", "precision", "seed", "forks", "controller_source", "version",
+    "trace_hash",
 )  # fmt: skip
+_FOUND = tuple(name for name in (*keys_of(Carry), "message_log") if name not in _GIVEN)
+"""What a carry finds out, besides its trace."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -172,7 +173,7 @@ def _bits(values: np.ndarray) -> np.ndarray:
 
 
 def _other_difference(log: Log, again: Carry) -> str | None:
-    for name in _FACTS:
+    for name in _FOUND:
         before, now = getattr(log, name), getattr(again, name)
         if before != now:
             if name in ("corrections", "contact_events", "message_log"):

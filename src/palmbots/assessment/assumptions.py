@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which values of a scene are assumed rather than measured, as far as palmbots can know."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from palmbots.assessment.answer import Answer
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.sides import on_every_side, value_of
+
+DECISIVE = (
+    "palm.friction", "robot.noise_m_s", "object.mass_kg", "object.com_m", "object.depth_m",
+    "radio.latency_s", "mujoco.palm_torque_n_m",
+)  # fmt: skip
+"""Keys of what users seldom know exactly, and on which most answers depend."""
+
+
+def assumed(scene: Scene) -> dict[str, Any]:
+    """Those of the decisive keys that have their default, with that value. The default of the COM
+    and of the mass follows from the outline of the object."""
+    usual = load_scene({"object": {"vertices_m": scene.object.vertices_m}})
+    found = {}
+    for key in DECISIVE:
+        default = value_of(usual, key)
+        for one in on_every_side(scene, {key: None}):
+            if value_of(scene, one) == default:
+                found[one] = default
+    return found
+
+
+def on_assumptions(scene: Scene) -> Answer:
+    """What the answers take for granted. Whether it is true palmbots cannot know."""
+    values = assumed(scene)
+    listed = ", ".join(f"{key} {_text(value)}" for key, value in values.items())
+    text = f"defaults: {listed}; set what you measured"
+    if not values:
+        text = f"none of these has its default: {', '.join(DECISIVE)}"
+    return Answer("Are the values measured?", "open", text, "palmbots keys")
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(f'{one:g}' for one in value)}]"
+    return f"{value:g}"
