@@ -66,6 +66,18 @@ def test_log_contains_every_field_of_the_carry(done, path):
     same_bits(log.trace, done.trace)
 
 
+@pytest.mark.parametrize(
+    ("scene", "world", "keys"),
+    [("lift", "quasistatic", {"task.to": "palms"}), ("paper", "mujoco", {"task.distance_m": 0.02})],
+)
+def test_phases_of_a_job_and_slip_of_wheels_are_kept(tmp_path, scene, world, keys):
+    done = pb.carry(scene, "shared-sign", world=world, overrides=keys)
+    write_log(done, tmp_path / "c.mcap")
+    again = replay(tmp_path / "c.mcap")
+    assert again.identical and again.log.summary() == done.summary() | {"format": again.log.format}
+    assert done.floor_job is not None or done.wheel_slip_m is not None
+
+
 @pytest.mark.parametrize("controller", ["none", "centralized", "distributed"])
 @pytest.mark.parametrize("precision", ["double", "float"])
 def test_log_replays_identically(tmp_path, controller, precision):

@@ -135,7 +135,7 @@ class Carry(Result):
     its palm, to the left seen from the left robot to the right one (None in a planar world)."""
     wheel_slip_m: BySide[float] | None = None
     """How much farther the wheels of each robot rolled than the robot moved; < 0: the robot moved
-    farther (None in a world without wheels, and for a carry that was read from a log)."""
+    farther (None in a world without wheels)."""
     floor_job: FloorJob | None = None
     """The job that began or ended on the floor (None for a carry from palms to palms)."""
     forks: tuple[tuple[float, int], ...] = ()
