@@ -64,7 +64,7 @@ def test_a_second_program_of_the_same_end_is_refused_and_counts_no_boot(tmp_path
     file.path.with_suffix(".lock").write_text("12345")  # of a program that has ended
     with booted(file) as state:
         for use in (booted, held):
-            line = rf"another program uses this boot counter; .*\(now process {os.getpid()}\)$"
+            line = rf"process {os.getpid()} uses this boot counter; .*; end that one first$"
             with pytest.raises(pb.PalmbotsError, match=line):
                 use(file).__enter__()
         assert read_state(file) == state == StoredState(1)

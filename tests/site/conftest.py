@@ -45,7 +45,9 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def open_page(browser: Browser, address: str) -> Iterator[Open]:
-    """Opens pages; afterwards nothing may have been printed or requested from elsewhere."""
+    """Opens pages; afterwards nothing may have been printed or requested from elsewhere.
+
+    Pages move by themselves only with `moves`: drawing takes a core."""
     said: list[str] = []
     asked: list[str] = []
     contexts: list[BrowserContext] = []
@@ -57,13 +59,13 @@ def open_page(browser: Browser, address: str) -> Iterator[Open]:
         height: int = 900,
         touch: bool = False,
         scheme: Any = "light",
-        motion: Any = "reduce",
+        moves: bool = False,
         script: bool = True,
     ) -> Page:
         context = browser.new_context(
             viewport={"width": width, "height": height}, has_touch=touch, is_mobile=touch,
-            color_scheme=scheme, reduced_motion=motion, java_script_enabled=script,
-            accept_downloads=True,
+            color_scheme=scheme, reduced_motion="no-preference" if moves else "reduce",
+            java_script_enabled=script, accept_downloads=True,
         )  # fmt: skip
         contexts.append(context)
         context.set_default_timeout(TIMEOUT_MS)

@@ -130,7 +130,7 @@ def test_every_slider_has_a_name_and_the_time_one_says_the_moment(open_page: Ope
 @pytest.mark.parametrize(("place", "words"), [("carry", "delivered: "), ("stories", "dropped ")])
 def test_the_outcome_is_announced(open_page: Open, place: str, words: str) -> None:
     query = "?v.story=3" if place == "stories" else ""
-    page = open_page(f"#{place}{query}", motion="reduce")
+    page = open_page(f"#{place}{query}")
     if place == "stories":
         page.get_by_role("radio").last.press("Space")
     page.locator("#scrub").press("End")
@@ -139,7 +139,7 @@ def test_the_outcome_is_announced(open_page: Open, place: str, words: str) -> No
 
 def test_a_story_by_keyboard_keeps_the_focus(open_page: Open) -> None:
     """A button that begins a part is gone then, and the part is not yet played."""
-    page = open_page("#stories?v.story=2", motion="reduce")
+    page = open_page("#stories?v.story=2")
     page.get_by_role("radio").last.press("Space")
     page.keyboard.press("Space")  # it plays wherever the focus is
     expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
@@ -149,7 +149,7 @@ def test_a_story_by_keyboard_keeps_the_focus(open_page: Open) -> None:
 
 
 def test_the_page_without_javascript(open_page: Open) -> None:
-    page = open_page(script=False)
+    page = open_page(script=False, moves=True)
     expect(page.get_by_role("heading", name="Two robots, no gripper, one box")).to_be_visible()
     images = page.get_by_role("img")
     expect(images).to_have_count(5)
@@ -160,7 +160,7 @@ def test_the_page_without_javascript(open_page: Open) -> None:
 
 
 def test_without_javascript_nothing_moves_where_motion_is_unwelcome(open_page: Open) -> None:
-    page = open_page(script=False, motion="reduce")
+    page = open_page(script=False)
     shown = [image.get_attribute("src") for image in page.get_by_role("img").all()]
     assert len(shown) == 4
     assert not any(source.endswith(".gif") for source in shown if source)

@@ -93,7 +93,7 @@ def test_a_design(open_page: Open) -> None:
     ],
 )
 def test_a_story(open_page: Open, number: int, change: Change, words: str) -> None:
-    page = open_page(hash_of("stories", {"v.story": number}), motion="reduce")
+    page = open_page(hash_of("stories", {"v.story": number}))
     page.get_by_role("radio").nth(1).check()
     page.locator("#scrub").fill("1000")
     change(page)
@@ -105,7 +105,7 @@ def test_a_story(open_page: Open, number: int, change: Change, words: str) -> No
 
 
 def test_a_counterexample(open_page: Open) -> None:
-    page = open_page("#proofs", motion="reduce")
+    page = open_page("#proofs")
     page.locator("#run").select_option("late-ack")
     page.locator("#scrub").fill("3")
     other = again(open_page, page)
@@ -115,7 +115,7 @@ def test_a_counterexample(open_page: Open) -> None:
 
 
 def test_while_it_plays_the_address_is_current_and_the_history_short(open_page: Open) -> None:
-    page = open_page("#carry?v.whole=1")
+    page = open_page("#carry?v.whole=1", moves=True)
     length = page.evaluate("history.length")
     page.wait_for_function(
         "Number(new URLSearchParams(location.hash.split('?')[1]).get('t')) > 1.5"

@@ -29,7 +29,7 @@ def frames(page: Page, count: int) -> None:
 
 
 def test_it_moves_without_a_click_and_pauses_off_screen(open_page: Open) -> None:
-    page = open_page(height=420)
+    page = open_page(height=420, moves=True)
     page.wait_for_function("() => parseFloat(document.querySelector('.time').innerText) > 0.2")
     page.evaluate("window.scrollTo(0, document.body.scrollHeight)")
     frames(page, 12)
@@ -43,7 +43,7 @@ def test_it_moves_without_a_click_and_pauses_off_screen(open_page: Open) -> None
 
 
 def test_it_stands_still_where_motion_is_unwelcome(open_page: Open) -> None:
-    page = open_page(motion="reduce")
+    page = open_page()
     frames(page, 10)
     assert seconds(page) == 0
     page.locator("#play").click()
@@ -51,7 +51,7 @@ def test_it_stands_still_where_motion_is_unwelcome(open_page: Open) -> None:
 
 
 def test_reset_pauses(open_page: Open) -> None:
-    page = open_page(hash_of("carry", {"controller": "silent"}))
+    page = open_page(hash_of("carry", {"controller": "silent"}), moves=True)
     expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
     page.locator("#reset").click()
     expect(page.locator("#play")).to_have_attribute("aria-label", "play")
@@ -60,7 +60,7 @@ def test_reset_pauses(open_page: Open) -> None:
 
 def test_no_robot_assists_before_it_is_asked(open_page: Open) -> None:
     """A program of `resilient` begins as if it had just assisted."""
-    page = open_page(hash_of("carry", {"controller": "resilient"}), motion="reduce")
+    page = open_page(hash_of("carry", {"controller": "resilient"}))
     expect(page.locator(".left-text")).to_have_text("left p = 0.0 mm")
     expect(page.locator(".right-text")).to_have_text("right p = 0.0 mm")
 
@@ -344,7 +344,7 @@ def test_a_picture(open_page: Open, tmp_path: Path) -> None:
 
 def test_a_film_of_the_rest_of_the_carry(open_page: Open, tmp_path: Path) -> None:
     """Also while the drawing is outside the window, where the carry stands still otherwise."""
-    page = open_page(hash_of("carry", {**FIGURE8, "t": 5.4, "speed": 2}), height=420)
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 5.4, "speed": 2}), height=420, moves=True)
     with page.expect_download() as found:
         page.locator("#save-film").click()
     assert page.evaluate("document.getElementById('stage').getBoundingClientRect().bottom") < 0

@@ -33,7 +33,7 @@ def test_every_answer_of_the_teacher(open_page: Open) -> None:
         item.get_attribute("data-answer"): " ".join(item.inner_text().split())
         for item in sheet.locator("[data-answer]").all()
     }
-    page = open_page(motion="reduce", width=1366, height=768)
+    page = open_page(width=1366, height=768)
 
     def shows(place: str, *names: str) -> None:
         for name in names:

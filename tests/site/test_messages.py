@@ -132,7 +132,7 @@ def test_a_message_is_chosen_by_a_click(open_page: Open) -> None:
 @pytest.mark.parametrize("height", [630, 768])
 def test_a_lost_message_fits_on_one_screen(open_page: Open, height: int) -> None:
     """What the lesson's task speaks of: stage, warnings, player, chart and the chosen message."""
-    page = open_page("#carry?t=0", motion="reduce", width=1366, height=height)
+    page = open_page("#carry?t=0", width=1366, height=height)
     page.locator("#sequence-chart").focus()
     page.keyboard.press("m")
     page.locator("[data-effect=lost]").click()

@@ -37,7 +37,7 @@ def with_numbers(words: str, run: dict[str, Any]) -> str:
 
 
 def test_every_counterexample_plays_to_its_end(open_page: Open) -> None:
-    page = open_page("#proofs", motion="reduce")
+    page = open_page("#proofs")
     expect(page.locator("#run")).to_be_visible()
     claims = stated_claims()
     runs = {run["name"]: run for run in tomllib.loads(RUNS.read_text())["run"]}
@@ -107,7 +107,7 @@ def transcript_of(name: str) -> tuple[list[list[str]], list[tuple[str, str]]]:
 
 def test_every_step_shows_what_the_transcript_says(open_page: Open) -> None:
     """Contact, palm, drive, what a robot waits for, and what happens before the step."""
-    page = open_page("#proofs", motion="reduce")
+    page = open_page("#proofs")
     expect(page.locator("#run")).to_be_visible()
     shown = page.evaluate(EVERY_STEP)
     fails = [name for name, run in model_check.runs().items() if run.fails]
@@ -144,7 +144,7 @@ def test_every_step_shows_what_the_transcript_says(open_page: Open) -> None:
 
 
 def test_a_counterexample_is_stepped_along_its_chart(open_page: Open) -> None:
-    page = open_page("#proofs?v.run=late-ack", motion="reduce")
+    page = open_page("#proofs?v.run=late-ack")
     place = page.locator(".player .time")
     expect(place).to_have_text("1 of 6")
     page.locator("#step-on").click()
@@ -174,7 +174,7 @@ def test_a_counterexample_is_stepped_along_its_chart(open_page: Open) -> None:
 
 def test_a_carry_goes_along_with_the_steps(open_page: Open) -> None:
     """Where there is a scene: at each message of the transcript, the carry has just sent it."""
-    page = open_page("#proofs", motion="reduce")
+    page = open_page("#proofs")
     expect(page.locator("#run")).to_be_visible()
     with_carry = [
         name for name in page.locator("#run option").all_inner_texts()
@@ -207,13 +207,13 @@ def test_a_carry_goes_along_with_the_steps(open_page: Open) -> None:
 
 
 def test_a_counterexample_is_carried(open_page: Open) -> None:
-    page = open_page("#proofs?v.run=reboot-fight", motion="reduce")
+    page = open_page("#proofs?v.run=reboot-fight")
     page.locator("#carry-it").click()
     carried = pb.carry(COUNTEREXAMPLES / "reboot-fight.toml")
     expect(page.locator("#hash")).to_have_text(carried.trace_hash)
 
 
 def test_a_counterexample_moves_by_itself(open_page: Open) -> None:
-    page = open_page("#proofs")
+    page = open_page("#proofs", moves=True)
     expect(page.locator(".time")).to_contain_text("4 of 4")
     assert json.loads(page.evaluate("JSON.stringify(document.title)"))

@@ -41,7 +41,7 @@ def watch(page: Page) -> None:
 def test_each_part_asks_then_plays_then_explains(
     open_page: Open, capsys: pytest.CaptureFixture[str], number: int
 ) -> None:
-    page = open_page(hash_of("stories", {"v.story": number}), motion="reduce")
+    page = open_page(hash_of("stories", {"v.story": number}))
     title = page.locator(".chapters button").nth(number - 1).inner_text()
     expect(page.locator("h1")).to_have_text(title)
     seen = []
@@ -78,7 +78,7 @@ def test_each_part_asks_then_plays_then_explains(
 
 def test_a_story_waits_for_the_answer_and_plays_then(open_page: Open) -> None:
     """Also the picture shows no correction before. The first story stops where it explains."""
-    page = open_page(hash_of("stories", {"v.story": 1}))
+    page = open_page(hash_of("stories", {"v.story": 1}), moves=True)
     play = page.locator("#play")
     expect(play).to_have_attribute("aria-label", "play")
     assert seconds(page) == 0.4
@@ -91,7 +91,7 @@ def test_a_story_waits_for_the_answer_and_plays_then(open_page: Open) -> None:
 
 
 def test_each_story_has_its_own_speed(open_page: Open) -> None:
-    page = open_page(hash_of("stories", {"v.story": 4}), motion="reduce")
+    page = open_page(hash_of("stories", {"v.story": 4}))
     for number, speed in ((4, "5"), (8, "1"), (3, "2")):
         page.locator(".chapters button").nth(number - 1).click()
         expect(page.locator("#speed")).to_have_value(speed)
@@ -142,7 +142,7 @@ def test_the_texts_of_the_stories_are_true() -> None:
 
 def test_story_3_shows_the_squeezes_that_decide(open_page: Open) -> None:
     """The numbers are those of the package, for the palms and contacts that the story names."""
-    page = open_page(hash_of("stories", {"v.story": 3}), motion="reduce")
+    page = open_page(hash_of("stories", {"v.story": 3}))
     watch(page)
     page.locator(".act").click()
     page.locator("#scrub").fill("1000")
@@ -162,7 +162,7 @@ def test_story_3_shows_the_squeezes_that_decide(open_page: Open) -> None:
 def test_the_answers_are_numbered_as_on_the_sheet(open_page: Open) -> None:
     sheet = open_page("lesson.html", script=False)
     words = [item.inner_text() for item in sheet.locator("ol li").all()]
-    page = open_page(hash_of("stories", {"v.story": 8}), motion="reduce")
+    page = open_page(hash_of("stories", {"v.story": 8}))
     shown = [item.inner_text().split() for item in page.locator(".task label").all()]
     assert shown == [[str(k + 1), *text.split()] for k, text in enumerate(words)]
 
@@ -177,7 +177,7 @@ def red_in(page: Page, chart: str) -> int:
 
 def test_a_story_shows_the_ends_of_the_palms(open_page: Open) -> None:
     """Also in parts in which no contact comes near them, and after the part was watched."""
-    page = open_page(hash_of("stories", {"v.story": 3}), motion="reduce")
+    page = open_page(hash_of("stories", {"v.story": 3}))
     for _ in range(2):
         if page.locator(".task input").count() > 0:
             watch(page)
@@ -189,7 +189,7 @@ def test_a_story_shows_the_ends_of_the_palms(open_page: Open) -> None:
 
 
 def test_space_plays_and_pauses_wherever_the_focus_is(open_page: Open) -> None:
-    page = open_page(hash_of("stories", {"v.story": 4}))
+    page = open_page(hash_of("stories", {"v.story": 4}), moves=True)
     play = page.locator("#play")
     page.locator(".task input").first.click()
     expect(play).to_have_attribute("aria-label", "pause")
@@ -222,7 +222,7 @@ def test_space_ticks_a_box_that_the_keyboard_reached_and_no_other(open_page: Ope
 
 
 def test_space_plays_a_counterexample(open_page: Open) -> None:
-    page = open_page("#proofs", motion="reduce")
+    page = open_page("#proofs")
     page.locator("#run").press("Space")
     expect(page.locator("#play")).to_have_attribute("aria-label", "pause")
 
@@ -231,9 +231,7 @@ def test_space_plays_a_counterexample(open_page: Open) -> None:
 @pytest.mark.parametrize("number", range(1, len(PARTS) + 1))
 def test_a_story_fits_on_one_screen(open_page: Open, number: int, height: int) -> None:
     """All that a story speaks of, at 1366 pixels of width."""
-    page = open_page(
-        hash_of("stories", {"v.story": number}), motion="reduce", width=1366, height=height
-    )
+    page = open_page(hash_of("stories", {"v.story": number}), width=1366, height=height)
     for k in range(len(PARTS[number - 1])):
         if k > 0:
             page.locator(".act").click()

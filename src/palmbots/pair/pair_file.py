@@ -207,7 +207,7 @@ def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
     except ValidationError as error:
         raise PalmbotsError(f"{path}: {validation_message(error, PairFile)}") from None
     _check_addresses(path, settings.link)
-    key = _key_in(user_path(settings.pair.key_file, path.parent)) if with_key else b""
+    key = _key_of(path, settings.pair.key_file) if with_key else b""
     return Pair(path, settings, key)
 
 
@@ -230,15 +230,18 @@ def _check_addresses(path: Path, link: LinkTable) -> None:
             )
 
 
-def _key_in(path: Path) -> bytes:
-    """The key in a file that only its owner can read."""
+def _key_of(pair: Path, name: str) -> bytes:
+    """The key of a pair, in a file that only its owner can read."""
+    path = user_path(name, pair.parent)
     try:
         with open_regular(path) as stream:
             mode = stat.S_IMODE(os.fstat(stream.fileno()).st_mode)
             text = stream.read(100)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         why = getattr(error, "strerror", None) or error
-        raise PalmbotsError(f"{path}: cannot be read: {why}") from None
+        lost = isinstance(error, FileNotFoundError)
+        remedy = f"; copy it from where {pair.name} was made (mode 600)" if lost else ""
+        raise PalmbotsError(f"{path}: cannot be read: {why}{remedy}") from None
     if mode & 0o077:
         raise PalmbotsError(
             f"{path}: others can read the key (mode {mode:o}); run: chmod 600 {path}"
@@ -270,7 +273,8 @@ def pair_keys() -> tuple[SceneKey, ...]:
     "init pair",
     order=190,
     example="palmbots init pair pair.toml",
-    then="palmbots robot {file} --side left, --side right, and palmbots station {file}",
+    then="palmbots world paper --serve 127.0.0.1:7400 if the robots are simulated, palmbots "
+    "robot {file} --side left, --side right, and palmbots station {file}",
     file=Option(is_argument=True, metavar="FILE"),
 )
 def init_pair(

@@ -124,8 +124,8 @@ class CounterInUse(PalmbotsError):
 
     def __init__(self, file: StateFile, process: str) -> None:
         super().__init__(
-            f"{file}: another program uses this boot counter; allowed: one at a time "
-            f"(now process {process})"
+            f"{file}: process {process} uses this boot counter; allowed: one program at a time; "
+            "end that one first"
         )
         self.process = process
 

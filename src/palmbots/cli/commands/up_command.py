@@ -58,23 +58,20 @@ def up(
         live: serve a live 3-D view for Foxglove there.
     """
     from palmbots._util.arguments import seed_of
-    from palmbots.control.resilient_timing import bounds_of
     from palmbots.links.impairment import Impairment
     from palmbots.pair.launcher import run_live, run_lockstep
     from palmbots.scene.spec import refuse_floor
     from palmbots.simulation.lockstep_world import remote
-    from palmbots.simulation.prepare import check_precision, check_scene
+    from palmbots.simulation.prepare import check_precision, prepare
     from palmbots.simulation.worlds import world_entry
 
     chosen = load(scene, overrides)
     entry = controller_of(controller, quiet=as_json)
     place = world_entry(world)
-    check_scene(place, chosen)
     refuse_floor(chosen, "robots as processes do")
     check_precision(place, precision)
     remote(entry, lambda *_: [])
-    if entry.has_time_bounds:
-        bounds_of(chosen)  # refuses a scene
+    prepare(chosen, entry, place)  # refuses a scene
     options = ["--world", world, "--seed", str(seed_of(seed))]
     options += ["--json"] if as_json else []
     given = {"rate": rate != 1.0, "link": link != "", "live": live, "log": log}
