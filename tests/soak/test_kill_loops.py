@@ -20,7 +20,7 @@ LATEST_S = 0.3  # after a chunk is kept, or after the folder is locked
 @pytest.fixture(scope="module")
 def long(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("long") / "long.toml"
-    file.write_text(LONG)
+    file.write_text(LONG.replace("count = 40", "count = 400"))
     return file
 
 

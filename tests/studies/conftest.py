@@ -26,6 +26,6 @@ def long(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def whole(long: Path) -> str:
     """The hash of an undisturbed run, on one thread with another chunk size."""
-    return said_here(long, "--out", long.parent / "whole", "--chunk-size", 1500, "--threads", 1)[
+    return said_here(long, "--out", long.parent / "whole", "--chunk-size", 150, "--threads", 1)[
         "hash"
     ]

@@ -2,6 +2,7 @@
 """The same study on a real Dask scheduler with real worker processes, one of them killed."""
 
 import contextlib
+import importlib
 import json
 import os
 import re
@@ -13,6 +14,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -21,11 +23,10 @@ from palmbots.errors import PalmbotsError
 from palmbots.studies import dask_runner
 from palmbots.studies.store import Store
 from sampled import in_soak, sampled
-from study_fixtures import command, marks, refused, said_here, study, study_here
+from study_fixtures import CHUNK, marks, refused, said_here, study, study_here
 from waiting import wait_until
 
 TIMEOUT_S = 60
-CHUNK = 800  # carries: twelve chunks
 
 
 @contextlib.contextmanager
@@ -75,56 +76,38 @@ def worker(address: str, env: dict[str, str] | None = None) -> Iterator[subproce
 
 
 @pytest.fixture(scope="module")
-def shared() -> Iterator[str]:
-    """The address of a scheduler with a worker, which no test ends."""
-    with scheduler() as address, worker(address):
-        yield address
+def running() -> Iterator[contextlib.ExitStack]:
+    """What ends the scheduler and the worker that the tests share."""
+    importlib.import_module("distributed")  # its log goes to the stderr of this moment
+    with contextlib.ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture(scope="module")
+def shared(running: contextlib.ExitStack) -> str:
+    """The address of a scheduler with a worker."""
+    address = running.enter_context(scheduler())
+    running.enter_context(worker(address))
+    return address
 
 
 def test_killed_worker_is_named_and_another_one_takes_over(
-    shared: str, long: Path, whole: str, tmp_path: Path
+    shared: str, long: Path, whole: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    root = tmp_path / "study"
     with worker(shared) as first:
-        words = ("study", long, "--out", root, "--chunk-size", CHUNK, "--scheduler", shared)
-        process = subprocess.Popen(
-            at_call.command("SIGSTOP", "after", Store.write, 4, *words, "--json"),
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
-        with process:
-            at_call.wait_until_stopped(process)
+
+        def kill() -> None:
             first.kill()
-            process.send_signal(signal.SIGCONT)
-            out, error = process.communicate(timeout=TIMEOUT_S)
-    assert process.returncode == 0, error
-    result = json.loads(out)
+            first.wait()
+
+        monkeypatch.setattr(Store, "write", at_call.wrapped(kill, "after", Store.write, 4))
+        words = ("--out", tmp_path / "study", "--chunk-size", CHUNK, "--scheduler", shared)
+        done = study_here(long, *words, "--json")
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
     assert result["hash"] == whole
     assert result["lost_workers"] == [address_of[first.pid]]
-    assert all(address_of[first.pid] in line for line in error.splitlines())
-
-
-def test_study_continues_without_a_lost_scheduler(long: Path, whole: str, tmp_path: Path) -> None:
-    root = tmp_path / "study"
-    with contextlib.ExitStack() as stack:
-        address = stack.enter_context(scheduler())
-        stack.enter_context(worker(address))
-        words = ("study", long, "--out", root, "--chunk-size", CHUNK, "--scheduler", address)
-        process = subprocess.Popen(
-            at_call.command("SIGSTOP", "after", Store.write, 4, *words),
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
-        at_call.wait_until_stopped(process)
-    process.send_signal(signal.SIGCONT)
-    out, error = process.communicate(timeout=TIMEOUT_S)
-    refused(
-        subprocess.CompletedProcess([], process.returncode, out, error),
-        address, "the connection was lost", "completed chunks are kept",
-    )  # fmt: skip
-    kept = marks(root)
-    assert kept
-    summary = said_here(long, "--out", root)
-    assert summary["hash"] == whole
-    assert summary["resumed"] == CHUNK * len(kept)
+    assert all(address_of[first.pid] in line for line in done.stderr.splitlines()), done.stderr
 
 
 def test_client_that_cannot_be_closed_hides_no_message(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,7 +132,7 @@ def test_local_cluster_has_the_same_results(long: Path, whole: str, tmp_path: Pa
         with contextlib.suppress(OSError):  # held already
             other.bind(("", 8787))
             other.listen()
-        process = study(long, "--out", tmp_path / "study", "--local-cluster", 2, "--json")
+        process = study(long, "--out", tmp_path / "study", "--local-cluster", 1, "--json")
     assert (process.returncode, process.stderr) == (0, "")
     result = json.loads(process.stdout)
     assert result["hash"] == whole
@@ -192,47 +175,43 @@ palmbots.studies.chunk_task.__version__ = "0.0.9"
 """
 
 
-def test_worker_with_another_version_is_refused(shared: str, long: Path, tmp_path: Path) -> None:
-    """One that is there, and one that comes when the study has begun."""
+def test_worker_with_another_version_is_refused(
+    shared: str, long: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that comes when the study has begun, and one that is there."""
     (tmp_path / "sitecustomize.py").write_text(OTHER)
     before = os.environ.get("PYTHONPATH")
     path = {"PYTHONPATH": os.pathsep.join([str(tmp_path), *([before] if before else [])])}
     arguments = (long, "--out", tmp_path / "study", "--chunk-size", CHUNK, "--scheduler", shared)
-    with worker(shared, path):
-        refused(study(*arguments), "the worker tcp://", "has palmbots 0.0.9", "same version")
-    process = subprocess.Popen(
-        at_call.command("SIGSTOP", "after", Store.write, 2, "study", *arguments),
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    at_call.wait_until_stopped(process)
-    with worker(shared, path):
-        process.send_signal(signal.SIGCONT)
-        out, error = process.communicate(timeout=TIMEOUT_S)
-    done = subprocess.CompletedProcess([], process.returncode, out, error)
-    refused(done, "has palmbots 0.0.9", "same version")
-    assert marks(tmp_path / "study")
+    with contextlib.ExitStack() as late:
+        come = at_call.wrapped(
+            lambda: late.enter_context(worker(shared, path)), "after", Store.write, 2
+        )
+        monkeypatch.setattr(Store, "write", come)
+        refused(study_here(*arguments), "has palmbots 0.0.9", "same version")
+        assert 2 <= len(marks(tmp_path / "study")) < 12
+        refused(study_here(*arguments), "the worker tcp://", "has palmbots 0.0.9", "same version")
 
 
 def test_two_chunk_sizes_on_one_scheduler_do_not_mix(
-    shared: str, long: Path, whole: str, tmp_path: Path
+    shared: str, long: Path, whole: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Side by side on one scheduler: equal chunk numbers, unlike chunks."""
-    running = [
-        subprocess.Popen(
-            command(
-                long, "--out", tmp_path / n, "--chunk-size", n, "--scheduler", shared, "--json"
-            ),
-            stdout=subprocess.PIPE, text=True,
-        )
-        for n in ("1500", "1700")
-    ]  # fmt: skip
-    for process in running:
-        out, _ = process.communicate(timeout=2 * TIMEOUT_S)
-        assert f'"hash": "{whole}"' in out
+
+    def said(chunk: int) -> dict[str, Any]:
+        words = ("--out", tmp_path / str(chunk), "--chunk-size", chunk, "--scheduler", shared)
+        return said_here(long, *words)
+
+    inner: list[dict[str, Any]] = []
+    begin = at_call.wrapped(lambda: inner.append(said(2 * CHUNK)), "after", Store.write, 2)
+    monkeypatch.setattr(Store, "write", begin)
+    outer = said(CHUNK)
+    assert [outer["hash"], *(one["hash"] for one in inner)] == [whole, whole]
+    assert len(marks(tmp_path / str(CHUNK))) == 2 * len(marks(tmp_path / str(2 * CHUNK))) == 12
 
 
 def test_scheduler_without_workers_or_address_is_refused(long: Path, tmp_path: Path) -> None:
-    done = study(long, "--out", tmp_path / "a", "--scheduler", "tcp://127.0.0.1:9")
+    done = study_here(long, "--out", tmp_path / "a", "--scheduler", "tcp://127.0.0.1:9")
     refused(done, "scheduler tcp://127.0.0.1:9: cannot be reached", "dask scheduler")
     refused(study_here(long, "--out", tmp_path / "b", "--scheduler", "nonsense://x"), "nonsense")
     refused(
@@ -263,3 +242,28 @@ def test_a_script_without_a_guard_is_refused_before_processes_import_it(
         'the line: if __name__ == "__main__":'
     )
     assert not (tmp_path / "out").exists()
+
+
+def test_study_continues_without_a_lost_scheduler(
+    running: contextlib.ExitStack, shared: str, long: Path, whole: str, tmp_path: Path
+) -> None:
+    """The last test here, because it ends the scheduler that the others share."""
+    root = tmp_path / "study"
+    words = ("study", long, "--out", root, "--chunk-size", CHUNK, "--scheduler", shared)
+    process = subprocess.Popen(
+        at_call.command("SIGSTOP", "after", Store.write, 4, *words),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    at_call.wait_until_stopped(process)
+    running.close()
+    process.send_signal(signal.SIGCONT)
+    out, error = process.communicate(timeout=TIMEOUT_S)
+    refused(
+        subprocess.CompletedProcess([], process.returncode, out, error),
+        shared, "the connection was lost", "completed chunks are kept",
+    )  # fmt: skip
+    kept = marks(root)
+    assert kept
+    summary = said_here(long, "--out", root)
+    assert summary["hash"] == whole
+    assert summary["resumed"] == CHUNK * len(kept)

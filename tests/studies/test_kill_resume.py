@@ -15,6 +15,7 @@ import signal
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import pytest
@@ -22,14 +23,13 @@ import pytest
 import at_call
 from palmbots.cli import main as cli
 from palmbots.studies.store import Store
-from study_fixtures import LONG, marks, refused, said_here, study, study_here
+from study_fixtures import CHUNK, LONG, marks, refused, said_here, study_here
 
 
 def killed(when: str, function: Callable[..., Any] | str, count: int, *arguments: object) -> None:
     """Run a study that is killed at a call of a function."""
-    words = at_call.command("SIGKILL", when, function, count, "study", *arguments)
-    done = subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=60)
-    assert done.returncode == -signal.SIGKILL, done.stderr
+    status = at_call.fork("SIGKILL", when, function, count, lambda: study_here(*arguments))
+    assert status == -signal.SIGKILL
 
 
 WRITE_WHOLE = "palmbots.studies.store:write_whole"
@@ -53,7 +53,7 @@ def test_repeatedly_killed_study_has_the_same_result(
     long: Path, whole: str, tmp_path: Path
 ) -> None:
     root = tmp_path / "study"
-    arguments = (long, "--out", root, "--chunk-size", 800)
+    arguments = (long, "--out", root, "--chunk-size", CHUNK)
     kept: set[str] = set()
     for when, function, count in IN_MID_RUN.values():
         killed(when, function, count, *arguments)
@@ -63,8 +63,8 @@ def test_repeatedly_killed_study_has_the_same_result(
     assert len(kept) < 12, "it was not killed but had ended"
     summary = said_here(*arguments)
     assert summary["hash"] == whole
-    assert summary["carries"] == 9600
-    assert summary["resumed"] == 800 * len(kept)
+    assert summary["carries"] == 960
+    assert summary["resumed"] == CHUNK * len(kept)
     assert not [path for path in root.rglob("*") if path.suffix in (".part", ".partial")]
 
 
@@ -79,7 +79,7 @@ def test_study_killed_while_it_begins_continues(long: Path, whole: str, tmp_path
 
 def test_ctrl_c_keeps_completed_chunks(long: Path, whole: str, tmp_path: Path) -> None:
     root = tmp_path / "study"
-    words = ("study", long, "--out", root, "--chunk-size", 800)
+    words = ("study", long, "--out", root, "--chunk-size", CHUNK)
     done = subprocess.run(
         at_call.command("SIGINT", "after", Store.write, 3, *words),
         stderr=subprocess.PIPE, text=True, timeout=60,
@@ -93,7 +93,7 @@ def test_ctrl_c_keeps_completed_chunks(long: Path, whole: str, tmp_path: Path) -
 
 def test_second_process_is_refused(long: Path, whole: str, tmp_path: Path) -> None:
     root = tmp_path / "study"
-    words = ("study", long, "--out", root, "--chunk-size", 800)
+    words = ("study", long, "--out", root, "--chunk-size", CHUNK)
     stopped = at_call.command("SIGSTOP", "after", Store.write, 1, *words)
     with subprocess.Popen(stopped) as process:
         try:
@@ -114,17 +114,29 @@ def test_lock_of_a_dead_process_is_ignored(long: Path, tmp_path: Path) -> None:
     assert said_here(long, "-n", 2, "--out", root)["resumed"] == 48
 
 
+@pytest.mark.parametrize(("function", "count"), [("make_arrays", 1), ("Store.write", 3)])
 def test_file_size_limit_ends_the_study_and_keeps_its_chunks(
-    long: Path, whole: str, tmp_path: Path
+    long: Path, whole: str, tmp_path: Path, function: str, count: int
 ) -> None:
-    """A limit of the file size, below what one chunk of results needs."""
+    """A limit of the file size, below what the arrays or one chunk of results need."""
     root = tmp_path / "study"
-    process = study(
-        long, "--out", root, "--chunk-size", 1500, "--threads", 2,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000)),
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    name = f"palmbots.studies.store.{function}"
+    limit = at_call.wrapped(
+        lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, usual[1])),
+        "before", resolve_name(name), count,
     )  # fmt: skip
-    refused(process, root, "cannot be written: File too large", "kept: make room")
-    assert said_here(long, "--out", root)["hash"] == whole
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(name, limit)
+        try:
+            done = study_here(long, "--out", root, "--chunk-size", CHUNK)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, usual)
+    refused(done, root, "cannot be written: File too large", "kept: make room")
+    kept = marks(root)
+    assert len(kept) == count - 1
+    summary = said_here(long, "--out", root)
+    assert (summary["hash"], summary["resumed"]) == (whole, CHUNK * len(kept))
 
 
 @contextlib.contextmanager
@@ -146,15 +158,16 @@ def test_full_disk_ends_the_study_and_keeps_its_chunks(
     with small_disk(tmp_path / "disk", 600) as disk:
         root = disk / "study"
         refused(
-            study_here(long, "--out", root, "--chunk-size", 800), root, "No space left", "make room"
-        )
+            study_here(long, "--out", root, "--chunk-size", CHUNK),
+            root, "No space left", "make room",
+        )  # fmt: skip
         kept = marks(root)
         assert kept
         room = tmp_path / "room"
         shutil.copytree(root, room)
     summary = said_here(long, "--out", room)
     assert summary["hash"] == whole
-    assert summary["resumed"] == 800 * len(kept)
+    assert summary["resumed"] == CHUNK * len(kept)
 
 
 Here = Callable[..., subprocess.CompletedProcess[str]]
@@ -189,7 +202,7 @@ def test_folder_of_something_else_is_refused_and_unchanged(
 
 def test_changed_study_is_refused(here: Here, long: Path, tmp_path: Path) -> None:
     root, file = tmp_path / "study", tmp_path / "few.toml"
-    few = LONG.replace("count = 400", "count = 3")
+    few = LONG.replace("count = 40", "count = 3")
     file.write_text(few)
     summary = json.loads(here(file, "--out", root, "--json").stdout)
     for old, new, words in (

@@ -21,7 +21,7 @@ from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
 from palmbots.studies.variables import VARIABLES
 from sampled import in_soak, sampled
-from study_fixtures import SMALL, command, hash_of, marks, said
+from study_fixtures import SMALL, command, hash_of, marks, said_here
 
 OUTCOMES = ("running", "delivered", "dropped", "stalled")
 
@@ -82,7 +82,7 @@ def test_reasons_and_single_precision_equal_the_single_carry(tmp_path: Path) -> 
 def test_progress_increases_from_0_to_1(tmp_path: Path) -> None:
     """Never back, also from one controller of a chunk to the next, and in the end all of it."""
     summary: list[float] = []
-    table = {**SMALL, "seeds": {"count": 1500}}
+    table = {**SMALL, "set": {"task.distance_m": 0.1}, "seeds": {"count": 1500}}
     pb.study(table, tmp_path / "study", chunk_size=10**6, threads=1, on_progress=summary.append)
     assert summary[0] == 0 and summary[-1] == 1
     assert summary == sorted(summary)
@@ -322,20 +322,23 @@ def test_summary_is_the_sum_of_the_cells(tmp_path: Path) -> None:
         assert (row["at"], row["controller"]) == (at, SMALL["controllers"][i % 2])
 
 
-def test_command_and_python_agree(small: Path, tmp_path: Path) -> None:
+def test_command_and_python_agree(
+    small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     file = tmp_path / "small.toml"
     file.write_text(
         'controllers = ["centralized", "distributed"]\n'
         "[vary]\nradio.latency_s = [0, 0.2]\nrobot.noise_m_s = [0.01, 0.02, 0.03]\n"
         "[seeds]\nfirst = 7\ncount = 30\n"
     )
-    summary = said(file, cwd=tmp_path)
+    summary = said_here(file)
     assert summary["hash"] == hash_of(small)
     assert (summary["output"], summary["carries"]) == ("small.study", 360)
     assert summary["interval"][0] < summary["drop_rate"] < summary["interval"][1]
     assert summary["scene"] == pb.load_scene("paper").model_dump(mode="json")
     assert len(summary["cells"]) == 12
-    again = said(file, cwd=tmp_path)
+    again = said_here(file)
     assert again["resumed"] == 360
     assert again["hash"] == summary["hash"]
 

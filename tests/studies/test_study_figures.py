@@ -197,7 +197,7 @@ def test_no_words_overlap_or_are_cut_off(tmp_path: Path) -> None:
         result = run(tmp_path / str(k), vary=vary, seeds=seeds, controllers=["distributed"])
         figure: Any = figures.draw(result)
         canvas: Any = FigureCanvasAgg(figure)
-        canvas.draw()
+        figure.draw_without_rendering()  # which places all words
         renderer = canvas.get_renderer()
         for panel in figure.axes:
             low, high = panel.get_xlim()

@@ -18,7 +18,8 @@ SMALL: dict[str, Any] = {
     "seeds": {"first": 7, "count": 30},
 }
 
-# Long enough to be killed several times: 9600 carries.
+# Long enough to be killed several times: 960 carries, in twelve chunks of `CHUNK`.
+CHUNK = 80
 LONG = """
 controllers = ["centralized", "distributed"]
 [set]
@@ -27,7 +28,7 @@ task.distance_m = 0.25
 radio.latency_s = [0, 0.1, 0.2]
 robot.noise_m_s = { from = 0.01, to = 0.025, steps = 4 }
 [seeds]
-count = 400
+count = 40
 """
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -105,7 +105,8 @@ class Forecast:
         up = np.clip((angles - shallow) / (steep - shallow), 0, 1)
         drift = np.zeros_like(trace["contact_m"])
         at = [0.0, 0.0]
-        for tick in np.flatnonzero(np.abs(slides).max(axis=1) > 0).tolist():
+        sliding = np.flatnonzero(np.abs(slides).max(axis=1) > 0).tolist()
+        for tick, following in pairwise([*sliding, len(slides)]):
             beta = float(misalignment[tick])
             sense = 1.0 if beta >= 0 else -1.0
             for k in (0, 1):
@@ -115,7 +116,7 @@ class Forecast:
                 offset = sense * 0.5 * (at[0] + at[1])
                 rate = rates.at(up[tick].tolist(), step > 0, abs(beta), offset)
                 at[k] += _CALIBRATION * sense * rate * abs(step)
-            drift[tick + 1 :] = at
+            drift[tick + 1 : following + 1] = at
         return drift
 
     def _misalignment_at(self, distances: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -149,8 +150,9 @@ class _Rates:
         left, right, closing, betas, offsets = np.meshgrid(
             *angles, [False, True], self._askew * _BETAS, pair.half * _OFFSETS, indexing="ij"
         )
-        self._table = slip(pair, (left, right), betas, closing, offsets).rate
-        self._table[:, :, :, 0] = 0.0  # on a straight path nothing pushes the object to one side
+        rates = slip(pair, (left, right), betas, closing, offsets).rate
+        rates[:, :, :, 0] = 0.0  # on a straight path nothing pushes the object to one side
+        self._table = rates.tolist()  # numbers of Python are faster to read one by one
 
     def at(self, up: Sequence[float], closing: bool, beta: float, offset: float) -> float:
         """The rate, towards the centre; `up`: palm angles from shallow (0) to steep (1)."""
@@ -164,12 +166,12 @@ class _Rates:
             share = (up[0] if left else 1 - up[0]) * (up[1] if right else 1 - up[1])
             if share == 0.0:
                 continue
-            t = table[left, right, int(closing)]
+            near, far = table[left][right][int(closing)][i : i + 2]
             rate += share * (
-                (1 - fb) * ((1 - fa) * t[i, j] + fa * t[i, j + 1])
-                + fb * ((1 - fa) * t[i + 1, j] + fa * t[i + 1, j + 1])
+                (1 - fb) * ((1 - fa) * near[j] + fa * near[j + 1])
+                + fb * ((1 - fa) * far[j] + fa * far[j + 1])
             )
-        return float(rate)
+        return rate
 
 
 def forecast_drift(
