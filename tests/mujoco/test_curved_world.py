@@ -33,8 +33,7 @@ def in_circle(scene: Scene, seconds: float = 7.0) -> CurvedWorld:
     return world
 
 
-@pytest.mark.parametrize("turn", ["left", "right"])
-@pytest.mark.parametrize("axle", [None, 0.2])
+@pytest.mark.parametrize(("turn", "axle"), [("left", None), ("right", 0.2)])
 def test_axles_keep_to_the_circle(turn: str, axle: float | None) -> None:
     scene = load_scene(scene_with(turn=turn), {"mujoco.axle_m": axle})
     world = in_circle(scene, 12.0 if axle is None else 20.0)
@@ -193,8 +192,7 @@ def test_curved_carry_replays_bit_for_bit(tmp_path: Path) -> None:
     assert again.log.lateral_peak_m == done.lateral_peak_m
 
 
-@pytest.mark.parametrize("controller", ["silent", "shared-sign"])
-@pytest.mark.parametrize("turn", ["left", "right"])
+@pytest.mark.parametrize(("controller", "turn"), [("silent", "left"), ("shared-sign", "right")])
 def test_controllers_that_use_signs_carry_along_an_arc(controller: str, turn: str) -> None:
     """They know nothing of the path: their palms still bring the contacts back."""
     scene = load_scene(scene_with(turn=turn), {"task.distance_m": 0.5, "robot.noise_m_s": 0.01})

@@ -15,6 +15,7 @@ from PIL import Image, ImageSequence
 
 import at_call
 import palmbots as pb
+from commands import Run, assert_refused
 from palmbots.cli import INTERRUPTION_LINE
 from palmbots.cli import main as cli
 from palmbots.mujoco import film
@@ -165,7 +166,6 @@ def test_gif_is_written_without_ffmpeg(
         in_soak("--video", {"MUJOCO_GL": "glfw", "DISPLAY": ""}, "video: cannot render: "),
         ("--video", {"MUJOCO_GL": "magic"}, "MUJOCO_GL: magic; allowed: egl, osmesa or unset"),
         in_soak("--view", {"DISPLAY": "", "WAYLAND_DISPLAY": ""}, "--view: there is no screen"),
-        ("--view", {"DISPLAY": ":9999"}, "--view: the screen :9999 does not answer"),
     ],
 )
 def test_missing_screen_or_renderer_is_refused_in_one_line(
@@ -178,6 +178,16 @@ def test_missing_screen_or_renderer_is_refused_in_one_line(
     )  # fmt: skip
     assert (ran.returncode, ran.stdout) == (2, "")
     assert ran.stderr.count("\n") == 1 and message in ran.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_screen_that_does_not_answer_is_refused_in_one_line(
+    here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("DISPLAY", ":9999")
+    ran = here("carry", "--world", "mujoco", "--view", "--out", ".")
+    assert_refused(ran, "--view: the screen :9999 does not answer")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How hard and how fast the pair may go: the dynamic world against closed forms."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -75,11 +76,24 @@ def test_limit_beyond_the_search_range_is_none() -> None:
     assert speed._edge(lambda a: not 1.0 < a < 2.0, 0.4, 20) == pytest.approx(1.0, abs=1e-5)
 
 
+def remembered(limit: Callable[..., speed.Limit]) -> Callable[..., speed.Limit]:
+    """The same function, which searches for each limit once."""
+    found: dict[Any, speed.Limit] = {}
+
+    def once(base: Scene, *cell: Any) -> speed.Limit:
+        if cell not in found:
+            found[cell] = limit(base, *cell)
+        return found[cell]
+
+    return once
+
+
 def test_the_command_reports_and_draws(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(speed, "FRICTIONS", (0.3,))
     monkeypatch.setattr(speed, "FACTORS", (1.0, 4.0))
+    monkeypatch.setattr(speed, "_limit", remembered(speed._limit))
     short = ["--set", "task.distance_m=0.3", "--carries", "1"]
     assert cli.run(["speed-limits", *short, "--out", str(tmp_path), "--json"]) == 0
     result: dict[str, Any] = read_json("speed-limits", capsys.readouterr().out)

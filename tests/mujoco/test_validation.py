@@ -36,7 +36,7 @@ PLAIN = Engine(
 
 @pytest.fixture(scope="module")
 def done() -> Validation:
-    return validate(states=60, carries=2)
+    return validate(load_scene("paper", {"task.distance_m": 0.75}), states=60, carries=2)
 
 
 def test_chosen_contacts_do_not_creep() -> None:
@@ -156,7 +156,11 @@ def test_at_high_noise_both_worlds_deliver_as_often(
     assert least < rate < most  # neither none nor all
 
 
-def test_the_command_reports_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_reports_and_draws(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for constant, few in FEW_LINES.items():
+        monkeypatch.setattr(constant, few)
     arguments = ["validate", "--states", "3", "--carries", "1", "--out", str(tmp_path)]
     status = cli.run([*arguments, "--set", "task.distance_m=0.1", "--json"])
     result = read_json("validate", capsys.readouterr().out)
