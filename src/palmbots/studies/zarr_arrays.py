@@ -38,7 +38,9 @@ class StoreInvalid(Exception):
 def make_arrays(path: Path, points: Points, layout: ChunkGrid) -> None:
     """Create the store with all of its arrays. Only the coordinates have values."""
     zarr = require("zarr", "study")
-    group = zarr.open_group(str(path), mode="w", zarr_format=3)
+    # In memory first: Zarr asks another thread for each of the many small files.
+    files: dict[str, Any] = {}
+    group = zarr.open_group(zarr.storage.MemoryStore(files), mode="w", zarr_format=3)
     carries = (*layout.shape, layout.controllers, layout.seeds)
     chunks = (*layout.block, layout.controllers, layout.seeds_a_chunk)
     dims = (*points.dims, "controller", "seed")
@@ -74,6 +76,10 @@ def make_arrays(path: Path, points: Points, layout: ChunkGrid) -> None:
     if not points.is_grid:  # the keys are no dimensions: xarray needs to know that they are labels
         group.attrs["coordinates"] = " ".join(points.plan.keys)
     _consolidate(group)
+    for name, content in files.items():
+        file = path / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content.to_bytes())
 
 
 def _attributes(variable: Variable) -> dict[str, Any]:
