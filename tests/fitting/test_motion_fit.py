@@ -53,7 +53,7 @@ def test_a_simulated_robot_is_fitted(found: MotionFit) -> None:
 
 def test_intervals_cover_the_hidden_values() -> None:
     """Of few fits; tests/soak has many. A right interval fails in one of 1000 cases."""
-    found = coverage(6, 50)
+    found = coverage(4, 50)
     for key, hits in found.covered.items():
         identified = found.fits - found.unidentified[key]
         assert hits >= binom.ppf(1e-3, identified, 0.95), key

@@ -62,7 +62,7 @@ def test_drop_rate_is_near_the_prediction() -> None:
 def test_stopping_drops_fewer_and_costs_little_time(monkeypatch: pytest.MonkeyPatch) -> None:
     on_grid(COARSE, monkeypatch)
     scene = pb.load_scene("paper", {"robot.noise_m_s": 0.05, "task.distance_m": 0.6})
-    one, two = (columns(scene, name, 1000) for name in BEST)
+    one, two = (columns(scene, name, 400) for name in BEST)
     dropped = [float(np.mean(run["outcome"] == DROPPED)) for run in (one, two)]
     assert dropped[1] < 0.3 * dropped[0]
     times = two["time_s"][two["outcome"] == DELIVERED]
@@ -89,8 +89,8 @@ UNEQUAL = {"robot.left.correction_m_s": 0.02, "robot.right.speed_m_s": 0.07}
 def test_scenes_with_little_noise_are_delivered(
     name: str, change: dict[str, object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """On coarse grids: nobody looks at a drop rate here."""
-    on_grid(COARSE, monkeypatch)
+    """On very coarse grids: nobody looks at a drop rate here."""
+    on_grid(Grid(40, 20, 0.5), monkeypatch)
     run = pb.carry("paper", name, overrides={"task.distance_m": 0.5} | change)
     assert run.outcome == "delivered"
     assert run.messages == 0
@@ -119,7 +119,7 @@ def noisy(scene: pb.Scene) -> pb.Scene:
 
 @pytest.mark.parametrize(
     ("scenes", "carries", "grid"),
-    [(2, 300, COARSE), pytest.param(40, 2000, FINE, marks=pytest.mark.soak)],
+    [(1, 300, COARSE), pytest.param(40, 2000, FINE, marks=pytest.mark.soak)],
 )
 def test_no_shipped_controller_is_better(
     scenes: int, carries: int, grid: Grid, monkeypatch: pytest.MonkeyPatch

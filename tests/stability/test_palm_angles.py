@@ -278,7 +278,7 @@ def test_map_has_units_and_a_legend_that_covers_nothing(scene: Any) -> None:
 
 def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["design", "--maximize", "com", "--friction", "0.3", "0.4", "--region", "palm"]
-    words += ["--resolution-deg", "0.5", "--set", "task.distance_m=0.2"]
+    words += ["--resolution-deg", "2", "--set", "task.distance_m=0.1"]
     assert run([*words, "--json", "--out", str(tmp_path)]) == 0
     found = json.loads(capsys.readouterr().out)
     keys = (

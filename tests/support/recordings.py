@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 HIDDEN = {
     "robot.gain": 1.04,
@@ -54,14 +55,13 @@ def recorded(
         wanted[on] = round(random.uniform(*speeds), 4)
         gain[k * per : (k + 1) * per] = random.normal(hidden["robot.gain"], hidden["robot.gain_sd"])
     speed = np.zeros(ticks)
-    for k in range(1, ticks):
-        speed[k] = speed[k - 1] + np.clip(wanted[k] - speed[k - 1], -_SLOWING, _SLOWING)
+    for k, goal in enumerate(wanted.tolist()[1:], 1):
+        before = float(speed[k - 1])
+        speed[k] = before + min(max(goal - before, -_SLOWING), _SLOWING)
     memory = np.exp(-TICK_S / hidden["robot.noise_tau_s"])
-    noise = np.zeros(ticks)
-    noise[0] = hidden["robot.noise_m_s"] * random.normal()
-    drive = hidden["robot.noise_m_s"] * np.sqrt(1 - memory**2)
-    for k in range(1, ticks):
-        noise[k] = memory * noise[k - 1] + drive * random.normal()
+    drive = np.full(ticks, hidden["robot.noise_m_s"] * np.sqrt(1 - memory**2))
+    drive[0] = hidden["robot.noise_m_s"]
+    noise = lfilter([1.0], [1.0, -memory], drive * random.normal(size=ticks))
     white = hidden["robot.white_noise_m_per_sqrt_s"] / np.sqrt(TICK_S) * random.normal(size=ticks)
     actual = np.where(speed > 0, gain * speed + hidden["robot.bias_m_s"] + noise + white, 0.0)
     way = np.concatenate([[0.0], np.cumsum(actual * TICK_S)])

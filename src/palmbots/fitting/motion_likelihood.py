@@ -9,9 +9,13 @@ stretch with the commanded speed u the displacement s [m] obeys
 with a gain G that is drawn once for the stretch, the bias b and a noise n that is stationary, with
 the deviation σ and the correlation time τ; q is the white part and m the deviation of the position
 noise. V and W are independent Wiener processes, ε is standard normal. All of it is Gaussian, so a
-Kalman filter with the states displacement, n and deviation of the gain gives the likelihood without
-an approximation: the transitions have closed forms for any time step. The place at which a stretch
-begins has a flat prior, so the first position has no density in it.
+Kalman filter with the states displacement and n gives the likelihood without an approximation: the
+transitions have closed forms for any time step. The speed v = G u + b is constant on a
+stretch, so y is v t plus a part without v, and the filter is linear in y: it filters positions and
+times, each for itself. Their errors y_k and t_k, with variances T_k, make the likelihood a normal
+function of v, with the coefficients Σ y_k²/T_k, Σ y_k t_k/T_k and Σ t_k²/T_k. The gain is
+integrated out of it. The place at which a stretch begins has a flat prior, so the first position
+has no density in it.
 
 Many stretches, and many sets of parameters, are filtered side by side.
 """
@@ -52,11 +56,15 @@ class Stretches:
         ordered = sorted(stretches, key=lambda one: -len(one.times_s))
         self.lengths = np.array([len(one.times_s) for one in ordered])
         shape = len(ordered), int(self.lengths.max())
-        self._steps, self._positions = np.zeros(shape), np.zeros(shape)
+        self._steps = np.zeros(shape[::-1])
+        # What is filtered, by step: displacements beyond the commanded ones, and times.
+        self._measured = np.zeros((shape[1], 2, shape[0]))
         for row, one in enumerate(ordered):
             size = len(one.times_s)
-            self._steps[row, 1:size] = np.diff(one.times_s)
-            self._positions[row, :size] = one.positions_m - one.positions_m[0]
+            self._steps[1:size, row] = np.diff(one.times_s)
+            times = one.times_s - one.times_s[0]
+            moved = one.positions_m - one.positions_m[0] - one.command_m_s * times
+            self._measured[:size, :, row] = np.column_stack([moved, times])
         self._commands = np.array([one.command_m_s for one in ordered])
         self.runs = np.array([one.run for one in ordered])
         self.stretches = ordered
@@ -70,58 +78,104 @@ class Stretches:
         Returns:
             One row for each set, one column for each stretch.
         """
-        return self._filtered(np.atleast_2d(parameters))[0]
+        sets = np.atleast_2d(parameters)
+        # Sets that differ in the gain or in the bias only have one filter.
+        alike, which = np.unique(_of_filter(sets), axis=0, return_inverse=True)
+        logs, squares, mixed, weights = self._filtered(alike)[:, which.ravel()]
+        mean, variance = self._speeds(sets)
+        rest = squares - mean * (2 * mixed - mean * weights)
+        spread = 1 + variance * weights
+        known = variance / spread * (mixed - mean * weights) ** 2
+        return -0.5 * (logs + rest + np.log(spread) - known)
 
     def residuals(self, parameters: Floats) -> list[Floats]:
         """What each stretch deviates from the prediction of the filter, in standard deviations,
         from the second position on: independent and standard normal where the model is right."""
-        _, errors = self._filtered(np.atleast_2d(parameters), keep=True)
-        return [row[1:size] for row, size in zip(errors.T, self.lengths, strict=True)]
+        sets = np.atleast_2d(parameters)
+        errors: list[Floats] = []
+        self._filtered(_of_filter(sets), errors)
+        found = []
+        for row, (mean, variance) in enumerate(np.stack(self._speeds(sets))[:, 0].T):
+            of_steps = [one[:, 0, row] for one in errors[: self.lengths[row] - 1]]
+            total, moved, time = np.array(of_steps).T
+            # The speed as it is known from the positions before.
+            mixed, weights = (
+                np.cumsum(one) - one for one in (moved * time / total, time * time / total)
+            )
+            spread = variance / (1 + variance * weights)
+            speed = mean + spread * (mixed - mean * weights)
+            found.append((moved - speed * time) / np.sqrt(total + spread * time * time))
+        return found
 
-    def _filtered(self, parameters: Floats, keep: bool = False) -> tuple[Floats, Floats]:
-        gain, bias, gain_sd, sigma, log_tau, white, measured = parameters.T[:, :, None]
-        tau, variance, diffusion = np.exp(log_tau), sigma**2, white**2
-        of_position = measured**2 + _LEAST_M**2
-        commands = self._commands
-        drift = gain * commands + bias
-        shape = drift.shape
-        # States: displacement s from the first measured position, n, and the deviation g of the
-        # speed by the gain. The covariance has six different elements.
-        s, n, g, sn, sg, ng = (np.zeros(shape) for _ in range(6))
-        ss, nn = (np.broadcast_to(one, shape).copy() for one in (of_position, variance))
-        gg = (gain_sd * commands) ** 2
-        found = np.zeros(shape)
-        errors = np.zeros((self._steps.shape[1], shape[1])) if keep else np.zeros(0)
-        for k in range(1, self._steps.shape[1]):
-            live = int(np.searchsorted(-self.lengths, -k, side="left"))
-            if live < s.shape[1]:
-                s, n, g, ss, sn, sg, nn, ng, gg, drift = (
-                    one[:, :live] for one in (s, n, g, ss, sn, sg, nn, ng, gg, drift)
-                )
-            h = self._steps[:live, k]
-            # Over the step h: n decays by a = e^(−h/τ) and adds c n to s.
-            x = h / tau
-            lost = -np.expm1(-x)
-            a, c = 1 - lost, tau * lost
-            short = x * x * x * (2 / 3 - x * (0.5 - x * (7 / 30)))  # the same, without rounding
-            added = np.where(x < 1e-2, short, 2 * x - lost * (2 + lost))
-            s = s + c * n + h * (g + drift)
+    def _speeds(self, sets: Floats) -> tuple[Floats, Floats]:
+        """Mean and variance of the speed of each stretch, beyond the command."""
+        gain, bias, gain_sd = sets.T[:3, :, None]
+        return (gain - 1) * self._commands + bias, (gain_sd * self._commands) ** 2
+
+    def _filtered(self, sets: Floats, errors: list[Floats] | None = None) -> Floats:
+        """Σ log 2πT, Σ y²/T, Σ y t/T and Σ t²/T of each set and stretch.
+
+        Args:
+            sets: rows of `_of_filter`.
+            errors: gets T, y and t of each step.
+        """
+        log_tau, *squared = sets.T[:, :, None]
+        variance, diffusion, of_position = squared
+        taus, which = np.unique(log_tau, return_inverse=True)
+        changes = _changes(np.exp(taus)[:, None], self._steps)
+        which = which.ravel() if len(taus) > 1 else np.s_[:]
+        shape = len(sets), len(self.lengths)
+        # States: the displacement s from the first position, of positions and times, and n.
+        s, n = np.zeros((2, *shape)), np.zeros((2, *shape))
+        sn = np.zeros(shape)
+        ss, nn = (np.broadcast_to(one, shape) for one in (of_position, variance))
+        sums = found = np.zeros((4, *shape))
+        steps = np.arange(1, len(self._steps))
+        for k, live in zip(steps, np.searchsorted(-self.lengths, -steps), strict=True):
+            if live < ss.shape[1]:
+                s, n, ss, sn, nn, sums = (one[..., :live] for one in (s, n, ss, sn, nn, sums))
+            h = self._steps[k, :live]
+            a, c, of_ss, of_sn, of_nn = (one[k, which, :live] for one in changes)
+            s = s + c * n
             n = a * n
-            of_s = sn + c * nn + h * ng
-            of_g = sg + c * ng + h * gg
-            ss = ss + c * (sn + of_s) + h * (sg + of_g)
-            ss = ss + variance * tau * tau * added + diffusion * h
-            sn = a * of_s + variance * tau * lost * lost
-            sg, ng = of_g, a * ng
-            nn = a * a * nn + variance * lost * (1 + a)
+            of_s = sn + c * nn
+            ss = ss + c * (sn + of_s) + variance * of_ss + diffusion * h
+            sn = a * of_s + variance * of_sn
+            nn = a * a * nn + variance * of_nn
             # The position is measured.
             total = ss + of_position
-            error = self._positions[:live, k] - s
-            found[:, :live] -= 0.5 * (np.log(2 * np.pi * total) + error * error / total)
-            if keep:
-                errors[k, :live] = (error / np.sqrt(total))[0]
-            for_s, for_n, for_g = ss / total, sn / total, sg / total
-            s, n, g = s + for_s * error, n + for_n * error, g + for_g * error
-            nn, ng, gg = nn - for_n * sn, ng - for_n * sg, gg - for_g * sg
-            ss, sn, sg = ss - for_s * ss, sn - for_s * sn, sg - for_s * sg
-        return found, errors
+            error = self._measured[k, :, None, :live] - s
+            if errors is not None:
+                errors.append(np.array([total, *error]))
+            part = error / total
+            sums[0] += np.log(total)
+            sums[1:3] += error[0] * part
+            sums[3] += error[1] * part[1]
+            s, n = s + ss * part, n + sn * part
+            for_s, for_n = of_position / total, sn / total
+            nn = nn - for_n * sn
+            ss, sn = for_s * ss, for_s * sn
+        found[0] += np.log(2 * np.pi) * (self.lengths - 1)
+        return found
+
+
+def _changes(tau: Floats, steps: Floats) -> tuple[Floats, ...]:
+    """What a step h changes: n decays by a = e^(−h/τ) and adds c n to s. And what the drawn part of
+    n adds to the covariances, of a variance of 1: of s, of s and n, and of n.
+
+    Args:
+        tau: correlation times, in rows.
+        steps: h in any shape, to which an axis of correlation times is added before the last one.
+    """
+    x = steps[..., None, :] / tau
+    lost = -np.expm1(-x)
+    short = x * x * x * (2 / 3 - x * (0.5 - x * (7 / 30)))  # the same, without rounding
+    added = np.where(x < 1e-2, short, 2 * x - lost * (2 + lost))
+    return 1 - lost, tau * lost, tau * tau * added, tau * lost * lost, lost * (2 - lost)
+
+
+def _of_filter(sets: Floats) -> Floats:
+    """What the filter depends on: log τ, and the variances of n, of the white part and of the
+    position noise."""
+    squared = sets[:, [3, 5, 6]] ** 2 + [0.0, 0.0, _LEAST_M**2]
+    return np.column_stack([sets[:, 4], squared])

@@ -80,7 +80,7 @@ def read_recording(
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith("#")
+        if (bare := line.lstrip()) and bare[0] != "#"
     ]
     names = list(columns)
     if lines and not _is_numbers(lines[0][1]):
@@ -150,8 +150,8 @@ def _table(
     if width < needed:
         raise PalmbotsError(f"{name}: has {plural(width, 'column')}; {expected}")
     try:  # in compiled code; the loop below names the line of a fault
-        plain = [line.replace(",", " ").replace(";", " ") for _, line in lines]
-        rows = np.loadtxt(plain, comments=None, ndmin=2)
+        plain = "\n".join(line for _, line in lines).replace(",", " ").replace(";", " ")
+        rows = np.loadtxt(plain.split("\n"), comments=None, ndmin=2)
     except ValueError:
         rows = np.array(_rows(name, lines, width, expected))
     table = rows[:, : len(names)]

@@ -225,10 +225,11 @@ def test_new_claims_say_more_than_those_of_one_palm() -> None:
         assert certify("paper", claims=(name,)).verdict == "holds"
 
 
-def test_clearance_while_both_turn_is_that_of_the_outline(tmp_path: Path) -> None:
+@pytest.mark.parametrize("cases", amounts(12, 25))
+def test_clearance_while_both_turn_is_that_of_the_outline(cases: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(23)
     verdicts: Counter[str] = Counter()
-    for _ in range(25):
+    for _ in range(cases):
         scene = lips(round(float(rng.uniform(0.015, 0.035)), 4))
         half = round(float(rng.uniform(0.002, 0.03)), 4)
         length = (0.15, round(float(rng.uniform(0.155, 0.2)), 4))
@@ -242,8 +243,8 @@ def test_clearance_while_both_turn_is_that_of_the_outline(tmp_path: Path) -> Non
             assert not touched(found.data["box"], rng, 300).any()
         elif found.verdict == "fails":
             assert touched_at(found.data["box"], found.data["witness"])
-    assert verdicts["holds"] > 5
-    assert verdicts["fails"] > 5
+    assert verdicts["holds"] > cases / 5
+    assert verdicts["fails"] > cases / 5
 
 
 def touched(box: dict[str, Any], rng: np.random.Generator, n: int) -> NDArray[np.bool_]:

@@ -11,7 +11,13 @@ from palmbots._util import fork_join as side_by_side
 from palmbots.cli.main import run
 from palmbots.errors import PalmbotsError
 from palmbots.stability.analysis import Analysis
-from palmbots.stability.figures.analysis_figures import draw_all, save_all
+from palmbots.stability.figures.analysis_figures import (
+    draw_all,
+    friction_cones,
+    geometry,
+    meeting_points,
+    save_all,
+)
 from palmbots.viz.save_figure import write_figure
 
 
@@ -48,20 +54,19 @@ def test_meeting_points_outside_the_region_are_refused() -> None:
         draw_all(found, (-0.1, 0.1))
 
 
-def test_command_draws_the_chosen_state(tmp_path: Path) -> None:
+def test_command_draws_the_chosen_state(tmp_path: Path, paper: Analysis) -> None:
     """Figures 2 to 4 are of a state, Figures 5 to 7 of the scene."""
-    folders = [tmp_path / name for name in ("chosen", "whole")]
     words = ["analyze", "--format", "svg", "--figures"]
-    assert run([*words, str(folders[0]), "--p-left-m", "-0.03", "--p-right-m", "0.02"]) == 0
-    found = pb.analyze("paper")
-    save_all(found, folders[1], kind="svg", p_left_m=-0.03, p_right_m=0.02)
+    chosen = ["--p-left-m", "-0.03"]
+    both, one = tmp_path / "both", tmp_path / "one"
+    assert run([*words, str(both), *chosen, "--p-right-m", "0.02"]) == 0
+    assert run([*words, str(one), *chosen]) == 0  # the other one is 0
     names = [f"figure{k}.svg" for k in range(2, 8)]
-    files = [[(place / name).read_bytes() for name in names] for place in folders]
-    assert files[0] == files[1]
-    assert run([*words, str(folders[0]), "--p-left-m", "-0.03"]) == 0  # the other one is 0
-    differs = [
-        old != (folders[0] / name).read_bytes() for name, old in zip(names, files[1], strict=True)
-    ]
+    differs = [(both / name).read_bytes() != (one / name).read_bytes() for name in names]
     assert differs == [True, True, True, False, False, False]
-    write_figure(tmp_path / names[0], draw_all(found, (-0.03, 0.0))["figure2"])
-    assert (tmp_path / names[0]).read_bytes() == (folders[0] / names[0]).read_bytes()
+    draws = {names[0]: geometry, names[1]: friction_cones, names[2]: meeting_points}
+    for name, draw in draws.items():
+        write_figure(tmp_path / name, draw(paper, (-0.03, 0.02)))
+        assert (tmp_path / name).read_bytes() == (both / name).read_bytes()
+    write_figure(tmp_path / names[0], geometry(paper, (-0.03, 0.0)))
+    assert (tmp_path / names[0]).read_bytes() == (one / names[0]).read_bytes()
