@@ -23,12 +23,14 @@ def scene_with(changes: dict[str, Any] | None = None) -> Scene:
     return load_scene("paper", ARC | (changes or {}))
 
 
-@pytest.mark.parametrize("radius", [1.0, in_soak(2.0)])
-def test_observed_drift_is_within_a_factor_of_two_of_the_forecast(radius: float) -> None:
+@pytest.mark.parametrize(("radius", "seeds"), [(1.0, 1), in_soak(1.0, 3), in_soak(2.0, 3)])
+def test_observed_drift_is_within_a_factor_of_two_of_the_forecast(
+    radius: float, seeds: int
+) -> None:
     """Twelve seeds on more paths are benchmarks/bench_curves.py."""
     scene = scene_with({"task.path.radius_m": radius})
     known = Forecast(scene)
-    for seed in (0, 1):
+    for seed in range(seeds):
         done = pb.carry(scene, world="mujoco", seed=seed, record=False)
         assert done.outcome == "delivered" and done.lateral_peak_m is not None
         seen = max(map(abs, done.lateral_peak_m.values()))
@@ -126,11 +128,11 @@ def test_lips_that_jam_are_refused_and_others_keep_the_budget() -> None:
 
 
 def test_command_reports_forecast_and_result(capsys: pytest.CaptureFixture[str]) -> None:
-    sets = [f"--set={k}={v}" for k, v in (ARC | {"task.distance_m": 0.5}).items()]
+    sets = [f"--set={k}={v}" for k, v in (ARC | {"task.distance_m": 0.1}).items()]
     assert cli.run(["carry", "--world", "mujoco", "--json", *sets]) == 0
     result = json.loads(capsys.readouterr().out)
     assert set(result["lateral_peak_m"]) == {"left", "right"}
     assert result["drift_forecast"]["verdict"] == "kept" and result["drift_forecast"]["seeds"] == 16
-    assert cli.run(["carry", "--json"]) == 0
+    assert cli.run(["carry", "--json", "--set=task.distance_m=0.1"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert result["lateral_peak_m"] is None and result["drift_forecast"] is None

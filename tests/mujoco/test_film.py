@@ -17,7 +17,6 @@ import at_call
 import palmbots as pb
 from commands import Run, assert_refused
 from palmbots.cli import INTERRUPTION_LINE
-from palmbots.cli import main as cli
 from palmbots.mujoco import film
 from palmbots.mujoco.film import (
     VideoRenderer,
@@ -196,7 +195,7 @@ def test_interrupted_video_leaves_no_partial_file(tmp_path: Path) -> None:
     process = subprocess.Popen(
         at_call.command(
             "SIGSTOP", "after", VideoRenderer.picture, 6, "carry", "--world", "mujoco", "--video",
-            "--animation", "none", "--out", tmp_path, "--set", "task.distance_m=0.1",
+            "--animation", "none", "--out", tmp_path, "--set", "task.distance_m=0.02",
         ),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
@@ -207,18 +206,24 @@ def test_interrupted_video_leaves_no_partial_file(tmp_path: Path) -> None:
     output = process.communicate(timeout=60)
     assert (process.returncode, *output) == (130, "", f"{INTERRUPTION_LINE}\n")
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {"carry.png", "carry.mcap", "message_sequence.png", "carry-3d.png"}
+    assert names == {"carry.png", "carry.mcap", "carry-3d.png"}
 
 
-def test_command_writes_video_and_still(tmp_path: Path) -> None:
-    status = cli.run(
-        ["carry", "--world", "mujoco", "--video", "--out", str(tmp_path), "--animation", "none",
-         "--set", "task.distance_m=0.02"]
-    )  # fmt: skip
-    assert status == 0
-    films = {"carry-3d.mp4", "carry-3d.png"}
-    assert films <= {p.name for p in tmp_path.iterdir()}
-    # Of the next carry it would be the wrong film.
-    command = ["carry", "--out", str(tmp_path), "--animation", "none"]
-    assert cli.run([*command, "--set", "task.distance_m=0.02"]) == 0
-    assert not films & {p.name for p in tmp_path.iterdir()}
+def test_the_command_prints_one_object_and_writes_everything(here: Run, tmp_path: Path) -> None:
+    """On a curved path, so that there is a plan, too."""
+    command = ["carry", "--out", str(tmp_path), "--animation", "none", "--set=task.distance_m=0.02"]
+    curved = ["--set=task.path.kind=arc", "--set=task.path.radius_m=0.5"]
+    ran = here(*command, "--world", "mujoco", *curved, "--video", "--json")
+    assert ran.returncode == 0, ran.stderr
+    result = json.loads(ran.stdout)
+    assert (result["world"], result["outcome"]) == ("mujoco", "delivered")
+    assert result["scene"]["mujoco"]["body_kg"] == 3.0
+    of_mujoco = {"carry-3d.mp4", "carry-3d.png", "plan.png"}
+    assert of_mujoco | {"carry.png", "carry.mcap"} <= {p.name for p in tmp_path.iterdir()}
+    # Of the next carry it would be the wrong film, and the wrong plan.
+    ran = here(*command)
+    assert ran.returncode == 0, ran.stderr
+    assert not of_mujoco & {p.name for p in tmp_path.iterdir()}
+    words = " ".join(ran.stdout.split())
+    for name in of_mujoco:
+        assert f"{name} of an earlier carry" in words

@@ -9,7 +9,6 @@ from matplotlib.patches import Polygon
 from PIL import Image
 
 import palmbots as pb
-from palmbots.cli import main as cli
 from palmbots.mujoco.figures import plan_view
 from palmbots.mujoco.film import VideoRenderer
 from palmbots.mujoco.overlay import Overlay
@@ -79,15 +78,3 @@ def test_the_film_turns_with_the_pair_and_shows_the_path(
     changed = np.abs(np.asarray(image, dtype=int) - np.asarray(bare, dtype=int)).max(axis=2) > 30
     assert changed.sum() > 200
     assert changed.sum() < 0.1 * SMALL[0] * SMALL[1]
-
-
-def test_command_writes_the_plan_and_removes_an_old_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    common = ["carry", "--world", "mujoco", "--out", str(tmp_path), "--animation", "none"]
-    curved = [f"--set={key}={value}" for key, value in (ARC | {"task.distance_m": 0.1}).items()]
-    assert cli.run([*common, *curved]) == 0
-    assert {"plan.png", "carry.png", "carry.mcap"} <= {p.name for p in tmp_path.iterdir()}
-    assert cli.run([*common, "--set", "task.distance_m=0.05"]) == 0
-    assert not (tmp_path / "plan.png").exists()
-    assert "plan.png of an earlier carry" in " ".join(capsys.readouterr().out.split())

@@ -23,6 +23,7 @@ from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DELIVERED, run_seeds
 from palmbots.simulation.prepare import prepare
+from sampled import amounts
 from short_validation import FEW_LINES
 
 # MuJoCo's defaults.
@@ -34,13 +35,16 @@ PLAIN = Engine(
 )
 
 
-@pytest.fixture(scope="module")
-def done() -> Validation:
-    return validate(load_scene("paper", {"task.distance_m": 0.75}), states=60, carries=2)
+@pytest.fixture(scope="module", params=amounts(30, 60))
+def done(request: pytest.FixtureRequest) -> Validation:
+    scene = load_scene("paper", {"task.distance_m": 0.4})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("palmbots.mujoco.validation.validation.LINE_PLACES", (-0.04, 0.0))
+        return validate(scene, states=request.param, carries=2)
 
 
-def test_chosen_contacts_do_not_creep() -> None:
-    assert max(map(abs, trials.creep())) <= 0.25e-3
+def test_chosen_contacts_do_not_creep(done: Validation) -> None:
+    assert 0 < max(map(abs, done.creep_m)) <= 0.25e-3
 
 
 def test_default_contacts_of_mujoco_creep() -> None:
@@ -57,7 +61,7 @@ def test_softer_friction_creeps_in_proportion() -> None:
 def test_the_contact_that_must_slide_slides(done: Validation) -> None:
     own = done.agreement[0]
     assert own.engine == "MuJoCo"
-    assert own.decisive_n > 90
+    assert own.decisive_n > 0.75 * own.n > 40
     assert own.decisive_rate == 1.0
     assert own.rate > 0.95
 

@@ -102,7 +102,7 @@ def test_egl_and_osmesa_draw_the_same(tmp_path: Path) -> None:
         "import sys, palmbots as pb\n"
         "from palmbots.mujoco.film import save_still\n"
         "done = pb.carry(world='mujoco', overrides={'task.distance_m': 0.02})\n"
-        "save_still(done, sys.argv[1])\n"
+        "save_still(done, sys.argv[1], size=(480, 270))\n"
         "print(*(k for k in ('egl', 'osmesa') if f'mujoco.{k}' in sys.modules))\n"
     )
     # MuJoCo writes its choice of library there, too; a test before may have made it draw.
@@ -113,7 +113,7 @@ def test_egl_and_osmesa_draw_the_same(tmp_path: Path) -> None:
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
     done = pb.carry(world="mujoco", overrides={"task.distance_m": 0.02})
-    save_still(done, tmp_path / f"{own}.png")
+    save_still(done, tmp_path / f"{own}.png", size=(480, 270))
     assert [k for k in ("egl", "osmesa") if f"mujoco.{k}" in sys.modules] == [own]
     out, err = process.communicate()
     assert (process.returncode, out.split()) == (0, [other]), err
@@ -121,7 +121,7 @@ def test_egl_and_osmesa_draw_the_same(tmp_path: Path) -> None:
     for kind in (own, other):
         with Image.open(tmp_path / f"{kind}.png") as image:
             pictures.append(np.asarray(image.convert("RGB")).astype(int))
-    assert count(pictures[0]) > 10_000
+    assert count(pictures[0]) > 3_200  # a fortieth of them
     assert np.abs(pictures[0] - pictures[1]).mean() < 2
 
 

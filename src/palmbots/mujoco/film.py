@@ -158,12 +158,12 @@ def save_video(
         PalmbotsError: the carry has no states, as `check_film`, or the path cannot be written.
     """
     check_video(path)
-    fps = _FPS[Path(path).suffix.lower()]
+    suffix = Path(path).suffix.lower()
+    fps = _FPS[suffix]
     with VideoRenderer(carry, size) as renderer:
         rows, speedup = _rows(carry, fps)
-        samples = [
-            renderer.picture(row) for row in (rows[0], most_informative_row(carry), rows[-1])
-        ]
+        moments = (rows[0], most_informative_row(carry), rows[-1]) if suffix == ".gif" else ()
+        samples = [renderer.picture(row) for row in moments]
         frames = _frames(rows, speedup, renderer, on_progress)
         write_video(path, frames, size=size, fps=fps, colours=_COLOURS, samples=samples)
 
