@@ -131,7 +131,7 @@ def test_mujoco_inertia_of_an_outline_is_that_of_its_material(vertices: list) ->
     model = mujoco().MjModel.from_xml_string(mjcf(scene))
     body = model.body("object")
     _, cx, cy = sampled_centroid(vertices)
-    x, y = np.random.default_rng(3).uniform(0, np.max(vertices, axis=0), (80_000, 2)).T
+    x, y = np.random.default_rng(3).uniform(0, np.max(vertices, axis=0), (100_000, 2)).T
     inside = np.zeros(len(x), bool)
     for (ax, ay), (bx, by) in zip(vertices, [*vertices[1:], vertices[0]], strict=True):
         if ay != by:  # a ray to the right crosses this edge
