@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from typer.main import get_command
 
+from coarse_pictures import COARSE
 from commands import Run, assert_refused
 from palmbots._util.atomic_files import write_whole
 from palmbots.cli import main as cli
@@ -34,15 +35,24 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("controller", shipped_names())
 def test_carry_writes_the_same_files_for_every_controller(
-    controller: str, here: Run, tmp_path: Path
+    controller: str, here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also with a bad radio, faults and damaged packets."""
     keys = (
         "radio.loss=0.05", "radio.corruption=0.02", "radio.duplicate=0.05",
         "faults.random_reboots=1", "task.distance_m=0.03",
     )  # fmt: skip
+    for name, value in COARSE.items():
+        monkeypatch.setattr(name, value)
     out = tmp_path / "out"
-    options = (*(f"--set={key}" for key in keys), "--animation", "gif", "--out", str(out))
+    options = (
+        "--seeds=1",
+        *(f"--set={key}" for key in keys),
+        "--animation",
+        "gif",
+        "--out",
+        str(out),
+    )
     result = here("carry", "-c", controller, *options)
     assert result.returncode in (DONE, FAILED), result.stderr
     files = {"carry.png", "carry.mcap", "carry.gif"}
@@ -145,18 +155,18 @@ def test_column_of_swept_values_is_headed_by_the_key(here: Run) -> None:
 
 
 def test_unanswered_requests_are_reported(here: Run) -> None:
-    text = here("carry", "--set", "radio.loss=1").stdout
+    text = here("carry", "--set", "radio.loss=1", "--seeds", "1").stdout
     assert "(2 unanswered)" in text
     assert "warning: the left robot has waited since 0.9 s" in text
-    assert "unanswered" not in here("carry").stdout
+    assert "unanswered" not in here("carry", "--seeds", "1").stdout
 
 
 def test_stalled_carry_states_the_time_limit(here: Run) -> None:
-    result = here("carry", "--set", "task.timeout_s=3")
+    result = here("carry", "--set", "task.timeout_s=3", "--seeds", "1")
     assert result.returncode == FAILED
     assert "STALLED" in result.stdout
     assert "\n  time limit reached: task.timeout_s is 3 s\n" in result.stdout
-    result = here("carry", "-c", "resilient", "--set", "radio.loss=1")
+    result = here("carry", "-c", "resilient", "--set", "radio.loss=1", "--seeds", "1")
     assert "task.timeout_s is 50 s, the default: twice the" in result.stdout
 
 

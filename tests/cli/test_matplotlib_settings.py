@@ -13,7 +13,7 @@ SETTINGS = "text.usetex: True\nfont.size: 30\naxes.grid: True\n"
 
 def figure(folder: Path) -> bytes:
     """The figure that a command writes into a folder."""
-    few = ("--values", "0", "--carries", "2", "--set", "task.distance_m=0.1")
+    few = ("--values", "0", "-n", "2", "--controllers", "none", "--set", "task.distance_m=0.1")
     run = palmbots("compare", *few, "--out", str(folder))
     assert (run.returncode, run.stderr) == (0, "")
     return (folder / "compare.png").read_bytes()

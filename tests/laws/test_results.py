@@ -307,7 +307,7 @@ CALLS: list[tuple[str, tuple[str, ...]]] = [
     ("carry", ("--world", "mujoco", *NEAR)),
     ("analyze", ()),
     ("assess", ("--turn-radius-m", "0", "--set", "task.distance_m=0.05")),
-    ("design", ("--resolution-deg", "5", "--angle-range-deg", "5", "15", *NEAR)),
+    ("design", ("--resolution-deg", "10", "--angle-range-deg", "5", "15", *NEAR)),
     ("certify", ()),
     (
         "drop-rate",

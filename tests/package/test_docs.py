@@ -14,6 +14,7 @@ import pytest
 from typer.main import get_command
 
 import palmbots as pb
+from coarse_pictures import COARSE
 from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
 from palmbots.optimum.opening import Grid
@@ -60,8 +61,10 @@ FEW = {
     "carry --out": ["--set", "task.distance_m=0.1"],
     "carry -c optimal": ["--set", "task.distance_m=0.1"],
     "carry -c optimal-stopping": ["--set", "task.distance_m=0.1"],
+    "carry --set radio.loss=1": ["--seeds", "1"],
+    "carry lift": ["--seeds", "1"],
     "compare": ["--carries", "2"],
-    "curve": ["--carries", "1", "--turn-angle-deg", "8", "--set", "robot.speed_m_s=0.18"],
+    "curve": ["--carries", "1", "--turn-angle-deg", "4", "--set", "robot.speed_m_s=0.18"],
     "design": ["--resolution-deg", "3", "--set", "task.distance_m=0.1"],
     "drop-rate": ["--effort", "20", "--relative-error-percent", "100", *NEAR],
     "bound": ["--set", "task.distance_m=0.05"],
@@ -131,7 +134,7 @@ def fewer(command: str) -> list[str]:
 def with_few_points(name: str, folder: Path) -> str:
     """A shipped study; one with thousands of points: a file of its name, with few of them."""
     file = DATA / f"{name}.toml"
-    few, reduced = re.subn(r"^points = \d+$", "points = 8", file.read_text(), flags=re.MULTILINE)
+    few, reduced = re.subn(r"^points = \d+$", "points = 4", file.read_text(), flags=re.MULTILINE)
     if not reduced:
         return name
     (folder / file.name).write_text(few)
@@ -166,7 +169,7 @@ def test_commands_run(
     smaller = SMALLER.get(shortened(command) or "", {})
     if smaller:
         monkeypatch.setenv("PALMBOTS_CACHE", str(tmp_path / "cache"))  # not for other tests
-    for name, value in smaller.items():
+    for name, value in (smaller | COARSE).items():
         monkeypatch.setattr(name, value)
     if words[0] == "study":
         words[1] = with_few_points(words[1], tmp_path)
