@@ -24,6 +24,7 @@ from palmbots.simulation.batch import DELIVERED, DROPPED, Columns, run_seeds
 from random_scenes import random_scene
 
 BEST = ("optimal", "optimal-stopping")
+COARSEST = Grid(40, 20, 0.5)
 STOPS = ("silent", "shared-sign")
 """Shipped controllers whose robots may stop: the others are compared with corrections only."""
 
@@ -35,6 +36,8 @@ def columns(scene: pb.Scene, controller: str, carries: int, first: int = 10**6) 
 def on_grid(grid: Grid, monkeypatch: pytest.MonkeyPatch) -> None:
     """Solve on this grid, and keep nothing for other tests."""
     monkeypatch.setattr(optimal_controllers, "FINE", grid)
+    if grid != FINE:
+        monkeypatch.setattr(optimal_controllers, "COARSE", COARSEST)
     monkeypatch.setattr(optimal_controllers, "_policy", optimal_controllers._policy.__wrapped__)
 
 
@@ -90,7 +93,7 @@ def test_scenes_with_little_noise_are_delivered(
     name: str, change: dict[str, object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """On very coarse grids: nobody looks at a drop rate here."""
-    on_grid(Grid(40, 20, 0.5), monkeypatch)
+    on_grid(COARSEST, monkeypatch)
     run = pb.carry("paper", name, overrides={"task.distance_m": 0.5} | change)
     assert run.outcome == "delivered"
     assert run.messages == 0
