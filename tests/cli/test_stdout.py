@@ -21,9 +21,9 @@ SHORT = ("--set", "task.distance_m=0.1")
 # All reports, also with long keys, warnings and several contacts.
 REPORTS = [
     ("carry",),
-    ("carry", "-c", "resilient", "--set", "radio.loss=0.2"),
+    ("carry", "-c", "resilient", "--set", "radio.loss=0.2", "--seeds", "20"),
     ("carry", "--set", "robot.left.bias_m_s=0.05", "-c", "none"),
-    ("carry", "--set", "task.timeout_s=3"),
+    ("carry", "--set", "task.timeout_s=3", "--seeds", "20"),
     ("contact-modes", "--theta-left-deg", "5"),
     ("contact-modes", "--theta-left-deg", "0"),
     ("analyze",),
@@ -31,7 +31,7 @@ REPORTS = [
     ("analyze", "--set", "palm.friction=0.05"),
     ("certify",),
     ("certify", "--friction", "0.1", "0.9"),
-    ("design", "--maximize", "com", "--resolution-deg", "2", "--set", "task.distance_m=0.1"),
+    ("design", "--maximize", "com", "--resolution-deg", "5", "--set", "task.distance_m=0.1"),
     ("compare", "-n", "2", *SHORT),
     ("compare", "--sweep", "robot.left.acceleration_m_s2", "--values", "0.5,0.50000000001",
      "-n", "1", *SHORT),

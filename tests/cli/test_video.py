@@ -11,7 +11,8 @@ from PIL import Image
 from commands import Run
 
 COMMAND = (
-    "carry", "--world", "mujoco", "--video", "--animation", "none", "--set", "task.distance_m=0.01",
+    "carry", "--seeds", "1", "--world", "mujoco", "--video", "--animation", "none",
+    "--set", "task.distance_m=0.01",
 )  # fmt: skip
 
 
