@@ -249,7 +249,7 @@ def stopped(tmp_path_factory: pytest.TempPathFactory) -> str:
     return done.hash
 
 
-@pytest.mark.parametrize("chunk", [33, 500, 10**6])
+@pytest.mark.parametrize("chunk", [66, 500, 10**6])
 def test_stopping_does_not_depend_on_chunks(tmp_path: Path, chunk: int, stopped: str) -> None:
     assert run_study(load_plan(SOON), tmp_path / "study", chunk_size=chunk).hash == stopped
 
