@@ -2,6 +2,8 @@
 """MuJoCo agrees with the quasistatic world because of its contact settings."""
 
 import math
+import os
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,6 +27,7 @@ from palmbots.simulation.batch import DELIVERED, run_seeds
 from palmbots.simulation.prepare import prepare
 from sampled import amounts
 from short_validation import FEW_LINES
+from waiting import locked
 
 # MuJoCo's defaults.
 PLAIN = Engine(
@@ -37,10 +40,13 @@ PLAIN = Engine(
 
 @pytest.fixture(scope="module", params=amounts(30, 60))
 def done(request: pytest.FixtureRequest) -> Validation:
-    scene = load_scene("paper", {"task.distance_m": 0.4})
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("palmbots.mujoco.validation.validation.LINE_PLACES", (-0.04, 0.0))
-        return validate(scene, states=request.param, carries=2)
+    file = Path(os.environ["PALMBOTS_CACHE"]) / f"validation-{request.param}"  # of this run
+    with pytest.MonkeyPatch.context() as patch, locked(file.with_suffix(".lock")):
+        if not file.exists():
+            patch.setattr("palmbots.mujoco.validation.validation.LINE_PLACES", (-0.04, 0.0))
+            scene = load_scene("paper", {"task.distance_m": 0.4})
+            file.write_bytes(pickle.dumps(validate(scene, states=request.param, carries=2)))
+        return pickle.loads(file.read_bytes())
 
 
 def test_chosen_contacts_do_not_creep(done: Validation) -> None:
