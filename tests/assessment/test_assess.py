@@ -358,3 +358,22 @@ def test_defaults_that_may_be_wrong_are_listed() -> None:
     assert not {"palm.friction", "object.com_m"} & assumed(pb.load_scene(own, both)).keys()
     text = on_assumptions(own).text
     assert all(f"{key} " in text for key in found)
+
+
+def test_changes_keep_the_object_light_enough_for_how_far_contacts_then_get() -> None:
+    """On longer palms fewer carries fail, but contacts get to where a palm sags."""
+    keys: dict[str, Any] = {
+        "object.mass_kg": 0.9, "robot.noise_m_s": 0.1, "robot.correction_m_s": 0.09,
+        "robot.speed_m_s": 0.09, "palm.rate_deg_s": 100, "task.distance_m": 0.4,
+    }  # fmt: skip
+    scene = pb.load_scene("paper", keys)
+    assert pb.load_limits(scene).holds
+    longer = {"palm.length_m": 0.225}
+    far = count_outcomes(scene, "shared-sign", seeds=1000, overrides=longer).farthest_m
+    assert far is not None
+    assert pb.load_limits(scene, overrides=longer).heaviest_within(far) < 0.9
+    found = try_changes(scene, "shared-sign", {}, 0.075)
+    assert isinstance(found, ChangeTrial) and not found.is_for_load
+    assert "palm.length_m" not in found.changes and found.heaviest_kg > 0.9
+    light = try_changes(pb.load_scene(scene, {"object.mass_kg": 0.5}), "shared-sign", {}, 0.075)
+    assert isinstance(light, ChangeTrial) and light.changes == longer

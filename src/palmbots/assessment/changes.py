@@ -32,6 +32,7 @@ from palmbots.simulation.outcome_counts import (
     carry_seeds,
     count_outcomes,
     default_carries,
+    farthest_m,
 )
 from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.stability.analysis import analyze
@@ -175,9 +176,15 @@ def try_changes(
         chosen, mujoco = _carried_in_mujoco(scene, plans, ranked, controller, report)
         if mujoco is not None and mujoco.failure_rate == 1:
             return NoChange(_ALL_FAIL, is_for_load=True)
-    best, holds = plans[chosen], not judged[chosen][0]
-    changed = load_scene(scene, dict(best))
-    after = _usual(prepare(changed, controller), count)
+    for one in [chosen] if is_heavy else ranked:
+        best, holds = plans[one], not judged[one][0]
+        changed = load_scene(scene, dict(best))
+        after = _usual(prepare(changed, controller), count)
+        changed_reach_m = reach_m if is_heavy else farthest_m(after)
+        if _is_held(load_limits(changed), changed_reach_m):
+            break
+    else:
+        return NoChange(_HEAVIER)
     usual = None if own is None else _usual(own, count)
     own_failures = None
     if own is not None:
@@ -195,7 +202,7 @@ def try_changes(
         own_holds=own_holds,
         holds=holds,
         own_heaviest_kg=_heaviest(load, reach_m),
-        heaviest_kg=_heaviest(load_limits(changed), reach_m),
+        heaviest_kg=_heaviest(load_limits(changed), changed_reach_m),
         own_time_s=None if usual is None else _mean(usual, "time_s"),
         time_s=_mean(after, "time_s"),
         own_messages=None if usual is None else _mean(usual, "messages"),
@@ -206,6 +213,7 @@ def try_changes(
 
 _LONG = "carries take too long, so no change was tried"
 _WEAK = f"no stronger robots that were tried hold it (up to {STRONGER[-1]:g} times as strong)"
+_HEAVIER = "with every change that was tried the object is too heavy for the robots"
 _ALL_FAIL = "in MuJoCo every carry fails with each of the stronger robots that were tried"
 
 

@@ -268,15 +268,20 @@ def _counted(
     prepared: Prepared, count: int, precision: str, report: Callable[[float], None] | None
 ) -> OutcomeCounts:
     columns = carry_seeds(prepared, 0, count, precision, report)
-    peaks = columns["contact_peak_m"][columns["outcome"] == DELIVERED]
     return OutcomeCounts(
         prepared.controller.name,
         count,
         int(np.count_nonzero(columns["outcome"] == DROPPED)),
         int(np.count_nonzero(columns["outcome"] == STALLED)),
-        float(peaks.max()) if peaks.size else None,
+        farthest_m(columns),
         reason_counts(REASONS[k] for k in columns["reason"].tolist()),
     )
+
+
+def farthest_m(columns: Columns) -> float | None:
+    """How far a contact came from its pivot in the carries that delivered; None: none did."""
+    peaks = columns["contact_peak_m"][columns["outcome"] == DELIVERED]
+    return float(peaks.max()) if peaks.size else None
 
 
 def reason_counts(reasons: Iterable[str | None]) -> dict[str, int]:
