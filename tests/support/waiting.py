@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 
-def wait_until(predicate: Callable[[], object], timeout_s: float = 60.0) -> None:
+def wait_until(predicate: Callable[[], object], timeout_s: float = 180.0) -> None:
     """Return as soon as the predicate holds; raise AssertionError if it does not in time.
 
     The time is long because it only matters to a test that fails: a busy machine is slow.
