@@ -5,6 +5,8 @@ import csv
 import importlib
 import re
 import runpy
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -29,6 +31,12 @@ def test_example_runs(
     printed = capsys.readouterr()
     assert printed.err == ""
     assert len(printed.out.splitlines()) >= 2
+
+
+def test_an_example_is_a_program(tmp_path: Path) -> None:
+    words = [sys.executable, "-W", "error", EXAMPLES[0]]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "") and done.stdout
 
 
 ROOT = Path(__file__).resolve().parent.parent.parent
