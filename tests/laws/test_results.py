@@ -225,8 +225,11 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
             Verified("left-000003.mcap", "left", 3, False, 2500, 2500, None),
             Verified("station-000002.mcap", "station", 2, False, 500, 0, None),
         ),
-        (ClockFit("station-000002.mcap", 0.25, 1.0, 0.004, 480),),
-        (LoggedCarry("left", "left-000003.mcap", 3.1, 20.4, 0.8, "stopped by hand"),),
+        (
+            ClockFit("left-000003.mcap", 0.0, 1.0, 0.0, 0),
+            ClockFit("station-000002.mcap", 0.25, 1.0, 0.004, 480),
+        ),
+        (LoggedCarry("left", "left-000003.mcap", 1, 3.1, 20.4, 0.8, "stopped by hand"),),
     ),
     "SceneList": lambda folder: pb.scenes(),
     "SceneStatistics": lambda folder: SceneStatistics(

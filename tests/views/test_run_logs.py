@@ -16,6 +16,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.control.registry import shipped_names
+from palmbots.errors import PalmbotsError
 from palmbots.logs import run_log_writer
 from palmbots.logs.run_channels import LineEvent
 from palmbots.logs.run_log_reader import is_run_log, read_run_log, run_log_of
@@ -286,11 +287,32 @@ def test_alignment_holds_with_delays_in_one_direction_only() -> None:
     assert fit(Traffic({}, {}), other) is None
 
 
-def test_logs_without_common_packets_are_not_aligned(tmp_path: Path) -> None:
+def test_logs_without_common_packets_are_of_several_runs(tmp_path: Path) -> None:
     pair = LoggedPair(tmp_path, "silent", Air(loss=1.0), UP)
     pair.run(50)
-    clocks = align(read_run([pair.written()]))
-    assert [one.offset_s for one in clocks] == [None, None]
+    logs = read_run([pair.written()])
+    clocks = align(logs)
+    assert [one.run for one in clocks] == [1, 2, 3]
+    with pytest.raises(PalmbotsError, match="no packets connect those of both robots"):
+        carry_of(logs, clocks)
+
+
+def test_each_run_of_a_folder_has_a_clock(tmp_path: Path, clock: Any) -> None:
+    """All programs start again, on a clock that starts again; the figure shows the last run."""
+    clock["air"] = air = Air(delay_ms=20)
+    pair = LoggedPair(tmp_path, "resilient", air, UP, {"task.distance_m": 0.1})
+    pair.carry()
+    pair.boot("left")
+    pair.boot("right")
+    pair.restart_station()
+    pair.carry()
+    logs = read_run([pair.written()])
+    clocks = align(logs)
+    assert [one.run for one in clocks] == [1, 2, 1, 2, 1, 2]
+    assert all(abs(one.offset_s) <= one.uncertainty_s + 1e-9 for one in clocks)
+    carries = logged_carries(logs, clocks)
+    assert [(one.run, one.end) for one in carries] == [(1, "done")] * 2 + [(2, "done")] * 2
+    assert carry_of(logs, clocks).distance_m == pytest.approx(0.1, abs=0.02)
 
 
 # Writes a log of many lines in a process that may write at most so many bytes to a file, or to a

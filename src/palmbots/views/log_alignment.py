@@ -11,7 +11,6 @@ offset: half the shortest round trip. Which packet was received when is known fr
 sender's epoch and number), which both logs contain.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,20 +28,21 @@ Stamp = tuple[str, str, int, int]
 
 @dataclass(frozen=True)
 class ClockFit:
-    """The clock of one log in terms of the clock of the first log: t_first = offset + rate · t."""
+    """The clock of one log by that of the first log of its run: t_first = offset + rate · t."""
 
     file: str
-    offset_s: float | None
-    """None: no packets in both directions connect the logs."""
+    offset_s: float
     rate: float
     uncertainty_s: float
     """The offset is right to within this time, if the rates of the clocks are constant."""
     packets: int
-    """Packets that both logs contain."""
+    """Packets that both logs contain; 0: the log is the first of its run."""
+    run: int = 1
+    """Logs that packets in both directions connect are of one run; the runs are numbered from 1."""
 
     def to_first(self, time_s: float) -> float:
-        """A time of this log on the clock of the first log."""
-        return (self.offset_s or 0.0) + self.rate * time_s
+        """A time of this log on the clock of the first log of its run."""
+        return self.offset_s + self.rate * time_s
 
 
 @dataclass(frozen=True)
@@ -79,15 +79,14 @@ def traffic(log: RunLog) -> Traffic:
 
 
 def align(logs: list[RunLog]) -> tuple[ClockFit, ...]:
-    """How the clock of each log but the first relates to that of the first one.
+    """How the clock of each log relates to that of the first one of its run.
 
     A log that shares packets only with a third one is aligned by way of that one.
     """
-    if not logs:
-        return ()
     packets = [traffic(log) for log in logs]
-    fits: dict[int, ClockFit] = {0: ClockFit(str(logs[0].path), 0.0, 1.0, 0.0, 0)}
-    waiting = list(range(1, len(logs)))
+    fits: dict[int, ClockFit] = {}
+    waiting = list(range(len(logs)))
+    runs = 0
     while waiting:
         found: list[tuple[float, int, ClockFit]] = []
         for k in waiting:
@@ -97,18 +96,16 @@ def align(logs: list[RunLog]) -> tuple[ClockFit, ...]:
                     continue
                 offset, rate, uncertainty, count = one
                 total = base.uncertainty_s + uncertainty
-                via = ClockFit(
-                    str(logs[k].path), base.to_first(offset), base.rate * rate, total, count
-                )
+                start, speed = base.to_first(offset), base.rate * rate
+                via = ClockFit(str(logs[k].path), start, speed, total, count, base.run)
                 found.append((total, k, via))
-        if not found:
-            break
-        _, k, best = min(found, key=lambda entry: entry[0])
-        fits[k] = best
+        if found:
+            _, k, fits[k] = min(found, key=lambda entry: entry[0])
+        else:
+            k, runs = waiting[0], runs + 1
+            fits[k] = ClockFit(str(logs[k].path), 0.0, 1.0, 0.0, 0, runs)
         waiting.remove(k)
-    for k in waiting:
-        fits[k] = ClockFit(str(logs[k].path), None, 1.0, math.inf, 0)
-    return tuple(fits[k] for k in range(1, len(logs)))
+    return tuple(fits[k] for k in range(len(logs)))
 
 
 def fit(own: Traffic, other: Traffic) -> tuple[float, float, float, int] | None:

@@ -22,8 +22,9 @@ class LoggedCarry:
 
     robot: str
     file: str
-    start_s: float | None
-    """On the clock of the first log; None: the clocks cannot be aligned."""
+    run: int
+    start_s: float
+    """On the clock of the first log of the run."""
     duration_s: float
     """On the robot's own clock."""
     covered: float
@@ -34,26 +35,28 @@ class LoggedCarry:
     @property
     def row(self) -> tuple[str, ...]:
         """This carry as a row of a table."""
-        start = "unknown" if self.start_s is None else f"{self.start_s:.2f} s"
-        name = Path(self.file).name
-        return name, start, f"{self.duration_s:.2f} s", f"{self.covered:.0%}", self.end
+        name, start, time = (
+            Path(self.file).name,
+            f"{self.start_s:.2f} s",
+            f"{self.duration_s:.2f} s",
+        )
+        return str(self.run), name, start, time, f"{self.covered:.0%}", self.end
 
 
 def logged_carries(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> tuple[LoggedCarry, ...]:
-    """Every carry of every robot, in the order of time.
+    """Every carry of every robot, in the order of time in each run.
 
     Args:
         logs: of the programs.
-        clocks: for each log but the first, how its clock relates to that of the first.
+        clocks: for each log how its clock relates to that of the first of its run.
     """
-    fits = [ClockFit("", 0.0, 1.0, 0.0, 0), *clocks]
     found = [
         carry
-        for log, fit in zip(logs, fits, strict=True)
+        for log, fit in zip(logs, clocks, strict=True)
         if log.end in SIDES
         for carry in _of_robot(log, fit)
     ]
-    return tuple(sorted(found, key=lambda one: (one.start_s is None, one.start_s or 0.0)))
+    return tuple(sorted(found, key=lambda one: (one.run, one.start_s)))
 
 
 def _of_robot(log: RunLog, fit: ClockFit) -> Iterator[LoggedCarry]:
@@ -63,10 +66,9 @@ def _of_robot(log: RunLog, fit: ClockFit) -> Iterator[LoggedCarry]:
     def carry(end: str) -> LoggedCarry:
         assert first is not None
         assert last is not None
-        start_s = None if fit.offset_s is None else fit.to_first(first[0])
-        return LoggedCarry(
-            log.end, str(log.path), start_s, last[0] - first[0], last[1].progress / WHOLE, end
-        )
+        start_s, duration_s = fit.to_first(first[0]), last[0] - first[0]
+        covered = last[1].progress / WHOLE
+        return LoggedCarry(log.end, str(log.path), fit.run, start_s, duration_s, covered, end)
 
     for now, tick in log.messages["ticks"]:
         if tick.mode in _MODES:

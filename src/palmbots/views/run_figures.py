@@ -79,16 +79,17 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
 
     Args:
         logs: of both robots, and of the station if there is one.
-        clocks: for each log but the first how its clock relates to that of the first.
+        clocks: for each log how its clock relates to that of the first of its run.
 
     Raises:
-        PalmbotsError: there is none, the clocks of the robots cannot be aligned, or a log is
-            damaged.
+        PalmbotsError: there is none, no packets connect the logs of both robots, or one is damaged.
     """
     for log in logs:
         _check(log)
-    fits = [ClockFit(str(logs[0].path), 0.0, 1.0, 0.0, 0), *clocks]
-    ticks: dict[Side, list[tuple[float, Any]]] = {side: _ticks(side, logs, fits) for side in SIDES}
+    logs, clocks = _last_run(logs, clocks)
+    ticks: dict[Side, list[tuple[float, Any]]] = {
+        side: _ticks(side, logs, clocks) for side in SIDES
+    }
     scene = load_scene(next(log for log in logs if log.end in SIDES).facts["scene"])
     start_s, end_s = _span(ticks)
     count = max(1, round((end_s - start_s) / scene.control.period_s)) + 1
@@ -101,7 +102,7 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
         ages = times + start_s - instants[np.maximum(places, 0)]
         trace["separation"][ages > _GAP_TICKS * scene.control.period_s] = math.nan
     controller = next(log for log in logs if log.end in SIDES).facts["controller"]
-    messages = _messages(logs, fits, start_s, end_s)
+    messages = _messages(logs, clocks, start_s, end_s)
     corrections = _corrections(times, rows)
     ends = {side: _last(side, logs, ticks[side]) for side in SIDES}
     is_done = set(ends.values()) == {"done"}
@@ -154,20 +155,34 @@ def _check(log: RunLog) -> None:
             raise PalmbotsError(f"{log.path}: is damaged: its tick {number} is none of a robot")
 
 
+def _last_run(
+    logs: Sequence[RunLog], clocks: Sequence[ClockFit]
+) -> tuple[list[RunLog], list[ClockFit]]:
+    """The logs of the last run in which both robots were active."""
+    active = {side: set[int]() for side in SIDES}
+    for log, clock in zip(logs, clocks, strict=True):
+        if log.end in SIDES and log.messages["ticks"]:
+            active[log.end].add(clock.run)
+    for side, runs in active.items():
+        if not runs:
+            raise PalmbotsError(f"logs: none of the {side} robot; needed: those of both robots")
+    both = active["left"] & active["right"]
+    if not both:
+        raise PalmbotsError(
+            "logs: no packets connect those of both robots; needed: the station's log, or packets "
+            "of the partner"
+        )
+    pairs = [pair for pair in zip(logs, clocks, strict=True) if pair[1].run == max(both)]
+    return [log for log, _ in pairs], [clock for _, clock in pairs]
+
+
 def _ticks(side: Side, logs: Sequence[RunLog], fits: Sequence[ClockFit]) -> list[tuple[float, Any]]:
     """All ticks of one robot, on the clock of the first log."""
     found: list[tuple[float, Any]] = []
     for log, fit in zip(logs, fits, strict=True):
         if log.end != side or not log.messages["ticks"]:
             continue
-        if fit.offset_s is None:
-            raise PalmbotsError(
-                f"{log.path}: its clock cannot be aligned; needed: the station's log, or packets "
-                "of the partner"
-            )
         found += [(fit.to_first(now), tick) for now, tick in log.messages["ticks"]]
-    if not found:
-        raise PalmbotsError(f"logs: none of the {side} robot; needed: those of both robots")
     return sorted(found, key=lambda entry: entry[0])
 
 

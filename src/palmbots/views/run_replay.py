@@ -29,7 +29,7 @@ from palmbots.scene.spec import to_spec
 from palmbots.views.log_alignment import ClockFit, align
 from palmbots.views.logged_carries import LoggedCarry, logged_carries
 
-_CARRIES = ("carry in", "start", "time", "covered", "end")
+_CARRIES = ("run", "carry in", "start", "time", "covered", "end")
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class RunReplay(Result):
 
     logs: tuple[Verified, ...]
     clocks: tuple[ClockFit, ...]
-    """For each log but the first how its clock relates to that of the first."""
+    """For each log how its clock relates to that of the first of its run."""
     carries: tuple[LoggedCarry, ...] = ()
     """When each robot carried, and why it ended."""
     run: tuple[RunLog, ...] = field(default=(), metadata=NOT_IN_JSON)
@@ -71,27 +71,33 @@ class RunReplay(Result):
         ticks = sum(log.verified for log in self.logs)
         count = f"  {ticks} decisions agree bit for bit" if self.identical else ""
         yield Line(verdict(self.identical, "IDENTICAL", "DIFFERS"), count)
-        clocks = ["", *map(_clock, self.clocks)]
+        is_one = all(clock.run == 1 for clock in self.clocks)
+        left_out = 1 if is_one else 0  # the number of the run
         rows = [
             (
+                str(clock.run),
                 Path(log.file).name + (" (cut off)" if log.is_cut else ""),
                 str(log.ticks) if log.ticks else "",
                 "" if log.end == "station" else str(log.verified),
-                clock,
+                _clock(clock),
+            )[left_out:]
+            for log, clock in sorted(
+                zip(self.logs, self.clocks, strict=True), key=lambda pair: pair[1].run
             )
-            for log, clock in zip(self.logs, clocks, strict=True)
         ]
-        yield Table(rows, ("log", "ticks", "equal", "clock against the first log"), ("ticks",))
+        first = "clock against the first log" if is_one else "clock against the first of the run"
+        yield Table(rows, ("run", "log", "ticks", "equal", first)[left_out:], ("ticks",))
         if self.carries:
-            yield Table([one.row for one in self.carries], _CARRIES, ("start", "time", "covered"))
+            carries = [one.row[left_out:] for one in self.carries]
+            yield Table(carries, _CARRIES[left_out:], ("start", "time", "covered"))
         for log in self.logs:
             if log.difference is not None:
                 yield Line(f"{Path(log.file).name}: {log.difference}", is_whole=True)
 
 
 def _clock(clock: ClockFit) -> str:
-    if clock.offset_s is None:
-        return "unknown: no packets connect them"
+    if clock.packets == 0:
+        return ""
     ppm = 1e6 * (clock.rate - 1)
     return f"{clock.offset_s:+.3f} ± {clock.uncertainty_s:.3f} s, rate {ppm:+.0f} ppm"
 
@@ -123,7 +129,7 @@ def replay_logs(logs: Sequence[str | PathLike[str]]) -> ReplayResult | RunReplay
 
 
 def replay_run(logs: list[RunLog]) -> RunReplay:
-    """Verify the logs of one run, and align their clocks.
+    """Verify the logs of a pair, and align the clocks of each run.
 
     Raises:
         PalmbotsError: the logs are of different pairs, or a controller cannot be found.
