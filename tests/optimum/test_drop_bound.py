@@ -192,6 +192,6 @@ def test_controllers_that_stand_beat_the_bound() -> None:
     spec = to_spec(pb.load_scene("paper", keys))
     least = best_price(opening_problem(spec, "stopping"), COARSE.coarser("noises")).drop
     assert least > 0.05
-    standing = run_seeds(spec, "standing", 0, 300)["outcome"]
+    standing = run_seeds(spec, "standing", 0, 1000)["outcome"]
     assert float((standing == DROPPED).mean()) < 0.02
-    assert (run_seeds(spec, "creeping", 0, 60)["outcome"] == DELIVERED).all()
+    assert (run_seeds(spec, "creeping", 0, 200)["outcome"] == DELIVERED).all()

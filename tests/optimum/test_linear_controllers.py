@@ -59,10 +59,10 @@ def test_scenes_with_little_noise_are_delivered(name: str, change: dict[str, obj
 def test_exact_coordinates_help_and_stopping_helps() -> None:
     """At a noise at which signs are not enough, on the same seeds."""
     noise = {"robot.noise_m_s": 0.05}
-    exact, kalman = (drops(name, 500, **noise) for name in ("exact-p", "kalman"))
+    exact, kalman = (drops(name, 1000, **noise) for name in ("exact-p", "kalman"))
     assert more_drops(kalman, exact) < 1e-3
     for name, before in (("exact-p-stopping", exact), ("kalman-stopping", kalman)):
-        assert more_drops(before, drops(name, 500, **noise)) < 1e-3
+        assert more_drops(before, drops(name, 1000, **noise)) < 1e-3
 
 
 def test_kalman_knows_only_what_the_switches_say() -> None:
