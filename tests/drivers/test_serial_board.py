@@ -17,6 +17,7 @@ from palmbots.drivers import serial_board
 from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, Reading
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.serial_board import SerialDriver
+from palmbots.wire.serial_frames import FrameDecoder, frame_of
 from serial_lines import Line
 from waiting import wait_until
 
@@ -114,6 +115,26 @@ def test_an_unplugged_board_comes_back(tmp_path: Path) -> None:
     lost, back = LINES
     assert lost.startswith(f"driver.address: {tmp_path / 'tty'} is lost: ")
     assert back == f"driver.address: {tmp_path / 'tty'} is back"
+
+
+def test_a_board_whose_first_reading_is_faster_than_its_identity_does_not_move_the_odometry(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with board(tmp_path / "tty") as made:
+        driver = SerialDriver(settings(tmp_path / "tty"))
+        driver.write_raw(RawCommand((5.0, 5.0)))
+        wait_until(lambda: (driver.read_raw().wheel_counts or (0,))[0] > 20)
+        made.end()
+        before = driver.read_raw().wheel_counts
+        assert driver._newest is not None and before is not None and before[0] > 20
+        anew = driver._newest._replace(left_count=0, right_count=0)
+        frames = FrameDecoder().take(frame_of(anew))
+        opened = driver._line.times_opened + 1
+        monkeypatch.setattr(driver._line, "times_opened", opened)
+        monkeypatch.setattr(driver._line, "receive", lambda: frames)
+        assert driver.read_raw().wheel_counts == before
+        monkeypatch.undo()
+        driver.close()
 
 
 def test_a_board_that_boots_does_not_move_the_odometry(tmp_path: Path) -> None:

@@ -115,7 +115,13 @@ class SerialDriver(HardwareDriver):
 
     def _take(self) -> None:
         """Take in what the board has sent."""
-        for kind, content in self._line.receive():
+        frames = self._line.receive()
+        if self._line.times_opened != self._times_opened:  # the board may have booted meanwhile
+            self._times_opened = self._line.times_opened
+            self._hello_s = -math.inf
+            self._asked_s = None
+            self._last = None  # its encoders may count anew
+        for kind, content in frames:
             found = content_of(kind, content)
             if isinstance(found, BoardIdentity):
                 self._meet(found)
@@ -126,10 +132,6 @@ class SerialDriver(HardwareDriver):
                     f"driver.address: {self.settings.address} is a radio bridge; "
                     "allowed: a motor board"
                 )
-        if self._line.times_opened != self._times_opened:  # the board may have booted meanwhile
-            self._times_opened = self._line.times_opened
-            self._hello_s = -math.inf
-            self._asked_s = None
         now = time.monotonic()
         is_met = self._identity is not None and now - self._heard_s <= self._silence_s
         if not is_met and now - self._hello_s >= _HELLO_EVERY_S:
