@@ -356,6 +356,12 @@ def test_defaults_that_may_be_wrong_are_listed() -> None:
     assert "palm.friction" in found and "palm.left.friction" not in found
     both = {"palm.left.friction": 0.4, "palm.right.friction": 0.5, "object.com_m": [0.2, 0.05]}
     assert not {"palm.friction", "object.com_m"} & assumed(pb.load_scene(own, both)).keys()
+    outlines = (
+        {"vertices_m": [[0, 0.1], [0.15, 0], [0.3, 0.1], [0.3, 0.3], [0, 0.3]], "contacts": [0, 2]},
+        {"vertices_m": [[0, 0], [0.2, 0], [0.9, 0.4], [0.7, 0.4]], "com_m": [0.19, 0.05]},
+    )
+    for given in outlines:  # the first has no default contacts, the second tips by its default COM
+        assert "palm.friction" in assumed(pb.load_scene({"object": given}))
     text = on_assumptions(own).text
     assert all(f"{key} " in text for key in found)
 

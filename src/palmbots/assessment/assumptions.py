@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from palmbots.assessment.answer import Answer
+from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side, value_of
 
@@ -19,7 +20,11 @@ DECISIVE = (
 def assumed(scene: Scene) -> dict[str, Any]:
     """Those of the decisive keys that have their default, with that value. The default of the COM
     and of the mass follows from the outline of the object."""
-    usual = load_scene({"object": {"vertices_m": scene.object.vertices_m}})
+    outline = {"vertices_m": scene.object.vertices_m, "contacts": scene.object.contacts}
+    try:
+        usual = load_scene({"object": outline})
+    except SceneError:  # on these contacts the object tips over by itself unless its COM is set
+        usual = Scene()
     found = {}
     for key in DECISIVE:
         default = value_of(usual, key)
