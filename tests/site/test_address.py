@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Page, expect
 
-from site_pages import Open, command_of, hash_of
+from site_pages import Open, command_of, hash_of, pictures
 
 Change = Callable[[Page], None]
 
@@ -48,8 +48,7 @@ def test_a_carry(open_page: Open) -> None:
     expect(other.locator("html")).to_have_attribute("data-theme", "dark")
     assert other.locator(".time").inner_text() == page.locator(".time").inner_text()
     for name in ("stage", "contacts-chart", "sequence-chart"):
-        picture = f"document.getElementById('{name}').toDataURL()"
-        assert other.evaluate(picture) == page.evaluate(picture), name
+        assert pictures(other, name) == pictures(page, name), name
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The view Carry: playing, scrubbing, forking, disturbing, saving, and the URL."""
 
-import base64
 import io
 import math
 import subprocess
@@ -14,7 +13,16 @@ from playwright.sync_api import Page, expect
 
 import palmbots as pb
 from palmbots.errors import SceneError
-from site_pages import Open, assert_reproduced, command_of, go, hash_of, overrides_of, seconds
+from site_pages import (
+    Open,
+    assert_reproduced,
+    command_of,
+    go,
+    hash_of,
+    overrides_of,
+    pictures,
+    seconds,
+)
 
 FIGURE8 = {"scene": "figure8"}
 
@@ -273,11 +281,9 @@ def test_back_and_forward(open_page: Open) -> None:
 
 def test_friction_cones_change_the_picture(open_page: Open) -> None:
     page = open_page("#carry?t=1")
-    picture = "() => document.getElementById('stage').toDataURL()"
-    before = page.evaluate(picture)
+    before = pictures(page, "stage")
     page.locator("#cones").check()
-    frames(page, 2)
-    assert page.evaluate(picture) != before
+    assert pictures(page, "stage") != before
 
 
 def test_a_scene_file_opens(open_page: Open, tmp_path: Path) -> None:
@@ -395,8 +401,8 @@ def test_the_commands_are_copied(open_page: Open) -> None:
 
 def drawn_heights(page: Page) -> list[int]:
     """How many pixels of the first and the last column are drawn: the floor there."""
-    data = page.evaluate("document.getElementById('stage').toDataURL()").split(",")[1]
-    alpha = np.asarray(Image.open(io.BytesIO(base64.b64decode(data))).convert("RGBA"))[..., 3]
+    (data,) = pictures(page, "stage")
+    alpha = np.asarray(Image.open(io.BytesIO(data)).convert("RGBA"))[..., 3]
     return [int((alpha[:, x] > 0).sum()) for x in (2, alpha.shape[1] - 3)]
 
 

@@ -9,7 +9,7 @@ from playwright.sync_api import Page, expect
 from commands import runner
 from palmbots._util.confidence_intervals import rate_interval
 from palmbots.control.interface import MOVES, PALMS
-from site_pages import Open, command_of, hash_of, run_json
+from site_pages import Open, command_of, hash_of, pictures, run_json
 
 
 def counted(page: Page) -> list[int]:
@@ -106,9 +106,9 @@ def test_compare_runs_rows_of_ones_own(
 
 def test_compare_races_on_the_same_noise(open_page: Open) -> None:
     page = open_page(hash_of("compare", {"t": 5, "v.a": "none", "v.b": "none"}))
-    pictures = [page.evaluate(f"document.getElementById('stage-{k}').toDataURL()") for k in (0, 1)]
-    assert pictures[0] == pictures[1]
+    first, second = pictures(page, "stage-0", "stage-1")
+    assert first == second
     page.locator("#controller-0").select_option("silent")
     page.locator("#scrub").fill("12")
-    pictures = [page.evaluate(f"document.getElementById('stage-{k}').toDataURL()") for k in (0, 1)]
-    assert pictures[0] != pictures[1]
+    first, second = pictures(page, "stage-0", "stage-1")
+    assert first != second

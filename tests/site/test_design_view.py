@@ -11,7 +11,7 @@ from playwright.sync_api import expect
 
 import palmbots as pb
 from palmbots.mechanics.contact_modes import contact_modes_batch
-from site_pages import Open, command_of, go, hash_of, mode_name
+from site_pages import Open, command_of, go, hash_of, mode_name, pictures
 
 
 def test_design_shows_the_tolerance_of_a_pair(open_page: Open, tmp_path: Path) -> None:
@@ -53,7 +53,7 @@ def test_design_shows_the_region_of_the_pair_and_what_limits_it(open_page: Open)
     page = open_page(hash_of("design", palm__steep_deg=29.0))
     places = 0.075 * 2.6 * ((np.arange(64) + 0.5) / 32 - 1)
     left, right = np.meshgrid(places, places)
-    pictures = []
+    regions = []
     for steep in (29, 33):
         for _ in range(0 if steep == 29 else 8):
             page.locator("#design-map").press("ArrowUp")
@@ -72,10 +72,8 @@ def test_design_shows_the_region_of_the_pair_and_what_limits_it(open_page: Open)
             assert names == {mode_name(m) for m in np.unique(modes)}
             assert mode is not None
             expect(figure.locator("figcaption")).to_contain_text(f"requires {'-'.join(mode)} in")
-        pictures.append([
-            page.evaluate(f"document.getElementById('region-{k}').toDataURL()") for k in (0, 1)
-        ])  # fmt: skip
-    assert all(before != after for before, after in zip(*pictures, strict=True))
+        regions.append(pictures(page, "region-0", "region-1"))
+    assert all(before != after for before, after in zip(*regions, strict=True))
     go(page, hash_of("design", palm__steep_deg=19.0))
     page.locator("[data-key='palm.friction']").fill("0.4")
     keys = {"palm.steep_deg": 19.0, "palm.friction": 0.4}

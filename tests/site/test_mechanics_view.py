@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The view Mechanics: modes, drags, maps."""
 
-import base64
 import io
 import math
 import re
@@ -16,7 +15,7 @@ import palmbots as pb
 from commands import runner
 from palmbots.mechanics.contact_mode_words import decision_sentence, margin_sentence, mode_sentence
 from palmbots.mechanics.contact_modes import contact_modes_batch
-from site_pages import Open, command_of, hash_of, mode_name, run_json
+from site_pages import Open, command_of, hash_of, mode_name, pictures, run_json
 
 
 def assert_sentences(page: Page, found: pb.mechanics.ContactModes) -> None:
@@ -107,11 +106,9 @@ def drag_handle(page: Page, name: str, dx: float, dy: float) -> None:
     page.mouse.up()
 
 
-def drawings(page: Page) -> dict[str, str]:
-    """What the canvases show, as soon as they show it."""
-    page.evaluate("() => new Promise(done => requestAnimationFrame(() => setTimeout(done)))")
+def drawings(page: Page) -> dict[str, bytes]:
     names = ("mechanics", "map-closing", "com-map")
-    return {name: page.evaluate(f"document.getElementById('{name}').toDataURL()") for name in names}
+    return dict(zip(names, pictures(page, *names), strict=True))
 
 
 def test_mechanics_can_be_dragged(open_page: Open) -> None:
@@ -141,8 +138,8 @@ def test_mechanics_can_be_dragged(open_page: Open) -> None:
 
 def row_of_com_map(page: Page, height: float) -> list[object]:
     """The colours of the map of COMs along the paper's box, at a height [m]."""
-    data = drawings(page)["com-map"].split(",")[1]
-    picture = Image.open(io.BytesIO(base64.b64decode(data)))
+    (data,) = pictures(page, "com-map")
+    picture = Image.open(io.BytesIO(data))
     scale = min((picture.width - 20) / 0.25, (picture.height - 20) / 0.16)
     y = round((picture.height + scale * 0.16) / 2 - scale * height)
     start = round((picture.width - scale * 0.25) / 2)

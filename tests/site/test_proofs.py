@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 
 import model_check
 import palmbots as pb
-from site_pages import ROOT, Open
+from site_pages import ROOT, Open, pictures
 
 COUNTEREXAMPLES = ROOT / "verify" / "counterexamples"
 RUNS = ROOT / "verify" / "runs.toml"
@@ -154,12 +154,12 @@ def test_a_counterexample_is_stepped_along_its_chart(open_page: Open) -> None:
     chart = page.locator("#proof-chart")
     box = chart.bounding_box()
     assert box is not None
-    before = page.evaluate("document.getElementById('proof-chart').toDataURL()")
+    before = pictures(page, "proof-chart")
     # The columns of the six steps follow each other behind 44 pixels with the names of the robots.
     column = (box["width"] - 50) / 6
     chart.click(position={"x": 44 + 3.5 * column, "y": 40})
     expect(place).to_have_text("4 of 6")
-    assert page.evaluate("document.getElementById('proof-chart').toDataURL()") != before
+    assert pictures(page, "proof-chart") != before
     chart.focus()
     page.keyboard.press("ArrowRight")
     expect(place).to_have_text("5 of 6")
@@ -196,10 +196,7 @@ def test_a_carry_goes_along_with_the_steps(open_page: Open) -> None:
             now = [sent[words.split()[0]].pop(0) for words in events[k] if " sends " in words]
             if now and name != "zone-narrow":
                 assert max(now) <= times[-1] <= max(now) + 0.021
-            before, picture = (
-                picture,
-                page.evaluate("document.getElementById('proof-carry').toDataURL()"),
-            )
+            before, picture = picture, pictures(page, "proof-carry")
             assert k == 0 or picture != before or times[-1] == times[-2]
         assert times == sorted(times)
         assert times[-1] > times[0]

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The view Stories: each part asks, plays and explains."""
 
-import base64
 import io
 import re
 
@@ -12,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 import palmbots as pb
 from commands import runner
-from site_pages import Open, command_of, hash_of, run_json, seconds
+from site_pages import Open, command_of, hash_of, pictures, run_json, seconds
 
 # How each part of each story ends, and the answer that is right, if it asks.
 PARTS: list[list[tuple[str, str | None]]] = [
@@ -169,8 +168,8 @@ def test_the_answers_are_numbered_as_on_the_sheet(open_page: Open) -> None:
 
 def red_in(page: Page, chart: str) -> int:
     """How many pixels of a chart are red, and not the orange of the right robot."""
-    picture = page.evaluate(f"document.getElementById('{chart}').toDataURL()").split(",")[1]
-    image = Image.open(io.BytesIO(base64.b64decode(picture))).convert("RGB")
+    (picture,) = pictures(page, chart)
+    image = Image.open(io.BytesIO(picture)).convert("RGB")
     r, g, b = np.asarray(image, int).transpose(2, 0, 1)
     return int(((r > g + 40) & (b > g + 5)).sum())
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What tests of the page have in common: addresses, and the commands that the page prints."""
 
+import base64
 import json
 import shlex
 from collections.abc import Callable, Mapping
@@ -36,6 +37,20 @@ def mode_name(mode: int) -> str:
 def go(page: Any, place: str) -> None:
     """Open another address in the same page."""
     page.evaluate("place => { location.hash = place; }", place)
+
+
+def pictures(page: Any, *names: str) -> list[bytes]:
+    """What these canvases show, as PNG files, after the effects that are due have drawn.
+
+    The page shows words at once and draws after the next frame.
+    """
+    found = page.evaluate(
+        "async names => {"
+        "  await new Promise(done => requestAnimationFrame(() => setTimeout(done)));"
+        "  return names.map(name => document.getElementById(name).toDataURL()); }",
+        names,
+    )
+    return [base64.b64decode(url.partition(",")[2]) for url in found]
 
 
 def command_of(page: Any, line: int = 0) -> list[str]:
