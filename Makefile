@@ -35,9 +35,14 @@ help:  ## this list
 carry: $(VENV)/extension.done  ## the main job: carry the paper's box; summary here, picture and log in out/
 	$(BIN)/palmbots carry --out out
 
-test: $(VENV)/strict.done lint  ## everything a change must pass
+PYTEST = $(BIN)/python -m pytest --numprocesses $$(( $$(nproc) + 1 )) --dist worksteal
+
+test: $(VENV)/strict.done lint  ## nearly all tests, in some minutes; the rest of what a change must pass: .ci/run
+	$(PYTEST) -m "not slow" --durations=20
+
+test-slow: $(VENV)/strict.done  ## the tests that take long: C++ under sanitizers, samples, films, studies that are killed
 	$(BIN)/python tests/support/cxx.py
-	$(BIN)/python -m pytest --numprocesses $$(( $$(nproc) + 1 )) --dist worksteal --durations=20
+	$(PYTEST) -m slow
 
 test-robot: $(VENV)/strict.done $(VENV)/robot.done  ## world and robots as processes: the same carries as inside one program
 	$(BIN)/python -m pytest tests/processes --numprocesses 4 --dist worksteal

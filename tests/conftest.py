@@ -64,7 +64,7 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 SOAK_FACTOR = 20  # times as many examples
-SLOW_S = 10.0  # `make test` lists the tests that take longer
+SLOW_S = 10.0  # the summary lists the tests that take longer
 
 settings.load_profile("ci")  # unless --hypothesis-profile says otherwise
 

@@ -27,6 +27,8 @@ from palmbots.simulation.prepare import prepare
 from palmbots.stability.angle_certificate import scene_at
 from sampled import in_soak, sampled
 
+pytestmark = pytest.mark.slow
+
 CRATE: dict[str, Any] = {
     "object": {
         "vertices_m": [[0, 0], [0.4, 0], [0.4, 0.12], [0, 0.12]], "depth_m": 0.2, "mass_kg": 1.2,

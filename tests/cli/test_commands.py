@@ -33,6 +33,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("controller", shipped_names())
 def test_carry_writes_the_same_files_for_every_controller(
     controller: str, here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -60,6 +61,7 @@ def test_carry_writes_the_same_files_for_every_controller(
     assert {path.name for path in out.iterdir()} - chart == files
 
 
+@pytest.mark.slow
 def test_written_files_have_their_formats(written: Path) -> None:
     heads = {path.name: path.read_bytes()[:8] for path in written.iterdir()}
     assert heads["carry.png"].startswith(b"\x89PNG")

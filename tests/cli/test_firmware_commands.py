@@ -126,6 +126,7 @@ def test_an_image_without_settings_is_refused(image: Path, tmp_path: Path, here:
         assert not file.with_name(f"{name}.flashed").exists()
 
 
+@pytest.mark.slow
 def test_no_damaged_image_is_flashed(image: Path, tmp_path: Path) -> None:
     """Lines that are missing, swapped or repeated, and settings forged with a right check."""
     target = drive(tmp_path / "MICROBIT")

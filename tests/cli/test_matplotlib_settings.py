@@ -24,6 +24,7 @@ def usual(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return figure(tmp_path_factory.mktemp("usual"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", [INLINE, "nonsense"])
 def test_settings_of_the_user_change_nothing(
     backend: str, usual: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -5,7 +5,11 @@ import json
 import shutil
 from pathlib import Path
 
+import pytest
+
 from commands import Run, assert_refused
+
+pytestmark = pytest.mark.slow
 
 POLICIES = Path(__file__).parents[2] / "examples" / "policies"
 BOTH_DRIVE = str(POLICIES / "both-drive.toml")

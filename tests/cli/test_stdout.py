@@ -141,6 +141,7 @@ def with_streams(
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("redirections", [">&-", "2>&-", "<&- >&- 2>&-"])
 def test_closed_streams_discard_the_output(redirections: str) -> None:
     result = with_streams(redirections, "keys")
@@ -169,6 +170,7 @@ PIPED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", PIPED, ids=" ".join)
 def test_closed_pipe_ends_the_command_quietly(arguments: tuple[str, ...]) -> None:
     reader, writer = os.pipe()

@@ -22,6 +22,7 @@ def without_ffmpeg(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path / "no-programs"))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("without_ffmpeg")
 def test_video_without_ffmpeg_is_a_gif(here: Run, tmp_path: Path) -> None:
     out = tmp_path / "out"

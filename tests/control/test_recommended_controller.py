@@ -28,6 +28,7 @@ def counted(noise_m_s: float, overrides: dict[str, float], carries: int) -> tupl
     return failed, float(columns["messages"].mean())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("carries", amounts(2_000, 40_000))
 @pytest.mark.parametrize(
     ("noise_m_s", "overrides", "most"),

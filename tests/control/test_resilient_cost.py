@@ -13,12 +13,15 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from cxx import program
 
 # What the compiler works out: the rows as sets of rows, and names.
 AT_COMPILE_TIME = ("TableRowMasks()", "conditions(unsigned", "is_sound", "awaited", "name_of")
 
 
+@pytest.mark.slow
 def test_every_branch_of_the_step_is_taken(tmp_path: Path) -> None:
     """Measured by gcov, for all functions that run after compilation, in the controller and in its
     receiver of beacons."""

@@ -11,6 +11,7 @@ from palmbots.control.tolerated_noise import RECOMMENDED, tolerated_noise
 from palmbots.scene.overrides import parse_overrides
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", shipped_names())
 def test_shipped_number_is_that_of_the_code(name: str) -> None:
     """On other seeds, within four standard errors of the new measurement, with the keys that its

@@ -8,6 +8,8 @@ import pytest
 
 from cxx import ROOT, program
 
+pytestmark = pytest.mark.slow
+
 CORE = ROOT / "tests" / "cpp"
 PROGRAMS = [
     path.relative_to(CORE).with_suffix("").as_posix() for path in sorted(CORE.glob("*/*_test.cpp"))

@@ -14,6 +14,8 @@ from palmbots.derivation.policy_file import PolicyTable, read_policy
 from palmbots.derivation.run_chart import chart
 from palmbots.derivation.verification import DELAY, REACH, SPAN, TURNING, Verification, verify
 
+pytestmark = pytest.mark.slow
+
 POLICIES = Path(__file__).parents[2] / "examples" / "policies"
 Machines = tuple[Machine, Machine]
 

@@ -51,6 +51,7 @@ def test_a_simulated_robot_is_fitted(found: MotionFit) -> None:
     assert hits >= 5  # of 7
 
 
+@pytest.mark.slow
 def test_intervals_cover_the_hidden_values() -> None:
     """Of few fits; tests/soak has many. A right interval fails in one of 1000 cases."""
     found = coverage(4, 50)
@@ -101,6 +102,7 @@ def test_parts_that_set_nothing_are_named(here: Run, tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_few_stretches_give_the_gain_only(tmp_path: Path) -> None:
     found = pb.fit(recorded(tmp_path, HIDDEN, seed=2, stretches=12), motion=True)
     assert set(found.keys) <= {"robot.gain", "robot.bias_m_s"}
@@ -123,6 +125,7 @@ def everything() -> Sequence[Path]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/robot-motion")
 def test_ten_runs_of_real_robots() -> None:
     """Gain 1.04 with a spread of 0.03. A model without a spread of the gain and without a white

@@ -37,6 +37,8 @@ from shape_files import svg, written
 from short_validation import short_validation
 from study_fixtures import SMALL
 
+pytestmark = pytest.mark.slow
+
 SHORT = {"task.distance_m": 0.2}
 COARSE: dict[str, Any] = {"relative_half_width": 0.1, "overrides": SHORT}
 ARC = {"task.path.kind": "arc", "task.path.radius_m": 0.5, **SHORT}

@@ -93,6 +93,7 @@ def check(scene: Scene, controller: str, seed: int, precision: Any = "double") -
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_carries_with_every_key(controller: str) -> None:
     """Every key is given for a table with beacons and one with a queue; for the others a few."""
@@ -120,6 +121,7 @@ def test_carries_of_any_scene(scene: Scene, controller: str, seed: int, precisio
     check(scene, controller, seed, precision)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", built_in_scenes())
 def test_carries_of_the_built_in_scenes(name: str) -> None:
     assert all(check(pb.load_scene(name), controller, 3) for controller in controller_names())

@@ -360,6 +360,7 @@ def files(here: Run, tmp_path: Path) -> dict[str, str]:
     return {word: str(tmp_path / name) for word, name in names.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("command", "arguments"), CALLS, ids=[row[0] for row in CALLS])
 def test_json_of_a_command_is_one_object_that_fits_its_schema_exactly(
     command: str,

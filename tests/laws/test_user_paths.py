@@ -13,6 +13,8 @@ from palmbots.pair.pair_file import load_pair
 from palmbots.scene.path_section import read_points
 from palmbots.studies.study_file import load_plan
 
+pytestmark = pytest.mark.slow
+
 SHORT = {"task.distance_m": 0.1}
 
 

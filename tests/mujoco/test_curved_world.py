@@ -84,6 +84,7 @@ def test_change_of_curvature_shifts_the_object_backward() -> None:
     assert 0.5 * most < left < most and -most < right < -0.5 * most
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_it_drifts_outward_and_the_mirror_image_likewise(mirrored: bool) -> None:
     scene = load_scene(scene_with(), {"task.distance_m": 0.9})
@@ -144,6 +145,7 @@ def test_beyond_the_palms_side_it_falls() -> None:
     assert near._end(near.contacts, (True, True)) == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.03, 0.0])
 def test_lips_stop_the_drift(height: float) -> None:
     lips = {"palm.lip_height_m": height, "palm.lip_clearance_m": 0.008, "task.distance_m": 1.0}

@@ -88,6 +88,7 @@ def test_axles_far_behind_the_palms_stand_more_askew() -> None:
     assert far / near == pytest.approx(0.65 / 0.25, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "verdict"), [(0.07, "kept"), (0.020, "near"), (0.008, "beyond")])
 def test_narrow_palms_are_warned_of_and_refused(
     width: float, verdict: str, capsys: pytest.CaptureFixture[str]

@@ -29,6 +29,8 @@ from palmbots.mujoco.overlay import METRES_PER_NEWTON, Overlay
 from palmbots.simulation.result import Carry
 from sampled import in_soak
 
+pytestmark = pytest.mark.slow
+
 SMALL, TINY = (480, 270), (240, 136)
 
 

@@ -88,6 +88,7 @@ def remembered(limit: Callable[..., speed.Limit]) -> Callable[..., speed.Limit]:
     return once
 
 
+@pytest.mark.slow
 def test_the_command_reports_and_draws(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

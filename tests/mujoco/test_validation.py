@@ -49,6 +49,7 @@ def done(request: pytest.FixtureRequest) -> Validation:
         return pickle.loads(file.read_bytes())
 
 
+@pytest.mark.slow
 def test_chosen_contacts_do_not_creep(done: Validation) -> None:
     assert 0 < max(map(abs, done.creep_m)) <= 0.25e-3
 
@@ -166,6 +167,7 @@ def test_at_high_noise_both_worlds_deliver_as_often(
     assert least < rate < most  # neither none nor all
 
 
+@pytest.mark.slow
 def test_the_command_reports_and_draws(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -22,6 +22,8 @@ from palmbots.mujoco.film import save_still
 from palmbots.mujoco.viewer import Viewer
 from waiting import wait_until
 
+pytestmark = pytest.mark.slow
+
 CARRY = [sys.executable, "-m", "palmbots", "carry", "--world", "mujoco"]
 BOX = (212, 180, 100)
 GREEN, PURPLE = np.array((0, 158, 115)), np.array((204, 121, 167))

@@ -51,6 +51,7 @@ NUMBERS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_bound_of_the_default_scene() -> None:
     """3.93 cm/s with level palms, and 0.2 % less because the palms are not level."""
     fractions: list[float] = []
@@ -127,6 +128,7 @@ def test_bias_of_both_robots_moves_the_pair() -> None:
     assert duration == pytest.approx(distance / 0.09 + 0.06)
 
 
+@pytest.mark.slow
 def test_longer_palms_and_faster_corrections_tolerate_more() -> None:
     base = bound().sigma_star_m_s
     for change in ({"palm.length_m": 0.18}, {"robot.correction_m_s": 0.04}):
@@ -185,6 +187,7 @@ def test_little_noise_gives_a_possible_speed() -> None:
     assert found.speed == pytest.approx(0.09, rel=0.01)
 
 
+@pytest.mark.slow
 def test_controllers_that_stand_beat_the_bound() -> None:
     """At a noise beyond the bound `standing` drops fewer, and `creeping` nothing: why the bound is
     for robots that keep driving."""

@@ -56,6 +56,7 @@ def test_scenes_with_little_noise_are_delivered(name: str, change: dict[str, obj
     assert any("no robot can run it" in line for line in run.warnings)
 
 
+@pytest.mark.slow
 def test_exact_coordinates_help_and_stopping_helps() -> None:
     """At a noise at which signs are not enough, on the same seeds."""
     noise = {"robot.noise_m_s": 0.05}

@@ -51,6 +51,7 @@ def test_references_are_no_shipped_controllers() -> None:
         assert entry.description.startswith("reference with full information")
 
 
+@pytest.mark.slow
 def test_drop_rate_is_near_the_prediction() -> None:
     """The palms turn in finite time, so one contact is farther out than the other: a little more
     drops than the opening problem predicts. Never less, within 4 standard errors."""

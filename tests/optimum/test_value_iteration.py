@@ -13,6 +13,8 @@ from palmbots._core import OpeningProblem
 from palmbots.optimum.opening import COARSE, FINE, Grid, best_price, opening_problem, solve
 from palmbots.scene.spec import to_spec
 
+pytestmark = pytest.mark.slow
+
 Array = NDArray[np.float64]
 
 

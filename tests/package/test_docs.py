@@ -47,6 +47,7 @@ def test_every_page_stands_in_the_contents() -> None:
     assert contents == pages - {"README.md"}
 
 
+@pytest.mark.slow
 def test_generated_parts_are_up_to_date() -> None:
     """When this fails: `make docs`."""
     script = ROOT / "scripts" / "generate_docs.py"

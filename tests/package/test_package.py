@@ -14,6 +14,8 @@ import palmbots
 from cxx import ROOT
 from waiting import locked
 
+pytestmark = pytest.mark.slow
+
 REFERENCE = "palmbots/scene/data/scene-keys.md"
 # In a text for users: an installation from an index, which does not have the package.
 FROM_INDEX = re.compile(r"""pip3? install [^\n`]*(?<![\w./-])palmbots(?![\w/-]|\S*\.whl)""")

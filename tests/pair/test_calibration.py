@@ -76,6 +76,7 @@ def misses(found: list[Finding], table: dict[str, Any]) -> list[str]:
     return missed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", sampled(range(0, 24, 3), 3))
 def test_every_interval_holds_the_hidden_value(first: int) -> None:
     for seed in range(first, first + 3):
@@ -164,6 +165,7 @@ CROOKED = {
 }
 
 
+@pytest.mark.slow
 def test_robots_that_do_not_drive_straight_deliver_in_mujoco_after_calibration(
     tmp_path: Path,
 ) -> None:

@@ -47,6 +47,7 @@ def busy(controller: str, seed: int = 0, **keys: object) -> pb.simulation.Carry:
     return pb.carry("paper", controller, seed=seed, overrides=disturbed | keys)
 
 
+@pytest.mark.slow
 @many
 @given(scenes(), controllers, precisions, seeds)
 def test_any_valid_scene_can_be_run(

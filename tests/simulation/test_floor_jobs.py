@@ -46,6 +46,7 @@ def lifted() -> Carry:
     return pb.carry("lift", "shared-sign")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("controller", ["shared-sign", "resilient", "distributed"])
 def test_the_whole_job_succeeds(controller: str) -> None:
     outcomes = run_seeds(to_spec(LIFT), controller, 0, 60, threads=2)["outcome"]
@@ -195,6 +196,7 @@ def test_the_mirrored_job_is_the_mirror_image_to_the_last_bit(seed: int, control
     assert (ours.trace.midpoint.values == -theirs.trace.midpoint.values).all()
 
 
+@pytest.mark.slow
 def test_any_number_of_threads_gives_the_same_bits() -> None:
     one, three = (run_seeds(to_spec(LIFT), "resilient", 0, 70, threads=n) for n in (1, 3))
     assert all((one[name] == three[name]).all() for name in one)

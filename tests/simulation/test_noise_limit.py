@@ -55,6 +55,7 @@ def curve(limit: float, slope: float, rate: float = 0.01) -> Any:
     return lambda noise: stats.norm.cdf(stats.norm.ppf(rate) + slope * (1 - limit / noise))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("limit", "slope", "rate", "runs"),
     [
@@ -83,6 +84,7 @@ def test_interval_covers_the_known_limit(
     assert 0.02 < np.median(widths) < 0.036
 
 
+@pytest.mark.slow
 def test_limit_agrees_with_plain_carries() -> None:
     """Half as much noise drops fewer, and at the limit 1 % drop, with seeds that were not used."""
     found = pb.noise_limit("paper", "distributed", relative_half_width=0.03, overrides=SHORT)

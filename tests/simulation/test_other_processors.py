@@ -62,6 +62,7 @@ def test_fused_operations_would_change_the_bits_and_are_forbidden() -> None:
     assert all(one != other for one, other in zip(fused, expected(), strict=True))
 
 
+@pytest.mark.slow
 def test_the_extensions_fuse_nothing() -> None:
     """GCC 12 fuses alternating sums of vectors (vfmaddsub) although the flag forbids it, where it
     vectorizes statements one by one. It has not done so in what is shipped."""

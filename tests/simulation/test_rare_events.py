@@ -36,6 +36,7 @@ NOISY = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "controller",
     [
@@ -81,6 +82,7 @@ def test_levels_change_only_the_scatter(effort: int) -> None:
     assert values[2][1] < 0.7 * values[0][1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "seed", "effort"), [(0.02, 3, 60), (0.0145, 0, 10)])
 def test_estimate_uses_only_the_counted_replicates(noise: float, seed: int, effort: int) -> None:
     """Recomputed here from the replicates after the pilot run: the rate, its interval by scipy's
@@ -121,6 +123,7 @@ def test_estimate_uses_only_the_counted_replicates(noise: float, seed: int, effo
     assert result.equivalent_carries == pytest.approx(ticks * spec.period / carry_s)
 
 
+@pytest.mark.slow
 def test_interval_has_the_requested_width() -> None:
     """Approximately, because the number of replicates is an estimate; and with no more work than
     needed."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which lines the tests of `make test` run, in C++ and in Python (`make coverage`).
+"""Which lines the tests run, in C++ and in Python (`make coverage`).
 
     .venv/bin/python tests/soak/measure_coverage.py [TESTS...]
 
@@ -43,7 +43,7 @@ def main(tests: list[str]) -> int:
         status |= subprocess.run([program], cwd=WORK, check=False).returncode
     status |= _python_tests(tests)
     rows = [*_cpp_rows(), *_python_rows()]
-    kind = " ".join(tests) or "all of make test"
+    kind = " ".join(tests) or "make test test-slow"
     with RESULTS.open("w", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(FIELDS)

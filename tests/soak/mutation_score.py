@@ -14,7 +14,7 @@ same seed.
 A row says in `equivalent` why a mutant has no effect that a test could find, if that is proven.
 
 The mutants of the chosen rooms are compiled into copies of the headers, once. Tests then run once
-per mutant, until the first of them fails: the C++ programs, with sanitizers as in `make test`, and
+per mutant, until the first of them fails: the C++ programs, with sanitizers, and
 the files of Python tests of the room in which the mutant is, and of those that use it. The rooms
 are done one after the other. What is proven to be equivalent is tried with the programs alone. A
 first run without a mutant records which tests reach which mutants, so that only those run. If a

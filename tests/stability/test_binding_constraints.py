@@ -77,6 +77,7 @@ def check(report: Analysis, number: int, shallow: Side) -> str:
     return found.binding
 
 
+@pytest.mark.slow
 def test_binding_state_fails_as_reported() -> None:
     rng = np.random.default_rng(0)
     texts: set[str] = set()

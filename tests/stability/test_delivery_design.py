@@ -59,6 +59,7 @@ def crate_scene() -> pb.Scene:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_designed_angles_drop_no_more_than_the_own_ones(crate: Design) -> None:
     assert crate.noise_limit is not None and crate.own.noise_limit is not None
     assert crate.noise_limit.interval[1] > crate.own.noise_limit.interval[0]
@@ -132,6 +133,7 @@ def test_angles_of_one_palm_are_replaced_too() -> None:
     assert found.noise_limit is None and found.sigma_star_m_s is None
 
 
+@pytest.mark.slow
 def test_command_writes_a_scene_and_prints_what_to_do(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

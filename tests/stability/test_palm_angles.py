@@ -65,6 +65,7 @@ def brute_tolerance(
     return -1.0 if not good[0] else float(steps[np.argmin(good)] if not good.all() else steps[-1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("resolution_deg", "least"), [(5.0, 15), pytest.param(3.0, 40, marks=pytest.mark.soak)]
 )
@@ -141,6 +142,7 @@ def holds_with_an_error(at: StabilityProblem, quantity: str, by: float) -> bool:
     return all(holds_everywhere(wrong, frictions, slopes) for wrong in wrong_by(at, quantity, by))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("quantity", "step"),
     [("friction", 0.01), ("slope", 0.005), ("region", 1e-3), ("angle", math.radians(0.2))],
@@ -276,6 +278,7 @@ def test_map_has_units_and_a_legend_that_covers_nothing(scene: Any) -> None:
     assert len(contours) >= 3
 
 
+@pytest.mark.slow
 def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["design", "--maximize", "com", "--friction", "0.3", "0.4", "--region", "palm"]
     words += ["--resolution-deg", "2", "--set", "task.distance_m=0.1"]

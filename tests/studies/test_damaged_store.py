@@ -43,6 +43,7 @@ def damaged(root: Path, what: str) -> None:
             shutil.rmtree(results)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "what",
     [
@@ -84,6 +85,7 @@ def test_record_with_an_impossible_layout_is_refused(
         run_study(load_plan(SMALL), root)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["another shape", "floats", "no tally", "no archive"])
 def test_foreign_mark_is_ignored(small: Path, tmp_path: Path, what: str) -> None:
     """Files of the right name that a study did not write: their chunk is carried again."""

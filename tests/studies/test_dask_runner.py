@@ -26,6 +26,8 @@ from sampled import in_soak, sampled
 from study_fixtures import CHUNK, marks, refused, said_here, study, study_here
 from waiting import wait_until
 
+pytestmark = pytest.mark.slow
+
 TIMEOUT_S = 60
 
 

@@ -77,6 +77,7 @@ def test_study_killed_while_it_begins_continues(long: Path, whole: str, tmp_path
     assert summary["hash"] == whole
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_completed_chunks(long: Path, whole: str, tmp_path: Path) -> None:
     root = tmp_path / "study"
     words = ("study", long, "--out", root, "--chunk-size", CHUNK)
@@ -91,6 +92,7 @@ def test_ctrl_c_keeps_completed_chunks(long: Path, whole: str, tmp_path: Path) -
     assert said_here(long, "--out", root)["hash"] == whole
 
 
+@pytest.mark.slow
 def test_second_process_is_refused(long: Path, whole: str, tmp_path: Path) -> None:
     root = tmp_path / "study"
     words = ("study", long, "--out", root, "--chunk-size", CHUNK)

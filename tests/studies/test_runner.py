@@ -157,6 +157,7 @@ def test_plain_xarray_opens_the_store(small: Path) -> None:
     assert not np.isnan(found.mean_peak_m).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [
@@ -255,6 +256,7 @@ def shuffled_marks(root: Path) -> Iterable[Path]:
     return random.Random(1).sample(sorted((root / "chunks").glob("*.npz")), 2)
 
 
+@pytest.mark.slow
 def test_damaged_chunks_are_carried_again(small: Path, tmp_path: Path) -> None:
     """Files of the store truncated, overwritten, removed; marks too."""
     root = tmp_path / "study"
@@ -283,6 +285,7 @@ def test_lost_chunk_file_is_carried_again(small: Path, tmp_path: Path) -> None:
     assert run_study(load_plan(SMALL), root).hash == hash_of(small)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sampled(VARIABLES, 3))
 def test_changed_value_in_any_column_is_carried_again(
     small: Path, tmp_path: Path, name: str
@@ -343,6 +346,7 @@ def test_command_and_python_agree(
     assert again["hash"] == summary["hash"]
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_number_of_carries(tmp_path: Path) -> None:
     """Twenty-five times the carries, the same peak: of real processes, as the system counts it."""
     # Not `ru_maxrss`: it counts the process that this one was forked from, too.

@@ -207,6 +207,7 @@ STOPPING: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 def test_cells_stop_at_the_first_precise_block(tmp_path: Path) -> None:
     """Each at the first block end at which its interval is narrow enough, and not before."""
     done = run_study(load_plan(STOPPING), tmp_path / "study")
@@ -249,6 +250,7 @@ def stopped(tmp_path_factory: pytest.TempPathFactory) -> str:
     return done.hash
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chunk", [66, 500, 10**6])
 def test_stopping_does_not_depend_on_chunks(tmp_path: Path, chunk: int, stopped: str) -> None:
     assert run_study(load_plan(SOON), tmp_path / "study", chunk_size=chunk).hash == stopped

@@ -125,6 +125,7 @@ def test_cost_of_a_controller_in_python_is_measured_by_single_carries() -> None:
     assert cost.ms_a_carry["Table2"] > 3 * cost.ms_a_carry["distributed"]
 
 
+@pytest.mark.slow
 def test_cluster_carries_controllers_in_python(tmp_path: Path) -> None:
     """Also a class that is defined in a function, and one in a file that workers cannot import."""
 

@@ -177,6 +177,7 @@ def overlaps(labels: list[Any], renderer: Any) -> int:
     return sum(a.overlaps(b) for a, b in itertools.pairwise(boxes))
 
 
+@pytest.mark.slow
 def test_no_words_overlap_or_are_cut_off(tmp_path: Path) -> None:
     log = {"from": 0.02, "to": 0.3, "steps": 4, "scale": "log"}
     fine = {"from": 0.005, "to": 0.03, "steps": 12}

@@ -76,6 +76,7 @@ ARRAYS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_damaged_file_is_reported(copy: Path) -> None:
     """One bit, one cut or one missing file, in any array; by the folder and by the store alone."""
     rng = random.Random(0)

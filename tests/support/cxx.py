@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The C++ programs of the tests: tests/cpp/CMakeLists.txt says what there is.
 
-python tests/support/cxx.py     builds all that `make test` needs, on all cores
+python tests/support/cxx.py     builds all that the tests need, on all cores
 """
 
 import functools

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `make test` runs of many similar cases. `make soak` runs all of them."""
+"""What the tests of a change run of many similar cases. `make soak` runs all of them."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -8,7 +8,7 @@ import pytest
 
 
 def sampled(cases: Iterable[Any], every: int) -> list[Any]:
-    """Parameters of a test: `make test` runs the first case and each `every`-th after it.
+    """Parameters of a test: outside of `make soak` the first case and each `every`-th after it.
 
     A case that is a tuple has a value for each parameter.
     """
@@ -19,7 +19,7 @@ def sampled(cases: Iterable[Any], every: int) -> list[Any]:
 
 
 def amounts(few: Any, many: Any) -> list[Any]:
-    """How many random cases a test tries in `make test`, and how many in `make soak`."""
+    """How many random cases a test tries before a change, and how many in `make soak`."""
     return [few, in_soak(many)]
 
 

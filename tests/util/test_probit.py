@@ -48,6 +48,7 @@ def test_fit_and_interval_are_those_of_a_general_minimizer(seed: int) -> None:
     assert width == pytest.approx(2 * 1.96 / (4 * math.sqrt(25_000 * information(RATE))), rel=0.5)
 
 
+@pytest.mark.slow
 def test_interval_covers_a_known_crossing_in_95_percent() -> None:
     """250 samples whose window misses the crossing by up to a third: 95 % ± 4 standard errors."""
     rng = np.random.default_rng(1)

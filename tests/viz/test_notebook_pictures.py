@@ -18,6 +18,7 @@ print(shown["image/png"][:4])
 """
 
 
+@pytest.mark.slow
 def test_a_figure_is_shown_without_a_magic_command() -> None:
     """In a process of its own: there is one shell for each."""
     run = subprocess.run([sys.executable, "-c", CELLS], capture_output=True, text=True)

@@ -77,6 +77,7 @@ def test_names_of_cases_that_follow_at_once_do_not_overlap() -> None:
             assert not any(box.overlaps(other) for other in boxes[k + 1 :])
 
 
+@pytest.mark.slow
 def test_no_arrow_crosses_the_name_of_a_message() -> None:
     """Where a contact comes back at once, TiltDown is sent as the Ack arrives."""
     at_once = 0

@@ -47,6 +47,7 @@ def test_siphash_of_the_oracle_matches_the_published_vectors() -> None:
         assert tag.to_bytes(8, "little") == vector, n
 
 
+@pytest.mark.slow
 def test_golden_packets() -> None:
     """A change of the format is a new version (then run tests/support/wire_oracle.py)."""
     assert oracle.GOLDEN.read_text(encoding="utf-8") == oracle.golden()

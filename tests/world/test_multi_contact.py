@@ -138,6 +138,7 @@ def case(seed: int) -> Case:
     return Case(OBJECTS[int(rng.integers(len(OBJECTS)))], keys, script)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cases", amounts(7, 16))
 def test_motion_is_that_of_an_independent_world(cases: int) -> None:
     seen = {"further": 0, "lifted": 0, "ended": 0}

@@ -148,6 +148,7 @@ def random_case(rng: np.random.Generator, *, sticky: bool) -> tuple[dict[str, An
 # ---- the claims are true -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cases", amounts(24, 60))
 @pytest.mark.parametrize("sticky", [False, True])
 def test_verdicts_agree_with_linear_programs(sticky: bool, cases: int, tmp_path: Path) -> None:

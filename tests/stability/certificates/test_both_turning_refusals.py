@@ -214,6 +214,7 @@ def test_command_names_what_fails(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "both palms turning: the right palm cannot hold" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_design_certifies_what_holds_at_its_angles(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -25,6 +25,7 @@ LAMBDA: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("claim", CLAIMS)
 @pytest.mark.parametrize(("boxes", "states"), [(12, 500), in_soak(400, 100_000)])
 def test_claim_alone_is_true_where_it_is_certified(claim: str, boxes: int, states: int) -> None:

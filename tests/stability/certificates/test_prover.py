@@ -113,6 +113,7 @@ def random_uncertainty(rng: np.random.Generator) -> dict[str, Any]:
     return {k: v for k, v in given.items() if k == "common_friction" or rng.random() < 0.7}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cases", amounts(15, 36))
 def test_verdicts_agree_with_brute_force(cases: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(2)

@@ -20,6 +20,8 @@ from palmbots.stability.figures.analysis_figures import (
 )
 from palmbots.viz.save_figure import write_figure
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def paper() -> Analysis:
