@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Numbers and nouns as text."""
 
+import math
 import string
 from typing import Any
 
@@ -49,3 +50,13 @@ def letter_label(index: int) -> str:
         index, digit = divmod(index - 1, 26)
         text = string.ascii_uppercase[digit] + text
     return text
+
+
+def rounded_up(value: float, digits: int) -> float:
+    """The next number with so many digits behind the point, as a least value to allow."""
+    return math.ceil(value * 10**digits) / 10**digits if math.isfinite(value) else value
+
+
+def rounded_down(value: float, digits: int) -> float:
+    """The same below, as a largest value to allow."""
+    return math.floor(value * 10**digits) / 10**digits if math.isfinite(value) else value

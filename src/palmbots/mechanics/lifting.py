@@ -15,12 +15,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import palmbots._core as _core
-from palmbots._types import SIDES, BySide, MaybeNaN, Side
+from palmbots._types import SIDES, BySide, MaybeNaN
 from palmbots._util.arguments import show
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table, bold, verdict, warning
-from palmbots._util.text import millimetres
+from palmbots._util.text import millimetres, rounded_down, rounded_up
 from palmbots.errors import SceneError
+from palmbots.mechanics import lift_refusals
+from palmbots.mechanics.lift_refusals import newtons, numbers_of
 from palmbots.mechanics.lifting_forces import (
     Docking,
     Plate,
@@ -156,8 +158,8 @@ class Lifting:
         heads = ("left", "right")
         yield Table(list(self._rows()), ("", *heads), right=heads)
         yield (
-            f"properties with the noses on the floor: {_names(self.on_floor)}; pivots level: "
-            f"{_names(self.in_air)}"
+            f"properties with the noses on the floor: {numbers_of(self.on_floor)}; pivots level: "
+            f"{numbers_of(self.in_air)}"
         )
         yield (
             f"while both arms move, they differ by up to {millimetres(self.arms_differ_m)}; with "
@@ -175,13 +177,13 @@ class Lifting:
             yield row("nose over the floor", lambda one: _mm(one.nose_height_m))
             yield row("  gets under below", lambda one: _mm(one.thickest_m))
             yield row("  lean of the contact", lambda one: f"{one.lean_deg:.1f}°")
-            yield row("squeeze to get under", lambda one: _newtons(one.squeeze_n, "none suffices"))
-            yield row("  second", lambda one: _newtons(one.second_n, "none suffices"))
-            yield row("  partner's palm holds", lambda one: _newtons(one.held_n))
-            yield row("  partner's heel holds", lambda one: _newtons(one.heel_held_n))
+            yield row("squeeze to get under", lambda one: newtons(one.squeeze_n, "none suffices"))
+            yield row("  second", lambda one: newtons(one.second_n, "none suffices"))
+            yield row("  partner's palm holds", lambda one: newtons(one.held_n))
+            yield row("  partner's heel holds", lambda one: newtons(one.heel_held_n))
             yield row("  partner needs a heel of", lambda one: _mm(one.least_heel_m))
             yield row("  or an angle of", lambda one: f"{one.least_partner_deg:.1f}°")
-            yield row("robot pushes at most", lambda one: _newtons(one.push_n))
+            yield row("robot pushes at most", lambda one: newtons(one.push_n))
             yield row("  heaviest object", lambda one: _kilograms(one.heaviest_kg))
         if self.puts_down:
             yield row("floor friction, leaves steep", lambda one: _number(one.floor_friction.right))
@@ -227,8 +229,8 @@ def lifting(scene: Scene) -> Lifting | None:
     )
     return replace(
         result,
-        refusals=tuple(_refusals(scene, result)),
-        warnings=tuple(_warnings(scene, result)),
+        refusals=tuple(lift_refusals.refusals(scene, result)),
+        warnings=tuple(lift_refusals.warnings(scene, result)),
     )
 
 
@@ -371,163 +373,13 @@ def _arms_differ(scene: Scene, spec: _core.Spec) -> float:
     return max(arm.rate_m_per_s for arm in arms) * late + sum(arm.height_error_m for arm in arms)
 
 
-def _refusals(scene: Scene, found: Lifting) -> Iterator[str]:
-    for side in SIDES:
-        yield from _refusals_of_arm(scene, found, side)
-    if found.picks_up:
-        for side in SIDES:
-            yield from _refusals_of_dock(scene, found, side)
-        if found.held_gap_m < 0:
-            width, least = found.body.width, found.body.width - found.held_gap_m
-            yield (
-                f"object.vertices_m: the contact vertices are {millimetres(width)} apart, and the "
-                "noses of the palms meet below the object; allowed: at least "
-                f"{millimetres(least)}, or shorter palms (palm.length_m)"
-            )
-        missing = [n for n in (0, 2) if n not in found.on_floor]
-        if missing:
-            yield (
-                f"palm.shallow_deg, palm.steep_deg: property {_names(missing)} does not hold while "
-                "the noses are on the floor, where the pivots of the palms are at different "
-                "heights, so corrections lose the object; allowed: pairs of angles with which it "
-                "holds"
-            )
-    taken = [found.palms[side].floor_friction.right for side in _keeping(scene)]
-    if found.puts_down and len(taken) == len(SIDES) and found.floor_friction < min(taken):
-        yield (
-            f"floor.friction: value is {found.floor_friction:g}, so the palm that leaves last "
-            f"takes the object along; allowed: at least {_up(min(taken), 3):g}, or palm.steep_deg "
-            "nearer to the friction angle"
-        )
-
-
-def _keeping(scene: Scene) -> Iterator[Side]:
-    """The palms on which the object does not slide by itself: steep, they are below the friction
-    angle."""
-    for side in SIDES:
-        palm = scene.palm_of(side)
-        if math.radians(palm.steep_deg) < math.atan(palm.friction):
-            yield side
-
-
-def _refusals_of_arm(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
-    palm, arm, own = scene.palm_of(side), scene.arm.of(side), found.palms[side]
-    shallowest = min(palm.shallow_deg, palm.steep_deg)
-    if shallowest < 0:
-        yield (
-            f"palm.shallow_deg: value is {shallowest:g} on the {side} side, where the outer end "
-            "of the palm is its lowest point; allowed on the floor: at least 0"
-        )
-    elif own.pivot_m.left < arm.lowest_pivot_m:
-        yield (
-            f"arm.lowest_pivot_m: value is {arm.lowest_pivot_m:g}, but the pivot of the {side} "
-            f"palm is only {millimetres(own.pivot_m.left)} over the floor at {shallowest:g}°; "
-            f"allowed: at most that, or palm angles of at least {_up(own.least_angle_deg, 1):g}°"
-        )
-    if arm.carry_height_m <= own.pivot_m.right:
-        yield (
-            f"arm.carry_height_m: value is {arm.carry_height_m:g}, which does not raise the "
-            f"{side} palm off the floor; allowed: more than {_up(own.pivot_m.right, 4):g}"
-        )
-
-
-def _refusals_of_dock(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
-    palm, own, partner = scene.palm_of(side), found.palms[side], SIDES[1 - SIDES.index(side)]
-    if own.nose_height_m >= own.thickest_m and own.nose_height_m > 0:
-        name = "thickness_m" if palm.nose_m is None else "nose_m"
-        radius = _up(own.nose_height_m / (1 - math.sin(math.atan(palm.friction))), 4)
-        height = millimetres(own.nose_height_m)
-        high = f"the upper edge of the {side} nose is {height} over the floor"
-        if found.edge_radius_m == 0:
-            yield (
-                f"object.edge_radius_m: value is 0, but {high}, and no nose gets under a sharp "
-                f"edge; allowed: more than {radius:g}, or palm.{name} = 0"
-            )
-            return
-        yield (
-            f"palm.{name}: {high}, and gets under an edge with object.edge_radius_m = "
-            f"{found.edge_radius_m:g} only below {millimetres(own.thickest_m)}; allowed: a "
-            f"thinner nose, or an edge radius of more than {radius:g}"
-        )
-        return
-    if not own.may_get_under:
-        heel = scene.palm_of(partner).heel_m
-        angle = f"palm.steep_deg of at least {_up(own.least_partner_deg, 1):g}"
-        high = _up(own.least_heel_m, 4)
-        allowed = angle if math.isinf(high) else f"at least {high:g}, or {angle}"
-        yield (
-            f"palm.heel_m: value is {heel:g} on the {partner} side, so the robots jam: the "
-            f"{side} nose needs {_newtons(own.second_n, 'more than any push')} to get under, and "
-            f"the {partner} palm holds {_newtons(max(own.held_n, own.heel_held_n))}; "
-            f"allowed: {allowed}"
-        )
-    elif scene.object.mass_kg > own.heaviest_kg:
-        yield (
-            f"object.mass_kg: value is {scene.object.mass_kg:g}, and the robots would have to "
-            f"push with {_newtons(max(own.squeeze_n, own.second_n))} to get the {side} nose under "
-            f"it; allowed: at most {_down(own.heaviest_kg, 3):g} with the traction of these robots"
-        )
-
-
-def _warnings(scene: Scene, found: Lifting) -> Iterator[str]:
-    if found.raises_first:
-        missing = [n for n in PROPERTIES if n not in found.on_floor]
-        yield (
-            f"property {' and '.join(map(str, missing))} does not hold while the noses are on the "
-            "floor, where the pivots are at different heights: corrections may lose the object"
-        )
-    for side in SIDES if found.picks_up else ():
-        own, partner = found.palms[side], SIDES[1 - SIDES.index(side)]
-        if own.may_get_under and not own.gets_under:
-            yield (
-                f"palm.heel_m is {scene.palm_of(partner).heel_m:g} on the {partner} side, over "
-                f"which the object may roll while the {side} nose gets under; it is a stop from "
-                f"{_up(own.least_heel_m, 4):g} on"
-            )
-    if found.picks_up and found.nose_gap_m < 0:
-        yield (
-            f"the noses may meet below the object, which is {millimetres(found.body.width)} wide, "
-            f"by {millimetres(-found.nose_gap_m)}, when one contact is at its heel"
-        )
-    if found.puts_down:
-        keeping = (found.palms[side].floor_friction.right for side in _keeping(scene))
-        needed = max(keeping, default=0.0)
-        if found.floor_friction < needed:
-            yield (
-                f"floor.friction is {found.floor_friction:g}: if the wrong palm leaves last, it "
-                f"takes the object along; none does from {_up(needed, 3):g} on"
-            )
-    if found.in_air == PROPERTIES and found.arms_differ_m > found.permitted_rise_m:
-        yield (
-            f"the arms may differ by {millimetres(found.arms_differ_m)} while they move, and the "
-            f"properties hold up to {millimetres(found.permitted_rise_m)} (arm.rate_m_per_s, "
-            "arm.height_error_m, radio.lease_s)"
-        )
-
-
-def _up(value: float, digits: int) -> float:
-    return math.ceil(value * 10**digits) / 10**digits if math.isfinite(value) else value
-
-
-def _down(value: float, digits: int) -> float:
-    return math.floor(value * 10**digits) / 10**digits if math.isfinite(value) else value
-
-
-def _names(numbers: tuple[int, ...] | list[int]) -> str:
-    return ", ".join(map(str, numbers)) or "none"
-
-
 def _mm(value: float) -> str:
     return "none helps" if math.isinf(value) else f"{1e3 * value:.2f} mm"
 
 
-def _newtons(value: float, infinite: str = "any") -> str:
-    return infinite if math.isinf(value) else f"{value:.2f} N"
-
-
 def _kilograms(value: float) -> str:
-    return "any" if math.isinf(value) else f"{_down(value, 3):g} kg"
+    return "any" if math.isinf(value) else f"{rounded_down(value, 3):g} kg"
 
 
 def _number(value: float) -> str:
-    return "any" if math.isinf(value) else f"{_up(value, 3):g}"
+    return "any" if math.isinf(value) else f"{rounded_up(value, 3):g}"

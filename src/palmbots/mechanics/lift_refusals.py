@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why a job on the floor cannot begin and what may end it, in words, from the closed forms of
+`palmbots.mechanics.lifting`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from palmbots._types import SIDES, Side
+from palmbots._util.text import millimetres, rounded_down, rounded_up
+from palmbots.mechanics.unlevel_pivots import PROPERTIES
+from palmbots.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from palmbots.mechanics.lifting import Lifting
+
+
+def refusals(scene: Scene, found: Lifting) -> Iterator[str]:
+    """Why the job cannot begin."""
+    for side in SIDES:
+        yield from _refusals_of_arm(scene, found, side)
+    if found.picks_up:
+        for side in SIDES:
+            yield from _refusals_of_dock(scene, found, side)
+        if found.held_gap_m < 0:
+            width, least = found.body.width, found.body.width - found.held_gap_m
+            yield (
+                f"object.vertices_m: the contact vertices are {millimetres(width)} apart, and the "
+                "noses of the palms meet below the object; allowed: at least "
+                f"{millimetres(least)}, or shorter palms (palm.length_m)"
+            )
+        missing = [n for n in (0, 2) if n not in found.on_floor]
+        if missing:
+            yield (
+                f"palm.shallow_deg, palm.steep_deg: property {numbers_of(missing)} does not "
+                "hold while the noses are on the floor, where the pivots of the palms are at "
+                "different heights, so corrections lose the object; allowed: pairs of angles with "
+                "which it holds"
+            )
+    taken = [found.palms[side].floor_friction.right for side in _keeping(scene)]
+    if found.puts_down and len(taken) == len(SIDES) and found.floor_friction < min(taken):
+        yield (
+            f"floor.friction: value is {found.floor_friction:g}, so the palm that leaves last "
+            f"takes the object along; allowed: at least {rounded_up(min(taken), 3):g}, or "
+            "palm.steep_deg nearer to the friction angle"
+        )
+
+
+def _keeping(scene: Scene) -> Iterator[Side]:
+    """The palms on which the object does not slide by itself: steep, they are below the friction
+    angle."""
+    for side in SIDES:
+        palm = scene.palm_of(side)
+        if math.radians(palm.steep_deg) < math.atan(palm.friction):
+            yield side
+
+
+def _refusals_of_arm(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
+    palm, arm, own = scene.palm_of(side), scene.arm.of(side), found.palms[side]
+    shallowest = min(palm.shallow_deg, palm.steep_deg)
+    if shallowest < 0:
+        yield (
+            f"palm.shallow_deg: value is {shallowest:g} on the {side} side, where the outer end "
+            "of the palm is its lowest point; allowed on the floor: at least 0"
+        )
+    elif own.pivot_m.left < arm.lowest_pivot_m:
+        yield (
+            f"arm.lowest_pivot_m: value is {arm.lowest_pivot_m:g}, but the pivot of the {side} "
+            f"palm is only {millimetres(own.pivot_m.left)} over the floor at {shallowest:g}°; "
+            f"allowed: at most that, or palm angles of at least "
+            f"{rounded_up(own.least_angle_deg, 1):g}°"
+        )
+    if arm.carry_height_m <= own.pivot_m.right:
+        yield (
+            f"arm.carry_height_m: value is {arm.carry_height_m:g}, which does not raise the "
+            f"{side} palm off the floor; allowed: more than {rounded_up(own.pivot_m.right, 4):g}"
+        )
+
+
+def _refusals_of_dock(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
+    palm, own, partner = scene.palm_of(side), found.palms[side], SIDES[1 - SIDES.index(side)]
+    if own.nose_height_m >= own.thickest_m and own.nose_height_m > 0:
+        name = "thickness_m" if palm.nose_m is None else "nose_m"
+        radius = rounded_up(own.nose_height_m / (1 - math.sin(math.atan(palm.friction))), 4)
+        height = millimetres(own.nose_height_m)
+        high = f"the upper edge of the {side} nose is {height} over the floor"
+        if found.edge_radius_m == 0:
+            yield (
+                f"object.edge_radius_m: value is 0, but {high}, and no nose gets under a sharp "
+                f"edge; allowed: more than {radius:g}, or palm.{name} = 0"
+            )
+            return
+        yield (
+            f"palm.{name}: {high}, and gets under an edge with object.edge_radius_m = "
+            f"{found.edge_radius_m:g} only below {millimetres(own.thickest_m)}; allowed: a "
+            f"thinner nose, or an edge radius of more than {radius:g}"
+        )
+        return
+    if not own.may_get_under:
+        heel = scene.palm_of(partner).heel_m
+        angle = f"palm.steep_deg of at least {rounded_up(own.least_partner_deg, 1):g}"
+        high = rounded_up(own.least_heel_m, 4)
+        allowed = angle if math.isinf(high) else f"at least {high:g}, or {angle}"
+        yield (
+            f"palm.heel_m: value is {heel:g} on the {partner} side, so the robots jam: the "
+            f"{side} nose needs {newtons(own.second_n, 'more than any push')} to get under, and "
+            f"the {partner} palm holds {newtons(max(own.held_n, own.heel_held_n))}; "
+            f"allowed: {allowed}"
+        )
+    elif scene.object.mass_kg > own.heaviest_kg:
+        yield (
+            f"object.mass_kg: value is {scene.object.mass_kg:g}, and the robots would have to "
+            f"push with {newtons(max(own.squeeze_n, own.second_n))} to get the {side} nose under "
+            f"it; allowed: at most {rounded_down(own.heaviest_kg, 3):g} with the traction of these "
+            "robots"
+        )
+
+
+def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
+    """What may end it."""
+    if found.raises_first:
+        missing = [n for n in PROPERTIES if n not in found.on_floor]
+        yield (
+            f"property {' and '.join(map(str, missing))} does not hold while the noses are on the "
+            "floor, where the pivots are at different heights: corrections may lose the object"
+        )
+    for side in SIDES if found.picks_up else ():
+        own, partner = found.palms[side], SIDES[1 - SIDES.index(side)]
+        if own.may_get_under and not own.gets_under:
+            yield (
+                f"palm.heel_m is {scene.palm_of(partner).heel_m:g} on the {partner} side, over "
+                f"which the object may roll while the {side} nose gets under; it is a stop from "
+                f"{rounded_up(own.least_heel_m, 4):g} on"
+            )
+    if found.picks_up and found.nose_gap_m < 0:
+        yield (
+            f"the noses may meet below the object, which is {millimetres(found.body.width)} wide, "
+            f"by {millimetres(-found.nose_gap_m)}, when one contact is at its heel"
+        )
+    if found.puts_down:
+        keeping = (found.palms[side].floor_friction.right for side in _keeping(scene))
+        needed = max(keeping, default=0.0)
+        if found.floor_friction < needed:
+            yield (
+                f"floor.friction is {found.floor_friction:g}: if the wrong palm leaves last, it "
+                f"takes the object along; none does from {rounded_up(needed, 3):g} on"
+            )
+    if found.in_air == PROPERTIES and found.arms_differ_m > found.permitted_rise_m:
+        yield (
+            f"the arms may differ by {millimetres(found.arms_differ_m)} while they move, and the "
+            f"properties hold up to {millimetres(found.permitted_rise_m)} (arm.rate_m_per_s, "
+            "arm.height_error_m, radio.lease_s)"
+        )
+
+
+def numbers_of(numbers: tuple[int, ...] | list[int]) -> str:
+    """Numbers of properties as text."""
+    return ", ".join(map(str, numbers)) or "none"
+
+
+def newtons(value: float, infinite: str = "any") -> str:
+    """A force as text: 1.90 N; `infinite` where there is no limit."""
+    return infinite if math.isinf(value) else f"{value:.2f} N"
