@@ -196,7 +196,11 @@ def test_drops(
 CONTROLLERS: list[tuple[list[OutcomeCounts], str, str]] = [
     ([counts("none", 900), counts("silent", 0), GOOD], "yes", "silent, shared-sign"),
     ([counts("silent", 3), counts("distributed", 5), POOR], "partly", "silent"),  # 5: up to 1.2 %
-    ([counts("silent", 900), POOR], "no", "none is shown to fail in at most 1 % of carries"),
+    (
+        [counts("silent", 900), POOR],
+        "no",
+        "no controller is shown to fail in at most 1 % of carries",
+    ),
 ]
 
 

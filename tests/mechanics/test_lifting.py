@@ -109,7 +109,7 @@ def test_one_palm_that_takes_the_object_along_is_warned_about() -> None:
     found = of(floor__friction=0.06, palm__left__friction=0.4)
     assert found.works
     (line,) = [line for line in found.warnings if "floor.friction" in line]
-    assert "takes the object along" in line and "from 0.119 on" in line
+    assert "takes the object along" in line and "at 0.119 or more" in line
 
 
 def test_the_easiest_way_under_the_object_decides_what_the_robots_need() -> None:

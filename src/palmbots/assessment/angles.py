@@ -92,7 +92,7 @@ def try_angles(
     report(0.05)
     if not found:
         return NoPair(
-            f"none of {len(PAIRS)} pairs of angles is allowed and keeps all properties, so no "
+            f"each of {len(PAIRS)} pairs of angles is refused or violates a property, so no "
             "carry was tried with them"
         )
     failures = {}

@@ -38,7 +38,7 @@ def on_assumptions(scene: Scene) -> Answer:
     """What the answers take for granted. Whether it is true palmbots cannot know."""
     values = assumed(scene)
     listed = ", ".join(f"{key} {_text(value)}" for key, value in values.items())
-    text = f"defaults: {listed}; set what you measured"
+    text = f"defaults: {listed}; set those that you have measured"
     if not values:
         text = f"none of these has its default: {', '.join(DECISIVE)}"
     return Answer("Are the values measured?", "open", text, "palmbots keys")

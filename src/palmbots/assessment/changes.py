@@ -168,7 +168,7 @@ def try_changes(
         except PalmbotsError:  # the palms collide, or a value is beyond its limits
             continue
     if not judged or count is None:
-        why = "no change that was tried is allowed and keeps all properties" if plans else _WEAK
+        why = "every change that was tried is refused or violates a property" if plans else _WEAK
         return NoChange(why, is_for_load=is_heavy)
     ranked = sorted(judged, key=lambda k: judged[k])
     chosen, mujoco = ranked[0], None
@@ -212,7 +212,7 @@ def try_changes(
 
 
 _LONG = "carries take too long, so no change was tried"
-_WEAK = f"no stronger robots that were tried hold it (up to {STRONGER[-1]:g} times as strong)"
+_WEAK = f"even robots up to {STRONGER[-1]:g} times as strong do not hold it"
 _HEAVIER = "with every change that was tried the object is too heavy for the robots"
 _ALL_FAIL = "in MuJoCo every carry fails with each of the stronger robots that were tried"
 
@@ -225,8 +225,8 @@ def _unfailing(scene: Scene, count: int) -> str:
             f"{NOISE_FACTORS[-1]:g} times the noise"
         )
     return (
-        f"none of {count:,} carries fails, and there is no noise that could be raised to compare "
-        "changes"
+        f"none of {count:,} carries fails, and there is no noise to raise, so changes cannot be "
+        "compared"
     )
 
 

@@ -138,7 +138,7 @@ def _arrivals(trial: LoadTrial) -> str:
         "none": "",
         "weight": ": the weight is the reason",
         "other": ": the weight is probably not the reason",
-        "unclear": ": these do not show whether the weight is the reason",
+        "unclear": ": these carries do not show whether the weight is the reason",
     }
     return text + means[trial.cause]
 
@@ -171,7 +171,7 @@ def on_controllers(counts: Sequence[OutcomeCounts], name: str, scene: Scene) -> 
         command += f" --sweep {key} --values {noises}"
     enough = [one.controller for one in counts if suffices(one)]
     if not enough:
-        text = f"none is shown to fail in at most {100 * SMALL:g} % of carries"
+        text = f"no controller is shown to fail in at most {100 * SMALL:g} % of carries"
         return Answer(question, "no", text, command)
     text = ", ".join(enough)
     return Answer(question, "yes" if RECOMMENDED in enough else "partly", text, command)

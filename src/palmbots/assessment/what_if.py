@@ -108,7 +108,7 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
         )
         verdict = "likely" if trial.alike == "holds" else "no"
     elif trial.unlike != "holds" and trial.alike == "holds":
-        proofs[0] += ", with the same on both palms"
+        proofs[0] += ", if it is the same on both palms"
         command += " --common-friction"
         word = "fails for some pairs of values" if trial.unlike == "fails" else "may fail"
         proofs.append(f"if the palms differ within the interval, a property {word}")

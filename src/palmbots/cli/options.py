@@ -35,8 +35,8 @@ SHARED = {
     ),
     "overrides": Option(
         "--set --with",
-        "Override a scene key, or those of a file such as palmbots fit writes (repeatable; single "
-        "keys count more than files); list them: palmbots keys.",
+        "Override a scene key, or the keys of a file such as palmbots fit writes (repeatable; "
+        "single keys override files); list them: palmbots keys.",
         "KEY=VALUE|FILE.toml",
     ),
     "controller": Option(
@@ -52,11 +52,11 @@ SHARED = {
     "world": Option(help="Simulated world: {worlds}.", metavar="NAME"),
     "pair": Option(help="The pair.toml of both robots.", metavar="PAIR", is_argument=True),
     "side": Option(help="left or right.", metavar="SIDE"),
-    "lockstep": Option(help="World and robots wait for each other every tick."),
+    "lockstep": Option(help="Let world and robots wait for each other in every tick."),
     "rate": Option(help="Run at this multiple of real time.", least=0.01, most=100.0),
     "log": Option(help="Folder for the log [default: log_folder of PAIR].", metavar="DIR"),
     "no_log": Option(help="Write no log."),
-    "plain": Option(help="Lines, not a screen; the default if stdout is no terminal."),
+    "plain": Option(help="Print lines, not a screen; the default if stdout is no terminal."),
     "as_json": Option("--json", "Print one JSON object and nothing else."),
 }
 """Options of parameters with these names, in all commands."""

@@ -68,7 +68,7 @@ def _refusals_of_arm(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
     elif own.pivot_m.left < arm.lowest_pivot_m:
         yield (
             f"arm.lowest_pivot_m: value is {arm.lowest_pivot_m:g}, but the pivot of the {side} "
-            f"palm is only {millimetres(own.pivot_m.left)} over the floor at {shallowest:g}°; "
+            f"palm is only {millimetres(own.pivot_m.left)} above the floor at {shallowest:g}°; "
             f"allowed: at most that, or palm angles of at least "
             f"{rounded_up(own.least_angle_deg, 1):g}°"
         )
@@ -85,7 +85,7 @@ def _refusals_of_dock(scene: Scene, found: Lifting, side: Side) -> Iterator[str]
         name = "thickness_m" if palm.nose_m is None else "nose_m"
         radius = rounded_up(own.nose_height_m / (1 - math.sin(math.atan(palm.friction))), 4)
         height = millimetres(own.nose_height_m)
-        high = f"the upper edge of the {side} nose is {height} over the floor"
+        high = f"the upper edge of the {side} nose is {height} above the floor"
         if found.edge_radius_m == 0:
             yield (
                 f"object.edge_radius_m: value is 0, but {high}, and no nose gets under a sharp "
@@ -93,7 +93,7 @@ def _refusals_of_dock(scene: Scene, found: Lifting, side: Side) -> Iterator[str]
             )
             return
         yield (
-            f"palm.{name}: {high}, and gets under an edge with object.edge_radius_m = "
+            f"palm.{name}: {high}, and the nose gets under an edge with object.edge_radius_m = "
             f"{found.edge_radius_m:g} only below {millimetres(own.thickest_m)}; allowed: a "
             f"thinner nose, or an edge radius of more than {radius:g}"
         )
@@ -130,14 +130,14 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
         own, partner = found.palms[side], SIDES[1 - SIDES.index(side)]
         if own.may_get_under and not own.gets_under:
             yield (
-                f"palm.heel_m is {scene.palm_of(partner).heel_m:g} on the {partner} side, over "
-                f"which the object may roll while the {side} nose gets under; it is a stop from "
-                f"{rounded_up(own.least_heel_m, 4):g} on"
+                f"palm.heel_m is {scene.palm_of(partner).heel_m:g} on the {partner} side: the "
+                f"object may roll over this heel while the {side} nose gets under; at "
+                f"{rounded_up(own.least_heel_m, 4):g} or more it cannot"
             )
     if found.picks_up and found.nose_gap_m < 0:
         yield (
-            f"the noses may meet below the object, which is {millimetres(found.body.width)} wide, "
-            f"by {millimetres(-found.nose_gap_m)}, when one contact is at its heel"
+            f"the object is {millimetres(found.body.width)} wide, and the noses may overlap below "
+            f"it by {millimetres(-found.nose_gap_m)} when one contact is at its heel"
         )
     if found.puts_down:
         keeping = (found.palms[side].floor_friction.right for side in _keeping(scene))
@@ -145,13 +145,13 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
         if found.floor_friction < needed:
             yield (
                 f"floor.friction is {found.floor_friction:g}: if the wrong palm leaves last, it "
-                f"takes the object along; none does from {rounded_up(needed, 3):g} on"
+                f"takes the object along; no palm does at {rounded_up(needed, 3):g} or more"
             )
     if found.in_air == PROPERTIES and found.arms_differ_m > found.permitted_rise_m:
         yield (
-            f"the arms may differ by {millimetres(found.arms_differ_m)} while they move, and the "
-            f"properties hold up to {millimetres(found.permitted_rise_m)} (arm.rate_m_per_s, "
-            "arm.height_error_m, radio.lease_s)"
+            f"the heights of the arms may differ by {millimetres(found.arms_differ_m)} while they "
+            f"move, but the properties hold only up to {millimetres(found.permitted_rise_m)} "
+            "(arm.rate_m_per_s, arm.height_error_m, radio.lease_s)"
         )
 
 

@@ -50,7 +50,7 @@ class PalmLift:
     object."""
 
     nose_height_m: float
-    """Of the upper edge of its nose over the floor, palm steep."""
+    """Of the upper edge of its nose above the floor, palm steep."""
     thickest_m: float
     """The height from which on it does not get under the object's edge: r (1 − sin φ)."""
     lean_deg: float
@@ -174,7 +174,7 @@ class Lifting:
             return (f"  {name}", *(text(palm) for palm in self.palms.values()))
 
         if self.picks_up:
-            yield row("nose over the floor", lambda one: _mm(one.nose_height_m))
+            yield row("nose above the floor", lambda one: _mm(one.nose_height_m))
             yield row("  gets under below", lambda one: _mm(one.thickest_m))
             yield row("  lean of the contact", lambda one: f"{one.lean_deg:.1f}°")
             yield row("squeeze to get under", lambda one: newtons(one.squeeze_n, "none suffices"))

@@ -118,9 +118,9 @@ class Plate:
     friction: float
     """Friction angle φ."""
     nose: float
-    """Height of the upper edge of its nose over the floor: t."""
+    """Height of the upper edge of its nose above the floor: t."""
     pivot: float
-    """Height of the pivot over the floor."""
+    """Height of the pivot above the floor."""
     half: float
     offset: float
     heel: float

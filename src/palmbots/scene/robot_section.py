@@ -72,9 +72,9 @@ class ArmParameters(Section):
     rate_m_per_s: float = key("arm.rate_m_per_s")
     """Speed at which the pivot rises and falls, at most."""
     carry_height_m: float = key("arm.carry_height_m")
-    """Height of the pivot over the floor while the pair carries."""
+    """Height of the pivot above the floor while the pair carries."""
     lowest_pivot_m: float = key("arm.lowest_pivot_m")
-    """Least height of the pivot over the floor that the wrist permits. 0: the wrist fits
+    """Least height of the pivot above the floor that the wrist permits. 0: the wrist fits
     everywhere."""
     height_error_m: float = key("arm.height_error_m")
     """Largest error of the height of a pivot."""

@@ -35,7 +35,7 @@ def run(
 _HEIGHTS = {
     "pivot_height": {
         "units": "m",
-        "long_name": "height of the pivot over the floor, in a job on the floor",
+        "long_name": "height of the pivot above the floor, in a job on the floor",
         "log_field": "pivot_height_m",
     }
 }

@@ -278,7 +278,7 @@ def _draw_stages(panel: Axes, view: _View, job: "FloorJob") -> None:
 
 
 def _draw_heights(panel: Axes, view: _View) -> None:
-    """Heights of both pivots over the floor in mm."""
+    """Heights of both pivots above the floor in mm."""
     for side in SIDES:
         height = view.series("pivot_height", side) * 1e3
         panel.plot(view.time, height, color=HUE[side], ls=LINE[side])

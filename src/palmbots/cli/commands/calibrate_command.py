@@ -14,7 +14,9 @@ from palmbots.errors import PalmbotsError
     results=("palmbots.pair.calibration_run:CalibrationRun",),
     only=Option(metavar="STEPS"),
     length=Option(metavar="M", least=0.3, most=10.0),
-    rate=Option(help="Of a simulated robot.", least=0.01, most=100.0),
+    rate=Option(
+        help="Run a simulated robot at this multiple of real time.", least=0.01, most=100.0
+    ),
 )
 def calibrate(
     pair: str,
@@ -28,11 +30,11 @@ def calibrate(
     """Measure the hardware of one robot; writes pair.toml.
 
     It asks for one thing at a time. You need a tape measure, a protractor and a thin rod. The
-    robot's program must not run. pair.toml keeps its comments; it is written at the end, and what
-    it was before is kept beside it.
+    robot's program must not run. pair.toml is written at the end; it keeps its comments, and a copy
+    of the former file is kept beside it.
 
     Args:
-        only: only these of: dead-zone,wheels,stopping,palm,switches.
+        only: run only these of the steps dead-zone,wheels,stopping,palm,switches.
         length: length of the drive along the tape.
     """
     import sys

@@ -25,7 +25,7 @@ def robot(
 ) -> int:
     """Run the program of one robot of a pair.
 
-    Its driver moves the robot. That of a new pair is simulated: it needs a palmbots world.
+    Its driver moves the robot. The driver of a new pair is simulated and needs a palmbots world.
     """
     from palmbots.pair.pair_file import load_pair
 

@@ -29,7 +29,7 @@ def ros2(
     arrives by ROS 2 reaches the robot's program. No installation of ROS 2 is needed.
 
     Args:
-        seconds: end after this time; without it: at Ctrl-C.
+        seconds: end after this time; without it, at Ctrl-C.
     """
     from palmbots.cli.answers import Published
     from palmbots.pair.pair_file import load_pair

@@ -49,9 +49,9 @@ def station(
 
     Args:
         auto: arm, start, wait until both robots are done, and end.
-        attach: only a screen, for a station that already runs.
-        watch: as --attach, but only to look: no orders are taken.
-        no_screen: only the station; screens attach to it.
+        attach: show only a screen, for a station that already runs.
+        watch: as --attach, but take no orders.
+        no_screen: run only the station, to which screens can attach.
         for_screen: a screen has started it.
         wait_s: how long to wait for a station that starts at the same time.
     """

@@ -55,7 +55,7 @@ def up(
     Args:
         link: simulate a bad radio: "loss=0.2 delay_ms=50 jitter_ms=30".
         log: folder for the logs; None: a new one.
-        live: serve a live 3-D view for Foxglove there.
+        live: serve a live 3-D view for Foxglove at this HOST:PORT.
     """
     from palmbots._util.arguments import seed_of
     from palmbots.links.impairment import Impairment

@@ -42,7 +42,7 @@ def view(
 
     Args:
         sources: MCAP logs, folders with them, or a pair.toml.
-        serve: HOST:PORT for Foxglove.
+        serve: serve Foxglove at this HOST:PORT.
         once: end after the last message.
         layout: only write a layout for Foxglove to this file.
         rerun: only write a recording for Rerun to this file.

@@ -41,8 +41,9 @@ def world(
     Exit status 1: the object was not delivered.
 
     Args:
-        serve: HOST:PORT or unix:PATH.
-        imperfect: what the robots really are, as in left.trim=0.02 (repeatable).
+        serve: serve at this HOST:PORT or unix:PATH.
+        imperfect: a property of a robot that its program does not know, as in left.trim=0.02, or a
+            file of them (repeatable).
         bench: a workbench without an object, for palmbots calibrate.
         called: what the scene is called in the report.
     """
