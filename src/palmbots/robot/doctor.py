@@ -44,9 +44,9 @@ def diagnose(
     """Check a pair: radio, clocks, drivers, key and battery.
 
     Run it in place of the station while the programs of both robots run. It measures losses and
-    round trips, and reports the lease that they need and the controllers that they suffice for.
-    It never moves a robot. With `side`, run it on a robot in place of its program: it checks the
-    driver, and turns the palm to both of its angles. The wheels do not turn.
+    round trips, and reports which lease this radio needs and which controllers can work with it.
+    With `side`, run it on a robot in place of its program: it checks the driver, and turns the palm
+    to both of its angles. The wheels never turn.
 
     Args:
         pair: the pair.toml of both robots.

@@ -97,8 +97,8 @@ def import_object(
             glTF, z of others.
         across: axis of a mesh across the direction of travel: x, y or z; None: y, or z if y points
             upwards.
-        view: what becomes of a mesh: its section by a vertical plane, or its silhouette.
-        cut: place of the plane across, of the depth of the mesh.
+        view: outline of a mesh: that of its section by a vertical plane, or its silhouette.
+        cut: place of the plane within the depth of the mesh.
         tolerance_mm: greatest deviation of the outline; None: 0.5 % of its size, or what 32 corners
             need.
         depth_mm: extent across the direction of travel; None: that of the mesh, or 100 of a
