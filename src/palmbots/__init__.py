@@ -79,6 +79,13 @@ _OFFERS = {
         "standing": "palmbots.optimum.standing_controllers:STANDING",
         "creeping": "palmbots.optimum.standing_controllers:CREEPING",
     },
+    "file kind": {
+        "pair": "palmbots.pair.pair_file:PAIR_FILE",
+        "study": "palmbots.studies.study_file:STUDY_FILE",
+        "policy": "palmbots.derivation.policy_file:POLICY_FILE",
+        "imperfections": "palmbots.simulation.imperfections:IMPERFECTIONS_FILE",
+        "controller": "palmbots.control.registry:CONTROLLER",
+    },
     "figure": {"those of viz": "palmbots.viz"},
     "writer": {"figure": "palmbots.viz:write_figure"},
 }

@@ -8,10 +8,14 @@ from typing import Any
 
 def plural(n: int, noun: str) -> str:
     """A number with its noun: 1 correction, 2 corrections, 2 carries, 2 stretches."""
-    many = f"{noun[:-1]}ies" if noun.endswith("ry") else f"{noun}s"
-    if noun.endswith("ch"):
-        many = f"{noun}es"
-    return f"{n} {noun if n == 1 else many}"
+    return f"{n} {noun if n == 1 else many(noun)}"
+
+
+def many(noun: str) -> str:
+    """The plural of a noun: corrections, carries, studies, stretches."""
+    if noun.endswith(("ry", "dy")):
+        return f"{noun[:-1]}ies"
+    return f"{noun}es" if noun.endswith("ch") else f"{noun}s"
 
 
 def format_number(value: Any) -> str:

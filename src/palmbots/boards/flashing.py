@@ -17,6 +17,7 @@ from palmbots._util.optional_imports import require
 from palmbots.boards.images import image_with
 from palmbots.boards.settings_page import PAGE_ADDRESS, PAGE_SIZE, role_in
 from palmbots.errors import PalmbotsError
+from palmbots.scene.file_kinds import IMAGE, refuse_other_kind
 
 _MARK = "MICROBIT.HTM"
 """A file that every micro:bit has on its drive."""
@@ -92,6 +93,7 @@ def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Pat
 def _image_text(image: Path) -> tuple[str, bool]:
     """What the image contains, and whether it is that of a robot, which counts boots."""
     intelhex = require("intelhex", "firmware")
+    refuse_other_kind(image, IMAGE)
     try:
         text = image.read_text("ascii")
         content = intelhex.IntelHex(io.StringIO(text))

@@ -64,13 +64,13 @@ def load(source: str, changes: list[str] | None) -> "Scene":
     prints its warnings."""
     from palmbots.scene.files import read_table
     from palmbots.scene.overrides import parse_overrides
-    from palmbots.scene.scene import empty_tables, load_scene
+    from palmbots.scene.scene import SCENE_FILE, empty_tables, load_scene
 
     files = [one for one in changes or () if "=" not in one and one.endswith(".toml")]
     overrides = parse_overrides(one for one in changes or () if one not in files)
     scene = load_scene(source, None if files else overrides, called="--set", on_warning=warn)
     for file in files:
-        part = read_table(file, "a part of a scene")
+        part = read_table(file, SCENE_FILE)
         empty = empty_tables(part)
         for place in empty if len(empty) < len(part) else [""]:
             warn(f"{file}: {place and f'[{place}] '}sets nothing")

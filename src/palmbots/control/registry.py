@@ -27,6 +27,7 @@ from palmbots.control.python_source import (
 )
 from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import PalmbotsError, SceneError
+from palmbots.scene.file_kinds import FileKind
 from palmbots.scene.scene import Scene
 
 WIDE_ZONE = "a zero zone wider than the overrun that the delay of the radio causes"
@@ -160,6 +161,11 @@ def shipped_names(*teams: str) -> tuple[str, ...]:
 def controller_names() -> tuple[str, ...]:
     """The names of all controllers, the shipped ones first."""
     return _CONTROLLERS.names()
+
+
+CONTROLLER = FileKind(
+    "a controller", "--controller", "palmbots controllers lists them", names=controller_names
+)
 
 
 def reference_names() -> tuple[str, ...]:

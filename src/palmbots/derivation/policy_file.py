@@ -14,7 +14,7 @@ The row "00" is the goal: its palms are those at rest.
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any, Literal, cast, get_args
@@ -33,9 +33,16 @@ from palmbots.derivation.global_policy import (
     Until,
 )
 from palmbots.errors import PalmbotsError
+from palmbots.scene.file_kinds import FileKind
 from palmbots.scene.files import read_table
 
 Drive = Literal["hold", "away", "closer"]
+POLICY_FILE = FileKind(
+    "a policy file",
+    "--controller and palmbots derive",
+    "it has nine rows",
+    keys=("description", "rows"),
+)
 _SIGNS = {"-": -1, "0": 0, "+": 1}
 _KEYS: dict[str, Signs] = {
     left + right: (_SIGNS[left], _SIGNS[right]) for left, right in product("+0-", "+0-")
@@ -108,8 +115,8 @@ def read_policy(path: str | os.PathLike[str]) -> PolicyTable:
             file and the key, and says what is allowed.
     """
     name = os.fspath(user_path(path))
-    table = read_table(name, "a policy file")
-    _known(name, table, ("description", "rows"))
+    table = read_table(name, POLICY_FILE)
+    _known(name, table, POLICY_FILE.keys)
     description = table.get("description", "")
     if not isinstance(description, str) or len(description.splitlines()) > 1:
         raise PalmbotsError(
@@ -134,7 +141,7 @@ def _listed() -> str:
 
 
 def _known(
-    name: str, table: Mapping[str, Any], keys: Sequence[str], within: str = "", allowed: str = ""
+    name: str, table: Mapping[str, Any], keys: Collection[str], within: str = "", allowed: str = ""
 ) -> None:
     for key in table:
         if key not in keys:

@@ -23,6 +23,7 @@ from palmbots._util.atomic_files import read_regular
 from palmbots._util.text import plural
 from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
+from palmbots.scene.file_kinds import RECORDING, refuse_other_kind
 
 Floats = NDArray[np.float64]
 
@@ -75,6 +76,7 @@ def read_recording(
     expected = f"expected {_listed(columns[:needed], 'column')}"
     if len(columns) > needed:
         expected += f", and optionally {_enumerated(columns[needed:])}"
+    refuse_other_kind(name, RECORDING)
     data = _bytes(name)
     text = _text(name, data, expected)
     lines = [
@@ -103,8 +105,6 @@ def read_recording(
 def _bytes(name: str) -> bytes:
     try:
         data = read_regular(user_path(name))
-    except FileNotFoundError:
-        raise PalmbotsError(f"{name}: no such file") from None
     except IsADirectoryError:
         raise PalmbotsError(f"{name}: is a folder; expected a table of numbers") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name

@@ -27,6 +27,7 @@ from palmbots._version import __version__
 from palmbots.errors import PalmbotsError
 from palmbots.logs.channels import CorrectionEvent, MessageEvent, Variable, state_channels
 from palmbots.logs.mcap_writer import FORMAT, JSON_FACTS, RECORD, TEXT_FACTS
+from palmbots.scene.file_kinds import LOG, refuse_other_kind
 from palmbots.scene.scene import load_scene
 from palmbots.simulation.result import Carry, Correction, Message
 
@@ -52,6 +53,7 @@ def read_log(path: str | os.PathLike[str]) -> Log:
     Raises:
         PalmbotsError: the file cannot be read, is no carry log of this format, or is damaged.
     """
+    refuse_other_kind(path, LOG)
     try:
         with open(user_path(path), "rb") as stream:
             data = stream.read(len(_MAGIC))
@@ -85,7 +87,7 @@ def _damage(data: bytes) -> str | None:
     A checksum of 0 means "not available" in MCAP: such a part of the file cannot be verified.
     """
     if data[: len(_MAGIC)] != _MAGIC:
-        return "not an MCAP log, as palmbots carry --out writes it" if data else "the file is empty"
+        return f"is no log; allowed: {LOG.in_words}" if data else "the file is empty"
     end = len(data) - len(_MAGIC)
     footer_at = end - _FOOTER.size
     if data[end:] != _MAGIC or footer_at < len(_MAGIC) + _DATA_END.size:

@@ -27,6 +27,7 @@ from palmbots.logs.run_channels import (
     RobotTick,
     StatusEvent,
 )
+from palmbots.scene.file_kinds import LOG, refuse_other_kind
 from palmbots.wire import KEY_SIZE, MAX_EPOCH, Role
 
 _TYPES = {"ticks": RobotTick, "sent": PacketEvent, "received": StatusEvent, "lines": LineEvent}
@@ -94,6 +95,7 @@ def read_run_log(path: str | os.PathLike[str]) -> RunLog:
     Raises:
         PalmbotsError: the file cannot be read, or is no such log of this format.
     """
+    refuse_other_kind(path, LOG)
     facts: dict[str, Any] | None = None
     topics: dict[int, str] = {}
     messages: dict[str, list[tuple[float, Any]]] = {kind: [] for kind in _TYPES}

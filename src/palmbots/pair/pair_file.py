@@ -30,6 +30,7 @@ from palmbots.pair.ros2_keys import Ros2Table
 from palmbots.pair.stored_state import StateFile, StoredState, write_state
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import Range, whole
+from palmbots.scene.file_kinds import KEY, FileKind, refuse_other_kind
 from palmbots.scene.files import read_table
 from palmbots.scene.key_reference import SceneKey, commented_toml, section_keys
 from palmbots.scene.scene import Scene
@@ -146,6 +147,14 @@ class PairFile(Section):
     board: BoardTable = BoardTable()
 
 
+PAIR_FILE = FileKind(
+    "a pair file",
+    "palmbots robot, station and doctor",
+    "palmbots init pair FILE writes one",
+    keys=PairFile.model_fields,
+)
+
+
 @dataclass(frozen=True)
 class Pair:
     """A pair of robots, as its file describes it."""
@@ -201,7 +210,7 @@ def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
         PalmbotsError: a file cannot be read, has a fault, or the key is not protected.
     """
     path = user_path(file)
-    table = read_table(str(path), "a pair file")
+    table = read_table(str(path), PAIR_FILE)
     try:
         settings = PairFile.model_validate(table)
     except ValidationError as error:
@@ -251,6 +260,7 @@ def _key_of(pair: Path, name: str) -> bytes:
     except ValueError:
         key = b""
     if len(key) != KEY_SIZE:
+        refuse_other_kind(path, KEY)
         raise PalmbotsError(f"{path}: is no key; allowed: {2 * KEY_SIZE} hexadecimal digits")
     return key
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Built-in scenes and TOML files. Every fault raises `SceneError` with one line."""
 
-import difflib
 import os
 import re
 import tomllib
@@ -11,6 +10,7 @@ from typing import Any
 
 from palmbots._util.user_paths import user_path
 from palmbots.errors import SceneError
+from palmbots.scene.file_kinds import KINDS, FileKind, missing, other_kind
 
 _LARGEST = 1 << 20  # bytes; a device may be endless
 # Control characters that no text contains, in any encoding of one byte a character.
@@ -37,27 +37,33 @@ def read_scene(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
     if name in names:
         file = resources.files("palmbots.scene") / "data" / "scenes" / f"{name}.toml"
         return name, tomllib.loads(file.read_text("utf-8"))
-    return name, read_table(name, "a scene file", names)
+    return name, read_table(name, KINDS.get("scene"), names)
 
 
-def read_table(name: str, what: str, built_in: Sequence[str] = ()) -> dict[str, Any]:
-    """The table in the TOML file `name`; `what` is what a message calls such a file.
+def read_table(name: str, kind: FileKind, built_in: Sequence[str] = ()) -> dict[str, Any]:
+    """The table in the TOML file `name`, which is meant to be of this kind.
 
     Raises `SceneError`. If the file is missing, its message lists the built-in names.
     """
-    return _table(name, _text(name, _bytes(name, what, built_in), what))
+    what = kind.called
+    data = _bytes(name, kind, built_in)
+    try:
+        table = _table(name, _text(name, data, what))
+    except SceneError as error:
+        problem = other_kind(name, data, kind)
+        raise SceneError(f"{name}: {problem}") if problem else error from None
+    if problem := other_kind(name, table, kind):
+        raise SceneError(f"{name}: {problem}")
+    return table
 
 
-def _bytes(name: str, what: str, built_in: Sequence[str]) -> bytes:
+def _bytes(name: str, kind: FileKind, built_in: Sequence[str]) -> bytes:
+    what = kind.called
     try:
         with open(user_path(name), "rb") as stream:
             data = stream.read(_LARGEST + 1)
     except FileNotFoundError:
-        near = difflib.get_close_matches(name, built_in, n=1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        known = f"; {hint}built-in scenes: {', '.join(built_in)}" if built_in else ""
-        kind = "scene or file" if built_in else "file"
-        raise SceneError(f"{name}: no such {kind}{known}") from None
+        raise SceneError(f"{name}: {missing(name, kind, built_in)}") from None
     except IsADirectoryError:
         raise SceneError(f"{name}: is a folder; allowed: {what} in TOML") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name

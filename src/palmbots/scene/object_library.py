@@ -21,12 +21,16 @@ from pydantic_core import PydanticCustomError
 from palmbots.errors import SceneError
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import field_error
+from palmbots.scene.file_kinds import FileKind
 from palmbots.scene.files import read_table
 from palmbots.scene.object_section import Object
 from palmbots.scene.overrides import without_superseded
 
 IMPORTED = (".svg", ".dxf", ".stl", ".obj", ".gltf", ".glb")
 """Suffixes of the drawings and meshes of which `palmbots.import_object` makes an object."""
+DRAWING = FileKind(
+    "a drawing or mesh", "palmbots import", "as other programs write it", suffixes=IMPORTED
+)
 
 
 @cache
@@ -39,6 +43,15 @@ def _tables() -> dict[str, dict[str, Any]]:
 def object_names() -> list[str]:
     """The names of the objects that come with the package, sorted."""
     return list(_tables())
+
+
+OBJECT_FILE = FileKind(
+    "an object file",
+    "object = FILE in a scene",
+    "palmbots import writes one",
+    keys=("object",),
+    names=object_names,
+)
 
 
 def is_object_file(name: str) -> bool:
@@ -76,7 +89,7 @@ def _from_file(name: str) -> dict[str, Any]:
     """The complete section `object` of a file that holds this section alone."""
     allowed = "a TOML file with the table [object] alone"
     try:
-        table = read_table(name, "an object file")
+        table = read_table(name, OBJECT_FILE)
     except SceneError as error:
         problem = str(error).removeprefix(f"{name}: ").partition("; allowed: ")[0]
         raise field_error(name, f"cannot be used: {problem}", allowed) from None

@@ -21,7 +21,8 @@ from palmbots.errors import SceneError
 from palmbots.scene.error_messages import validation_error
 from palmbots.scene.faults_section import Faults
 from palmbots.scene.fields import field_error
-from palmbots.scene.files import read_scene
+from palmbots.scene.file_kinds import FileKind
+from palmbots.scene.files import built_in_scenes, read_scene
 from palmbots.scene.mujoco_section import MujocoParameters
 from palmbots.scene.object_library import by_name, is_object_file, with_named_object
 from palmbots.scene.object_section import Object
@@ -158,6 +159,15 @@ SceneLike: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Scene
 
 def _other(side: Side) -> Side:
     return "right" if side == "left" else "left"
+
+
+SCENE_FILE = FileKind(
+    "a scene file",
+    "palmbots carry, up and world",
+    "palmbots scenes lists those built in, palmbots init scene FILE writes one",
+    keys=Scene.model_fields,
+    names=built_in_scenes,
+)
 
 
 def load_scene(

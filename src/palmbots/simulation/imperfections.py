@@ -26,6 +26,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.scene.core_keys import limits
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import Range, Size, Switch, field_error
+from palmbots.scene.file_kinds import FileKind
 from palmbots.scene.files import read_table
 from palmbots.scene.key_reference import SceneKey, section_keys
 from palmbots.scene.overrides import merged, parse_override
@@ -113,6 +114,14 @@ class Imperfections(ImperfectionParameters):
         return ImperfectionParameters(**values_of_side(self, override))
 
 
+IMPERFECTIONS_FILE = FileKind(
+    "a file of imperfections",
+    "palmbots world --imperfect",
+    "what simulated robots really are",
+    keys=Imperfections.model_fields,
+)
+
+
 def imperfection_keys() -> tuple[SceneKey, ...]:
     """All keys, in order."""
     return tuple(section_keys(ImperfectionParameters, "imperfect"))
@@ -130,7 +139,7 @@ def load_imperfections(texts: Sequence[str]) -> Imperfections:
     table: dict[str, Any] = {}
     for text in texts:
         if text.endswith(".toml") and "=" not in text:
-            found = read_table(text, "a file of imperfections")
+            found = read_table(text, IMPERFECTIONS_FILE)
             table = merged(table, found, called=text)
         else:
             key, value = parse_override(text, "--imperfect", "left.trim=0.02")

@@ -6,7 +6,6 @@ A study is a TOML file with the tables below, or the name of a study that comes 
 which `palmbots.studies.points` validates.
 """
 
-import difflib
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -23,7 +22,8 @@ from palmbots.control.registry import ControllerEntry, refuse_reference, resolve
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import OneOf, Range, field_error, from_list, whole
-from palmbots.scene.files import built_in_scenes, read_table
+from palmbots.scene.file_kinds import FileKind, other_kind
+from palmbots.scene.files import read_table
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.section import Section
 from palmbots.scene.spec import refuse_curved
@@ -35,7 +35,6 @@ StudyLike = str | os.PathLike[str] | Mapping[str, Any]
 
 _MAX_SEED = 2**63
 _MAX_CARRIES = 10**9
-_LOOKS_LIKE_A_SCENE = "{called} this looks like a scene; a study names it with scene = {scene}"
 
 
 class Design(Section):
@@ -169,6 +168,15 @@ def built_in_studies() -> list[str]:
     return sorted(f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith("toml"))
 
 
+STUDY_FILE = FileKind(
+    "a study file",
+    "palmbots study",
+    'it names its scene: scene = "FILE"',
+    keys=Study.model_fields,
+    names=built_in_studies,
+)
+
+
 def load_plan(
     source: "StudyLike",
     carries: int | None = None,
@@ -190,15 +198,16 @@ def load_plan(
     folder = Path()
     if isinstance(source, Mapping):
         name, called, table = "study", "study:", dict(source)
+        if problem := other_kind("", table, STUDY_FILE):
+            raise SceneError(f"study: {problem}")
     elif isinstance(source, str | os.PathLike):
         name, called, table, folder = _read(os.fspath(source))
     elif isinstance(source, Scene):
-        raise SceneError(_LOOKS_LIKE_A_SCENE.format(called="study:", scene="…"))
+        raise SceneError(f"study: is a scene; allowed: {STUDY_FILE.in_words}")
     else:
         raise SceneError(
             f"study: value is {show(source)}; allowed: the name of a study, a TOML file, a table"
         )
-    _refuse_scene(table, called, source)
     if not table and on_warning is not None:
         on_warning(f"{called} nothing is set; this study runs the scene paper")
     if carries is not None:
@@ -209,19 +218,6 @@ def load_plan(
         raise SceneError(f"{called} {validation_message(error, Study)}") from None
     controllers = _controllers(study, folder, called, unproved)
     return Plan(study, controllers, _base(study, folder, called, on_warning), name, called)
-
-
-def _refuse_scene(table: Mapping[str, Any], called: str, source: object) -> None:
-    """Refuse a scene that was passed as a study.
-
-    Raises:
-        SceneError: the table has keys of a scene and none of a study.
-    """
-    scene_keys = set(Scene.model_fields) - set(Study.model_fields)
-    study_keys = set(Study.model_fields) - set(Scene.model_fields) - {"about"}
-    if scene_keys & set(table) and not study_keys & set(table):
-        name = show(Path(os.fspath(source)).name) if isinstance(source, str | os.PathLike) else "…"
-        raise SceneError(_LOOKS_LIKE_A_SCENE.format(called=called, scene=name))
 
 
 def _with_carries(table: Mapping[str, Any], carries: int) -> dict[str, Any]:
@@ -244,20 +240,10 @@ def _read(source: str) -> tuple[str, str, dict[str, Any], Path]:
     if source in names:
         path = resources.files("palmbots.studies") / "data" / f"{source}.toml"
         with resources.as_file(path) as file:
-            return source, f"{source}:", read_table(str(file), "a study file", []), Path()
+            return source, f"{source}:", read_table(str(file), STUDY_FILE), Path()
     if not source:
         raise SceneError(f'study: value is ""; allowed: a TOML file or one of {", ".join(names)}')
-    if not user_path(source).exists():
-        if source in built_in_scenes():
-            raise SceneError(
-                f"{source}: this is a scene; a study names it with scene = {show(source)}"
-            )
-        near = difflib.get_close_matches(source, names, n=1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        raise SceneError(
-            f"{source}: there is no such study or file; {hint}built-in studies: {', '.join(names)}"
-        )
-    table = read_table(source, "a study file", [])
+    table = read_table(source, STUDY_FILE, names)
     return Path(source).stem, f"{source}:", table, user_path(source).parent
 
 

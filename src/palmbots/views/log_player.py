@@ -13,6 +13,7 @@ from mcap.stream_reader import StreamReader
 from palmbots.errors import PalmbotsError
 from palmbots.logs.mcap_writer import write_log
 from palmbots.logs.run_log_reader import is_run_log
+from palmbots.scene.file_kinds import LOG, refuse_other_kind
 from palmbots.views.estimated_carry import drawn_contact
 from palmbots.views.foxglove_server import FoxgloveServer
 from palmbots.views.run_figures import carry_of
@@ -113,6 +114,7 @@ def read_playable(log: Path) -> Playable:
     Raises:
         PalmbotsError: the file cannot be read, is no MCAP log, or has no messages.
     """
+    refuse_other_kind(log, LOG)
     schemas: dict[int, tuple[str, str, bytes]] = {}
     topics: dict[int, str] = {}
     found = Playable([], [])

@@ -69,7 +69,7 @@ def test_checker_does_not_compute_the_frame_with_the_package() -> None:
         modules = imported_modules(path)
         assert not modules & {"flint", "numpy", "palmbots._core"}, path.name
         shared |= {m for m in modules if m.startswith("palmbots") and not m.startswith(CHECKER)}
-    packages = {"palmbots.errors", "palmbots.scene.scene"}
+    packages = {"palmbots.errors", "palmbots.scene.file_kinds", "palmbots.scene.scene"}
     helpers = ("arguments", "command", "plain_values", "report", "results", "user_paths")
     packages |= {f"palmbots._util.{name}" for name in helpers}
     assert {m for m in shared if source_of(m) is not None and computes(m)} == packages

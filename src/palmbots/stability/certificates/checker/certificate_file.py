@@ -11,6 +11,7 @@ from typing import Any
 from palmbots._util.arguments import show
 from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
+from palmbots.scene.file_kinds import CERTIFICATE, refuse_other_kind
 from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.property_conditions import CheckFailed
 
@@ -30,6 +31,7 @@ def read_certificate(path: Any) -> dict[str, Any]:
     Raises:
         PalmbotsError: the file cannot be read, is not a certificate or has another format.
     """
+    refuse_other_kind(path, CERTIFICATE)
     try:
         with open(user_path(path), "rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
