@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from palmbots.errors import PalmbotsError as PalmbotsError
     from palmbots.errors import SceneError as SceneError
     from palmbots.fitting.fit import fit as fit
+    from palmbots.interchange.export import export as export
     from palmbots.logs.mcap_reader import read_log as read_log
     from palmbots.logs.mcap_writer import write_log as write_log
     from palmbots.logs.replaying import replay as replay
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from palmbots.mechanics.contact_points import contacts as contacts
     from palmbots.mechanics.load_limits import load_limits as load_limits
     from palmbots.mujoco.carry_files import save_carry as save_carry
-    from palmbots.mujoco.export import export as export
     from palmbots.mujoco.validation.validation import validate as validate
     from palmbots.optimum.drop_bound import bound as bound
     from palmbots.scene.lists import keys as keys

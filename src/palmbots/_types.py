@@ -3,6 +3,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from os import PathLike
 from typing import Annotated, Any, Generic, Literal, TypeAlias, TypeVar
 
 T = TypeVar("T")
@@ -17,6 +18,9 @@ Interval: TypeAlias = tuple[float, float]
 
 MaybeNaN: TypeAlias = Annotated[float, "null in JSON where it is NaN or infinite"]
 """A number that may be NaN or infinite; JSON has null there."""
+
+FilePath: TypeAlias = str | PathLike[str]
+"""The name of a file or folder."""
 
 Overrides: TypeAlias = Mapping[str, Any] | None
 """Scene keys to set on top of a scene, such as ``{"radio.loss": 0.1}``."""

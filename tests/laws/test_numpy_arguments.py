@@ -54,6 +54,7 @@ CALLS: dict[str, dict[str, Any]] = {
     "estimate_drop_rate": {"relative_half_width": 1.0, "effort": 50, "seed": 1, "threads": 1,
                            "budget": 2000,
                            "overrides": {**SHORT, "robot.noise_m_s": 0.03125}},
+    "export": {"seeds": 2, "parquet": Path("made"), "overrides": SHORT},
     "feasible_contact_modes": STATE,
     "import_object": {"scale": 0.5, "cut": 0.25, "tolerance_mm": 1.5, "depth_mm": 100.0,
                       "density_kg_m3": 200.0, "mass_kg": 0.5, "com_mm": (60.0, 40.0),
@@ -93,7 +94,7 @@ ELSEWHERE = {
     "studies.estimate_cost": "measures a time",
     "wire.decode": "bytes",
 }
-OF_A_RUN = {"output", "seconds"}
+OF_A_RUN = {"output", "parquet", "seconds"}
 NUMBERS = {"int", "float", "Interval", "Range", "Region", "FloatArray", "ArrayLike"}
 
 

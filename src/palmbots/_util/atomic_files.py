@@ -15,6 +15,7 @@ import itertools
 import os
 import secrets
 import stat
+import tempfile
 from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import BinaryIO
@@ -223,3 +224,31 @@ def folder(path: str | os.PathLike[str]) -> Path:
     if not os.access(place, os.W_OK | os.X_OK):
         raise PalmbotsError(f"{place}: cannot be written: permission denied")
     return place
+
+
+def check_new_folder(path: str | os.PathLike[str]) -> None:
+    """Raise the errors of `new_folder` that are known without creating anything."""
+    place = _folder_named(path)
+    if os.path.lexists(place):
+        raise _taken(place)
+    check_folder(place)
+
+
+@contextlib.contextmanager
+def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """A folder of the same name to fill, which becomes `path` on success.
+
+    An exception in the block removes it. A folder or file that exists is refused.
+    """
+    place = _folder_named(path)
+    if os.path.lexists(place):
+        raise _taken(place)
+    parent = folder(place.absolute().parent)
+    with tempfile.TemporaryDirectory(prefix=".palmbots-", suffix=".part", dir=parent) as part:
+        filled = Path(part, place.name)
+        try:
+            filled.mkdir()
+            yield filled
+            filled.rename(place)
+        except OSError as error:
+            raise _refusal(place, error) from None

@@ -85,8 +85,10 @@ def warning(text: str) -> Line:
 
 
 def written_file(path: Path) -> Line:
-    """The line on a file that was written, with its size."""
-    return Line(f"wrote {path}  {data_size(path.stat().st_size)}", is_whole=True)
+    """The line on a file that was written, or on a folder, with its size."""
+    files = [path, *path.rglob("*")] if path.is_dir() else [path]
+    size = sum(file.stat().st_size for file in files if file.is_file())
+    return Line(f"wrote {path}  {data_size(size)}", is_whole=True)
 
 
 @dataclass(frozen=True)

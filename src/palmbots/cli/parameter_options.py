@@ -37,6 +37,7 @@ _TYPES = _Types(
     {kind.__name__: kind for kind in (bool, float, int, list, str, tuple, Path, Sequence)}
     | {"os": os, "PathLike": os.PathLike, "Literal": Literal, "Interval": Interval, "Side": Side}
     | {"SceneLike": _SceneLike, "ControllerLike": _ControllerLike, "Overrides": list[str] | None}
+    | {"FilePath": str | os.PathLike[str]}
 )
 
 

@@ -122,6 +122,12 @@ READINGS = (
 """What the driver ``ros2`` reads; the names are keys of [ros2]."""
 
 
+def type_of(topic: Topic, cmd_vel_type: str) -> str:
+    """The message of a topic; of several, the one that the key of [ros2] names."""
+    chosen = [name for name in topic.types if name.endswith(f"/{cmd_vel_type}")]
+    return (chosen or [*topic.types])[0]
+
+
 def dds_topic(name: str) -> str:
     """The name in DDS of a topic with a full name, such as ``rt/left/odom`` of ``/left/odom``."""
     return f"rt{name}"
