@@ -218,8 +218,9 @@ class BitslicedTeams {
       if constexpr (Teams::can_stop) {
         const Mask stops = lanes(commands.stop[side]);
         speed = select(stops, moving(shares_[pack].resting[side]), speed);
-        const V brakes = select(stops & (speed == V(0)), V(1), V(0));
-        robots.brakes[side] = select(commanded, brakes, robots.brakes[side]);
+        const V held_at =
+            select(stops & (speed == V(0)), V(Robots<V>::braked), V(Robots<V>::released));
+        robots.held_at[side] = select(commanded, held_at, robots.held_at[side]);
       }
       robots.goal_angle[side] = select(commanded, angle, robots.goal_angle[side]);
       robots.goal_speed[side] = select(commanded, speed, robots.goal_speed[side]);

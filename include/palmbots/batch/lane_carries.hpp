@@ -385,7 +385,7 @@ class LaneCarries {
     for (const std::size_t side : {left, right}) {
       pack.robots.goal_angle[side].raw[l] = one.robots_.goal_angle[side];
       pack.robots.goal_speed[side].raw[l] = one.robots_.goal_speed[side];
-      pack.robots.brakes[side].raw[l] = one.robots_.brakes[side];
+      pack.robots.held_at[side].raw[l] = one.robots_.held_at[side];
       pack.palm_at_target[side].put(l, one.sensed_[side].palm_at_target);
     }
   }

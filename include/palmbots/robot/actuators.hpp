@@ -2,6 +2,8 @@
 // Actuators of a robot: wheels with limits and errors, and a palm that turns at a finite rate.
 #pragma once
 
+#include <limits>
+
 #include "palmbots/control/messages.hpp"
 #include "palmbots/mechanics/loop_closure.hpp"
 
@@ -84,15 +86,20 @@ struct InertiaFilter {
 // Both robots: their actuators, their set points and the motion of the pair.
 template <class Real>
 struct Robots {
+  // Brakes hold wheels that stand: speed 0. Released, they hold them at no speed. That way the speed
+  // alone tells in each tick.
+  static constexpr double braked = 0;
+  static constexpr double released = std::numeric_limits<double>::quiet_NaN();
+
   PerSide<Wheels<Real>> wheels;
   PerSide<Wrist<Real>> wrists;
   PerSide<Real>
       goal_speed;  // within the limit, times the gain, along the direction of travel [m/s]
-  PerSide<Real> goal_angle;  // [rad]
-  PerSide<Real> brakes;      // 1: commanded to stop; wheels at zero speed are held
-  Real travel_sense;         // ±1: the direction of travel along x
-  Real period;               // of control [s]
-  PerSide<Real> speeds;      // over the last tick, towards +x [m/s]
+  PerSide<Real> goal_angle;                                  // [rad]
+  PerSide<Real> held_at = {Real(released), Real(released)};  // where brakes hold wheels [m/s]
+  Real travel_sense;                                         // ±1: the direction of travel along x
+  Real period;                                               // of control [s]
+  PerSide<Real> speeds;                                      // over the last tick, towards +x [m/s]
   InertiaFilter<Real> inertia;
   Real midpoint;  // of the pivots, from where it started, along +x [m]
 
@@ -122,13 +129,8 @@ template <class Real>
     done.angles[side] = robots.wrists[side].step(palms[side].angle, robots.goal_angle[side]);
   });
   // The brakes hold a robot that stands: of noise and calibration error only the creep moves it.
-  const auto held = [&](std::size_t side) {
-    const MaskOf<Real> stands = robots.wheels[side].speed == Real(0);
-    const MaskOf<Real> braked = robots.brakes[side] != Real(0);
-    return stands & braked;
-  };
-  const MaskOf<Real> left_held = held(left);
-  const MaskOf<Real> right_held = held(right);
+  const MaskOf<Real> left_held = robots.wheels[left].speed == robots.held_at[left];
+  const MaskOf<Real> right_held = robots.wheels[right].speed == robots.held_at[right];
   if (any(left_held | right_held)) {
     const auto creeps = [&](std::size_t side) {  // + 0: a robot at rest has the speed 0, not −0
       return Real(0) + robots.travel_sense * robots.wheels[side].held();

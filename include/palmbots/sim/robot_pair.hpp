@@ -202,7 +202,7 @@ class RobotPair {
       robots_.goal_angle[side] = robots_.wrists[side].target(commands[side].palm);
       robots_.goal_speed[side] = goal_speed(side, commands[side]);
       const bool stops = commands[side].stop && robots_.goal_speed[side] == Real(0);
-      robots_.brakes[side] = Real(stops ? 1 : 0);
+      robots_.held_at[side] = Real(stops ? robots_.braked : robots_.released);
     }
   }
 

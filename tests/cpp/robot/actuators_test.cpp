@@ -176,7 +176,7 @@ void test_a_robot_that_stands() {
       robot.bias = 0.02;
     }
     Robots<double> robots = robots_of<double>(spec, 3);
-    robots.brakes = {1.0, 0.0};
+    robots.held_at = {robots.braked, robots.released};
     const palmbots::PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(0),
                                                      PalmAngle<double>::at(0)};
     for (int k = 0; k < 9; ++k) {
@@ -283,7 +283,7 @@ void test_brakes_and_the_sense_of_travel() {
                                                    PalmAngle<double>::at(0)};
   Robots<double> robots = robots_of<double>(spec, 3);
   robots.travel_sense = -1;
-  robots.brakes = {1.0, 1.0};
+  robots.held_at = {robots.braked, robots.braked};
   robots.wheels[right].speed = 3.5 * robots.wheels[right].ramp;
   robots.goal_speed = {0.0, 0.0};
   for (int k = 0; k < 6; ++k) {
