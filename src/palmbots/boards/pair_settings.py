@@ -34,8 +34,8 @@ from palmbots.pair.pair_file import Pair
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.robot.core_program import controller_of
 from palmbots.robot.live_robot import core_settings
-from palmbots.scene.scene import Scene, load_scene
-from palmbots.scene.spec import refuse_floor, to_spec
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 
 BOOTS_PER_IMAGE = 16384
 """How many boots an image may count. Each new image begins beyond those of the one before."""
@@ -55,7 +55,6 @@ class BoardPair:
 
     def page(self, side: Side, first_epoch: int) -> bytes:
         """The page of the settings of one robot."""
-        refuse_floor(self.scene, "boards do")
         spec = to_spec(self.scene)
         table = b""
         if self.entry.machines is not None:
@@ -154,7 +153,7 @@ def board_pair(pair: Pair) -> BoardPair:
     Raises:
         PalmbotsError: they cannot; the message says what to change.
     """
-    scene = load_scene(pair.scene())
+    scene = pair.checked_scene()
     entry = controller_of(pair)
     if entry.team == "station":
         raise PalmbotsError(

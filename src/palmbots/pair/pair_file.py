@@ -24,7 +24,8 @@ from palmbots._util.command import Option, command
 from palmbots._util.user_paths import user_path
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.drivers.hardware import Hardware
-from palmbots.errors import PalmbotsError
+from palmbots.errors import PalmbotsError, SceneError
+from palmbots.mechanics.load_limits import check_load
 from palmbots.pair.board_keys import BoardTable
 from palmbots.pair.ros2_keys import Ros2Table
 from palmbots.pair.stored_state import StateFile, StoredState, write_state
@@ -33,8 +34,9 @@ from palmbots.scene.fields import Range, whole
 from palmbots.scene.file_kinds import KEY, FileKind, refuse_other_kind
 from palmbots.scene.files import read_table
 from palmbots.scene.key_reference import SceneKey, commented_toml, section_keys
-from palmbots.scene.scene import Scene
+from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.section import Section
+from palmbots.scene.spec import refuse_curved, refuse_floor
 from palmbots.wire import KEY_SIZE, Role
 
 PairNumber = Annotated[int, BeforeValidator(whole(0, 0xFFFF))]
@@ -201,6 +203,30 @@ class Pair:
         """The scene, as `load_scene` takes it."""
         name = self.settings.pair.scene
         return str(user_path(name, self.file.parent)) if name.endswith(".toml") else name
+
+    def checked_scene(self) -> Scene:
+        """The scene, which the robots can carry.
+
+        Raises:
+            SceneError: it cannot be read, its object is too heavy, or it needs arms or turns.
+        """
+        scene = load_scene(self.scene())
+        try:
+            check_on_robots(scene)
+        except SceneError as error:
+            raise SceneError(f"{self.scene()}: {error}") from None
+        return scene
+
+
+def check_on_robots(scene: Scene) -> None:
+    """Check a scene against what robots as processes can carry.
+
+    Raises:
+        SceneError: its object is too heavy, or it needs arms or turns.
+    """
+    refuse_floor(scene, "robots as processes do")
+    refuse_curved(scene)
+    check_load(scene)
 
 
 def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:

@@ -9,7 +9,7 @@ from palmbots.control.registry import ControllerEntry, check_on_robots, resolve
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import refuse_floor, to_spec
+from palmbots.scene.spec import to_spec
 
 
 def controller_of(pair: Pair) -> ControllerEntry:
@@ -42,7 +42,6 @@ def robot_program(
         settings: `_core.runtime.RuntimeSettings`.
         carries: the carry is under way from the first tick on, as in lockstep.
     """
-    refuse_floor(scene, "robots as programs do")
     spec = to_spec(scene)
     return _core.runtime.Robot(
         spec,

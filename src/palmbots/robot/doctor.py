@@ -19,7 +19,7 @@ from palmbots.pair.pair_file import Pair, load_pair
 from palmbots.pair.robot_driver import opened_driver
 from palmbots.pair.stored_state import booted
 from palmbots.robot.core_program import controller_of
-from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.scene import Scene
 from palmbots.wire import Verdict
 
 _CLOCK_S = 3.0
@@ -58,7 +58,7 @@ def diagnose(
         PalmbotsError: a file cannot be read, or the programs that it needs do not run.
     """
     chosen = load_pair(pair)
-    scene = load_scene(chosen.scene())
+    scene = chosen.checked_scene()
     clock_s = _CLOCK_S if side else min(seconds, _CLOCK_S)
     show = on_stage or (lambda stage, fraction: None)
     report = partial(show, "measuring the clock")

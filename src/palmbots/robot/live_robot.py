@@ -37,7 +37,7 @@ from palmbots.robot.waiting_notices import (
     partner_of,
     reading_text,
 )
-from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.wire import Role
 
@@ -64,8 +64,8 @@ def run_live_robot(
             lost.
     """
     file = pair.state_file(side)
+    scene = pair.checked_scene()
     with booted(file) as state, contextlib.ExitStack() as stack:
-        scene = load_scene(pair.scene())
         live_program(pair, side, state, scene, rate)  # refuses before anything is opened
         if pair.settings.driver.kind != "simulated":  # the world of a simulated robot prints them
             for text in warnings_before(scene, controller_of(pair)):

@@ -24,7 +24,6 @@ from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
 from palmbots.robot.storage_thread import StateWriter
-from palmbots.scene.scene import load_scene
 from palmbots.wire import Role
 
 _NOTHING_YET = Reading(0, True, math.nan)
@@ -101,8 +100,8 @@ def run_lockstep_robot(pair: Pair, side: Side) -> RobotEnd:
     """
     file, silent = pair.state_file(side), pair.with_logs(None, is_off=True)
     settings = _core.runtime.RuntimeSettings.lockstep()
+    scene = pair.checked_scene()
     with booted(file) as state, contextlib.ExitStack() as stack:
-        scene = load_scene(pair.scene())
 
         def start(state: StoredState) -> tuple[Any, RobotLog]:
             program = robot_program(pair, side, state, scene, settings, carries=True)

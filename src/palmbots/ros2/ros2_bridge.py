@@ -12,7 +12,6 @@ from palmbots.pair.pair_file import Pair
 from palmbots.robot.observation import Observation, Observations, observation_socket
 from palmbots.ros2.robot_messages import RobotMessages
 from palmbots.ros2.ros2_topics import OF_THE_BASE, PUBLISHED, Topic, type_of
-from palmbots.scene.scene import load_scene
 
 _SILENCE_S = 1.0
 _SLOW_PERIOD_S = 1.0
@@ -77,7 +76,7 @@ class Bridge:
         self._made: Any = require("palmbots.ros2.ros2_messages", "ros2")
         module: Any = require("palmbots.ros2.ros2_node", "ros2")
         self._header: Callable[[str], Any] = module.header
-        scene = load_scene(pair.scene())
+        scene = pair.checked_scene()
         self._side, self._robot = side, f"palmbots: {side} robot"
         self._hardware = f"palmbots-{pair.settings.pair.number}-{side}"
         self._messages = RobotMessages(settings, side, scene.task.direction, self._header)

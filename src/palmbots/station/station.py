@@ -20,7 +20,6 @@ from palmbots.links.packet_statistics import PacketStatistics, ReportedCounts
 from palmbots.pair.fault_words import fault_line
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState, read_state, write_state
-from palmbots.scene.scene import load_scene
 from palmbots.station.correction_watch import CorrectionWatch, longest_correction_s
 from palmbots.station.fault_watch import FaultWatch
 from palmbots.station.robot_view import LOST_AFTER_S, RobotView
@@ -88,7 +87,7 @@ class Station:
         """What is known of each robot."""
         self.reported: dict[Side, ReportedCounts] = {side: ReportedCounts() for side in SIDES}
         """What each robot has reported about its own end of the wire."""
-        self.corrections = CorrectionWatch(longest_correction_s(load_scene(pair.scene())))
+        self.corrections = CorrectionWatch(longest_correction_s(pair.checked_scene()))
         self._faults = FaultWatch(PERIOD_S, self.statistics, self._start_s)
         self._lost: set[Side] = set()
         self._late: set[Side] = set()

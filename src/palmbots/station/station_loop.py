@@ -20,7 +20,6 @@ from palmbots.errors import PalmbotsError
 from palmbots.pair.live_ends import open_pair_link
 from palmbots.pair.pair_file import Pair, station_address
 from palmbots.pair.stored_state import CounterInUse, held
-from palmbots.scene.scene import load_scene
 from palmbots.station.carry_script import carry_once
 from palmbots.station.station import PERIOD_S, UNDER_WAY, OtherStation, Station
 from palmbots.station.station_log import StationLog
@@ -72,6 +71,7 @@ def run_station_loop(
         "process": os.getpid(),
         "host": socket.gethostname(),
     }
+    scene = pair.checked_scene()
     with contextlib.ExitStack() as stack:
         stack.enter_context(_only_station(file))
         link = stack.enter_context(contextlib.closing(open_pair_link(pair, "station")))
@@ -83,7 +83,7 @@ def run_station_loop(
         clock = control_clock("station", PERIOD_S)
         station = Station(pair, clock.link(link), _to_all(server.lines.append, on_line))
         stack.callback(station.close)
-        log = StationLog(pair, station.epoch, load_scene(pair.scene()), server.lines.append)
+        log = StationLog(pair, station.epoch, scene, server.lines.append)
         stack.callback(log.close)
         station.on_note(log)
         loop = _Loop(station, server, pair, auto=auto, for_screen=for_screen)

@@ -18,7 +18,6 @@ from palmbots.logs.channels import CorrectionEvent, StateChannel, channels_of_wo
 from palmbots.logs.robot_description import urdf
 from palmbots.logs.run_channels import LineEvent
 from palmbots.pair.pair_file import Pair
-from palmbots.scene.scene import load_scene
 from palmbots.station.station_client import StationClient
 from palmbots.views.estimated_carry import EstimatedCarry
 from palmbots.views.foxglove_server import FoxgloveServer
@@ -37,7 +36,7 @@ class LiveView:
 
     def __init__(self, pair: Pair, server: FoxgloveServer) -> None:
         self._server = server
-        self._scene = load_scene(pair.scene())
+        self._scene = pair.checked_scene()
         self._carry = EstimatedCarry(self._scene)
         self._parts = solids(self._scene, self._carry.spec)
         self._channels = _state_channels()

@@ -60,7 +60,7 @@ def up(
     from palmbots._util.arguments import seed_of
     from palmbots.links.impairment import Impairment
     from palmbots.pair.launcher import run_live, run_lockstep
-    from palmbots.scene.spec import refuse_floor
+    from palmbots.pair.pair_file import check_on_robots
     from palmbots.simulation.lockstep_world import remote
     from palmbots.simulation.prepare import check_precision, prepare
     from palmbots.simulation.worlds import world_entry
@@ -68,7 +68,7 @@ def up(
     chosen = load(scene, overrides)
     entry = controller_of(controller, quiet=as_json)
     place = world_entry(world)
-    refuse_floor(chosen, "robots as processes do")
+    check_on_robots(chosen)
     check_precision(place, precision)
     remote(entry, lambda *_: [])
     prepare(chosen, entry, place)  # refuses a scene
