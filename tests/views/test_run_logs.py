@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from palmbots.cli.station_text import plain_status
 from palmbots.control.registry import shipped_names
 from palmbots.errors import PalmbotsError
 from palmbots.logs import run_log_writer
@@ -313,6 +314,42 @@ def test_each_run_of_a_folder_has_a_clock(tmp_path: Path, clock: Any) -> None:
     carries = logged_carries(logs, clocks)
     assert [(one.run, one.end) for one in carries] == [(1, "done")] * 2 + [(2, "done")] * 2
     assert carry_of(logs, clocks).distance_m == pytest.approx(0.1, abs=0.02)
+
+
+def test_an_e_stop_and_who_wants_it_are_seen(tmp_path: Path, clock: Any) -> None:
+    """In the lines of the station, in what a screen shows, and in the table of a replay."""
+    clock["air"] = air = Air(delay_ms=20)
+    pair = LoggedPair(tmp_path, "resilient", air, UP)
+    pair.start()
+    pair.run(100)
+    pair.wish("e_stop", "stopped")
+    pair.run(20)
+    assert [line.split(" s  ")[1] for line in pair.lines if "stopped" in line] == [
+        "left: stopped (operator: e-stop)",
+        "right: stopped (operator: e-stop)",
+    ]
+    frame = pair.station.frame()
+    assert {robot["reason"] for robot in frame["robots"].values()} == {"operator: e-stop"}
+    assert all("stopped (operator: e-stop)" in line for line in plain_status(frame)[:2])
+    pair.wish("release", "disarmed")
+    pair.run(20)
+    assert {robot["reason"] for robot in pair.station.frame()["robots"].values()} == {""}
+    result = replay_run(read_run([pair.written()]))
+    assert [one.end for one in result.carries] == ["stopped (operator: e-stop)"] * 2
+
+
+def test_a_stop_by_hand_is_not_taken_for_an_order(tmp_path: Path, clock: Any) -> None:
+    clock["air"] = air = Air(delay_ms=20)
+    pair = LoggedPair(tmp_path, "resilient", air, UP)
+    pair.start()
+    pair.run(100)
+    pair.press("left", "stop")
+    pair.run(100)
+    pair.wish("stop", "stopped")
+    pair.run(20)
+    assert {robot["reason"] for robot in pair.station.frame()["robots"].values()} == {""}
+    ends = {one.end for one in replay_run(read_run([pair.written()])).carries}
+    assert ends == {"stopped by hand, its partner or the station"}
 
 
 # Writes a log of many lines in a process that may write at most so many bytes to a file, or to a

@@ -206,8 +206,8 @@ def station_app(client: StationClient, restarts_within_s: float = 0.0) -> "App[N
             grid = Table.grid(padding=(0, 1))
             grid.add_column(style="dim", no_wrap=True)
             grid.add_column(no_wrap=True, overflow="ellipsis")
-            fault = "" if robot["fault"] == "none" else f" ({robot['fault']})"
-            mode = Text(f"{robot['mode']}{fault}", _MODE_COLOURS.get(robot["mode"], "bold"))
+            why = f" ({robot['reason']})" if robot["reason"] else ""
+            mode = Text(f"{robot['mode']}{why}", _MODE_COLOURS.get(robot["mode"], "bold"))
             if not robot["is_heard"]:
                 mode = Text(f"silent {robot['silent_s']:.0f} s ({robot['mode']})", "bold")
             rows = {

@@ -74,7 +74,7 @@ def _line(robot: dict[str, Any] | None) -> str:
         return f"not heard for {robot['silent_s']:.0f} s; was {robot['mode']}"
     part = robot["progress"]
     return ", ".join([
-        robot["mode"] + ("" if robot["fault"] == "none" else f" ({robot['fault']})"),
+        robot["mode"] + (f" ({robot['reason']})" if robot["reason"] else ""),
         f"sign {robot['sign']:+d}" if robot["sign"] else "sign 0",
         f"palm {palm_text(robot)}",
         UNKNOWN if part is None else f"{100 * part:.0f} %",

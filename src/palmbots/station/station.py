@@ -73,6 +73,8 @@ class Station:
         self._storing = ThreadPoolExecutor(max_workers=1)
         self._start_s = clock()
         self._wish: Operation | None = None
+        self._order = ""  # the wish, and who wants it
+        self._stopped_by = dict.fromkeys(SIDES, "")  # the order after which a robot was stopped
         self._wish_s = 0.0
         self._fulfilled: set[Side] = set()
         self._lapsed: set[Side] = set()
@@ -136,7 +138,8 @@ class Station:
         self._wish, self._wish_s = operation, self.clock()
         self._fulfilled, self._lapsed = set(), set()
         self._wished_at = {side: self._end.newest(side)[1] for side in SIDES}
-        self._say(f"{by}: {operation.replace('_', '-')}")
+        self._order = f"{by}: {operation.replace('_', '-')}"
+        self._say(self._order)
         self._note("wish", (operation, by))
 
     def modes(self) -> dict[Side, RobotMode]:
@@ -314,7 +317,10 @@ class Station:
         self._late = {one for one, other in self.robots.items() if other.is_late}
         self.reported[side].note(status)
         if old is None or (old.mode, old.fault) != (status.mode, status.fault):
-            why = f" ({status.fault})" if status.fault != "none" else ""
+            if status.mode == "stopped" and (old is None or old.mode != "stopped"):
+                self._stopped_by[side] = self._order if self._wish in _STOPS else ""
+            reason = self._reason(side, status)
+            why = f" ({reason})" if reason else ""
             turns = old is not None and {old.mode, status.mode} == {"carrying", "holding"}
             if not turns or (old is not None and old.fault != status.fault):
                 self._say(f"{side}: {status.mode}{why}")
@@ -327,13 +333,26 @@ class Station:
         if self._wish == "release" and has_heard and status.mode != "stopped":
             self._fulfilled.add(side)
 
+    def _reason(self, side: Side, status: Status) -> str:
+        """Why a robot is in its mode: the stop that was ordered here, or its fault."""
+        if status.mode == "stopped" and self._stopped_by[side]:
+            return self._stopped_by[side]
+        return "" if status.fault == "none" else status.fault
+
+    def _frame_of(self, side: Side, now: float) -> dict[str, Any] | None:
+        view = self.robots[side]
+        frame = view.frame(now)
+        if frame is None or view.status is None:
+            return None
+        return frame | {"reason": self._reason(side, view.status)}
+
     def frame(self) -> dict[str, Any]:
         """What a screen shows."""
         now = self.clock()
         return {
             "time_s": round(self.time_s(), 3),
             "wish": self._wish,
-            "robots": {side: view.frame(now) for side, view in self.robots.items()},
+            "robots": {side: self._frame_of(side, now) for side in SIDES},
             "corrections": [
                 [one.label, one.robot, one.case, one.assistant]
                 for one in self.corrections.under_way

@@ -50,16 +50,32 @@ def logged_carries(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> tuple[
         logs: of the programs.
         clocks: for each log how its clock relates to that of the first of its run.
     """
+    orders = [
+        _Stop(fit.run, fit.to_first(now), line.text)
+        for log, fit in zip(logs, clocks, strict=True)
+        if log.end not in SIDES
+        for now, line in log.messages["lines"]
+        if line.text.endswith((": stop", ": e-stop"))  # as the station says what is wanted, of whom
+    ]
     found = [
         carry
         for log, fit in zip(logs, clocks, strict=True)
         if log.end in SIDES
-        for carry in _of_robot(log, fit)
+        for carry in _of_robot(log, fit, orders)
     ]
     return tuple(sorted(found, key=lambda one: (one.run, one.start_s)))
 
 
-def _of_robot(log: RunLog, fit: ClockFit) -> Iterator[LoggedCarry]:
+@dataclass(frozen=True)
+class _Stop:
+    """A stop that the station has ordered."""
+
+    run: int
+    time_s: float
+    text: str
+
+
+def _of_robot(log: RunLog, fit: ClockFit, orders: Sequence[_Stop]) -> Iterator[LoggedCarry]:
     first: tuple[float, Any] | None = None
     last: tuple[float, Any] | None = None
 
@@ -74,16 +90,20 @@ def _of_robot(log: RunLog, fit: ClockFit) -> Iterator[LoggedCarry]:
         if tick.mode in _MODES:
             first, last = first or (now, tick), (now, tick)
         elif first is not None:
-            yield carry(_end(tick))
+            begin_s, end_s = fit.to_first(first[0]), fit.to_first(now) + fit.uncertainty_s
+            known = [one for one in orders if one.run == fit.run and begin_s <= one.time_s <= end_s]
+            yield carry(_end(tick, known[-1].text if known else ""))
             first = None
     if first is not None:
         why = "was killed, or its disk was full" if log.is_cut else "ended or started again"
         yield carry(f"its program {why}")
 
 
-def _end(tick: Any) -> str:
-    """What the first tick after a carry says about its end."""
+def _end(tick: Any, order: str) -> str:
+    """What the first tick after a carry says about its end; `order` is a stop of the station."""
+    if tick.mode == "stopped" and order and not tick.stop:
+        return f"stopped ({order})"
     if tick.mode == "stopped":
-        return "stopped by hand" if tick.stop else "stopped by the station or the partner"
+        return "stopped by hand" if tick.stop else "stopped by hand, its partner or the station"
     words = FAULT_WORDS.get(tick.fault)
     return tick.mode if words is None else f"{tick.mode} ({tick.fault}: {words.meaning})"
