@@ -5,6 +5,7 @@ import importlib
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,24 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
     "station": ("palmbots.pair.pair_file", "load_pair", ["pair.toml"]),
     "view": ("palmbots.views.log_player", "viewable", ["x.mcap"]),
 }
+
+
+def test_sigterm_leaves_no_part_of_a_file(tmp_path: Path) -> None:
+    """Ended while it writes an animation, as by a service manager."""
+    words = ["carry", "--seeds", "1", "--out", str(tmp_path / "out")]
+    command = subprocess.Popen(
+        [sys.executable, "-m", "palmbots", *words],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    give_up = time.monotonic() + 60
+    while not list(tmp_path.rglob("*.part")) and time.monotonic() < give_up:
+        time.sleep(0.002)
+    command.terminate()
+    _, problems = command.communicate(timeout=60)
+    assert (command.returncode, problems) == (143, "")
+    assert not list(tmp_path.rglob("*.part"))
 
 
 def interrupted(*_: object, **__: object) -> None:

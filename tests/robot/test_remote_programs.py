@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Robots as programs of their own, which exchange packets as bytes, carry as inside one program."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,6 +10,9 @@ import palmbots as pb
 import palmbots._core as _core
 from live_faults import SIMULATED, scene_with
 from palmbots.control.registry import resolve
+from palmbots.errors import PalmbotsError
+from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.robot.lockstep_robot import run_lockstep_robot, without_effect
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.lockstep_world import ends_of, establish_sessions, remote
 
@@ -124,3 +128,21 @@ def test_programs_carry_as_inside_one_program(controller: str, case: str, seed: 
     assert outside.trace_hash == inside.trace_hash
     assert outside.summary() == inside.summary()
     assert outside.message_log == inside.message_log
+
+
+def test_limits_that_are_not_in_force_in_lockstep_are_named(tmp_path: Path) -> None:
+    file = init_pair(tmp_path / "pair.toml")[0]
+    assert without_effect(load_pair(file)) == (
+        f'{file}: [limits] after_reboot = "disarm" and partner_lost = "stop" have no effect in '
+        "lockstep, where the controller alone decides, as in palmbots carry"
+    )
+    text = file.read_text().replace('"disarm"', '"rejoin"')
+    file.write_text(text.replace('partner_lost = "stop"', 'partner_lost = "controller"'))
+    assert without_effect(load_pair(file)) == ""
+
+
+def test_speed_limit_holds_in_lockstep_too(tmp_path: Path) -> None:
+    values: dict[str, object] = {"limits.max_speed_m_s": 0.05}
+    pair = load_pair(init_pair(tmp_path / "pair.toml", values=values)[0])
+    with pytest.raises(PalmbotsError, match=r"limits.max_speed_m_s: value is 0.05; allowed: at le"):
+        run_lockstep_robot(pair, "left")

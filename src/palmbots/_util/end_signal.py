@@ -12,6 +12,14 @@ _VARIABLE = "PALMBOTS_LIFELINE"
 _END_WITHIN_S = 2.0
 
 
+def leave(number: int, _: object) -> None:
+    """Leave on a signal in good order: what is being written is removed, and processes are ended.
+
+    For `signal.signal`; the exit status is what shells report of a program that the signal ends.
+    """
+    raise SystemExit(128 + number)
+
+
 @contextlib.contextmanager
 def ended_by_signal(*, second_ends: bool = True) -> Iterator[threading.Event]:
     """An event that SIGTERM and Ctrl-C set.

@@ -22,7 +22,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
-from palmbots._util.end_signal import end_with_starter
+from palmbots._util.end_signal import end_with_starter, leave
 from palmbots._util.exit_status import BAD_INPUT, CLOSED_PIPE, DONE, INTERRUPTED
 from palmbots._util.exit_status import FAILED as FAILED
 from palmbots.cli import INTERRUPTION_LINE
@@ -45,6 +45,8 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     install_exception_hooks()
+    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, leave)
     end_with_starter(os.environ)
     try:
         status = run(sys.argv[1:])

@@ -48,7 +48,7 @@ def run_lockstep(
             killed.
     """
     with (
-        _pair(scene, controller) as (file, address, key),
+        _pair(scene, controller, _limits(scene)) as (file, address, key),
         Processes(descriptors=[key]) as running,
     ):
         world = ["world", str(file.with_name("scene.toml")), "--serve", address, "--lockstep"]
@@ -143,9 +143,8 @@ class LiveCarryProcesses:
         return {
             **{f"link.{end}": address for end, address in self.proxy.addresses.items()},
             "pair.log_folder": self._log_folder,
-            **UP,
+            **_limits(self._scene),
             "limits.time_limit_s": self._scene.timeout_s,
-            "limits.max_speed_m_s": max(self._scene.robot_of(s).max_speed_m_s for s in SIDES),
             "hardware.stopping_s": stopping_limit_s(self._scene),
         }
 
@@ -244,6 +243,11 @@ def run_live(
         while carry.poll():
             time.sleep(_POLL_S)
         return carry.finish()
+
+
+def _limits(scene: Scene) -> dict[str, object]:
+    """Limits of a pair with which robots do what the scene says."""
+    return {**UP, "limits.max_speed_m_s": max(scene.robot_of(s).max_speed_m_s for s in SIDES)}
 
 
 @contextlib.contextmanager

@@ -31,6 +31,22 @@ def open_pair_link(pair: Pair, role: Role, on_line: Callable[[str], None] = to_s
     return open_link(table.kind, settings)
 
 
+def check_speed(pair: Pair, side: Side, scene: Scene) -> None:
+    """Check that a robot never needs a higher speed than the limit of the pair.
+
+    Raises:
+        PalmbotsError: it does.
+    """
+    limit_m_s = pair.settings.limits.max_speed_m_s
+    fastest_m_s = max(abs(drive.speed_m_s) for drive in drive_table(scene, side).values())
+    if fastest_m_s > limit_m_s + _ROUNDING:
+        raise PalmbotsError(
+            f"{pair.file}: limits.max_speed_m_s: value is {show(limit_m_s)}; allowed: at least "
+            f"{fastest_m_s:g} m/s, which the {side} robot needs for the scene {pair.scene()}; "
+            "raise it, or lower robot.speed_m_s and robot.correction_m_s of the scene"
+        )
+
+
 def open_pair_driver(
     pair: Pair,
     side: Side,
@@ -56,14 +72,8 @@ def open_pair_driver(
         PalmbotsError: the scene needs a higher speed than the limit, there is no such kind of
             driver, or its hardware cannot be used.
     """
+    check_speed(pair, side, scene)
     table, limit_m_s = pair.settings.driver, pair.settings.limits.max_speed_m_s
-    drives = drive_table(scene, side)
-    fastest_m_s = max(abs(drive.speed_m_s) for drive in drives.values())
-    if fastest_m_s > limit_m_s + _ROUNDING:
-        raise PalmbotsError(
-            f"limits.max_speed_m_s: value is {show(limit_m_s)}; allowed: at least "
-            f"{fastest_m_s:g} m/s, which the {side} robot needs for the scene"
-        )
     settings = DriverSettings(
         side=side,
         leads=(side == "right") == (scene.task.direction == "forward"),

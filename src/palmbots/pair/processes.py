@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
-from palmbots._util.end_signal import lifeline
+from palmbots._util.end_signal import leave, lifeline
 from palmbots.errors import PalmbotsError
 
 _END_WITHIN_S = 5.0
@@ -120,7 +120,9 @@ class Processes:
         self._pipe = os.pipe()
         self._in_main = threading.current_thread() is threading.main_thread()
         if self._in_main:
-            self._before = signal.signal(signal.SIGTERM, _leave)
+            self._before = signal.signal(
+                signal.SIGTERM, leave
+            )  # which would leave the processes behind
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -132,8 +134,3 @@ class Processes:
             os.close(end)
         if self._in_main:
             signal.signal(signal.SIGTERM, self._before)
-
-
-def _leave(number: int, _: object) -> None:
-    """Leave on a signal that would otherwise leave the processes behind."""
-    raise SystemExit(128 + number)

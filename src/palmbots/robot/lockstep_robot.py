@@ -8,6 +8,7 @@ tick on, and the controller alone decides.
 import contextlib
 import math
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import palmbots._core as _core
@@ -17,6 +18,7 @@ from palmbots.drivers.driver import Drive, Reading
 from palmbots.links.greeting import scene_number
 from palmbots.links.link import Link
 from palmbots.links.lockstep_line import Input, LockstepLine
+from palmbots.pair.live_ends import check_speed
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState, booted
 from palmbots.robot.core_program import robot_program
@@ -26,6 +28,7 @@ from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
 from palmbots.robot.storage_thread import StateWriter
 from palmbots.wire import Role
 
+_ALIKE = {"after_reboot": "rejoin", "partner_lost": "controller"}  # as robots in lockstep do
 _NOTHING_YET = Reading(0, True, math.nan)
 
 
@@ -92,8 +95,29 @@ class LockstepWorld:
         self._line.close()
 
 
-def run_lockstep_robot(pair: Pair, side: Side) -> RobotEnd:
+def without_effect(pair: Pair) -> str:
+    """A line about the limits of a pair that are not in force in lockstep; empty: there are none.
+
+    There the controller alone decides, as in `palmbots carry`.
+    """
+    table = pair.settings.limits
+    given = {"after_reboot": table.after_reboot, "partner_lost": table.partner_lost}
+    idle = [f'{key} = "{given[key]}"' for key, same in _ALIKE.items() if given[key] != same]
+    if not idle:
+        return ""
+    return (
+        f"{pair.file}: [limits] {' and '.join(idle)} have no effect in lockstep, where the "
+        "controller alone decides, as in palmbots carry"
+    )
+
+
+def run_lockstep_robot(pair: Pair, side: Side, on_line: Callable[[str], None] = print) -> RobotEnd:
     """Boot the program of one robot, and run it until the world ends the carry.
+
+    Args:
+        pair: the pair.
+        side: which of its robots.
+        on_line: called with a warning about keys of the pair that have no effect.
 
     Raises:
         PalmbotsError: a file is missing or damaged, or the world is lost.
@@ -101,6 +125,9 @@ def run_lockstep_robot(pair: Pair, side: Side) -> RobotEnd:
     file, silent = pair.state_file(side), pair.with_logs(None, is_off=True)
     settings = _core.runtime.RuntimeSettings.lockstep()
     scene = pair.checked_scene()
+    check_speed(pair, side, scene)
+    if text := without_effect(pair):
+        on_line(f"warning: {text}")
     with booted(file) as state, contextlib.ExitStack() as stack:
 
         def start(state: StoredState) -> tuple[Any, RobotLog]:

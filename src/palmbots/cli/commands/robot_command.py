@@ -33,7 +33,7 @@ def robot(
     if lockstep:
         from palmbots.robot.lockstep_robot import run_lockstep_robot
 
-        end = run_lockstep_robot(pair_of, side)
+        end = run_lockstep_robot(pair_of, side, _say)
     else:
         from palmbots.robot.live_robot import run_live_robot
 
