@@ -26,6 +26,7 @@ _ALLOWED = "HOST:PORT, such as 127.0.0.1:7400, or unix:PATH"
 _WHY_NOT = {
     errno.EADDRNOTAVAIL: "this computer does not have this address",
     errno.ENOENT: "the folder does not exist",
+    errno.EADDRINUSE: "it is taken; end the program that listens there, or choose another address",
 }
 
 

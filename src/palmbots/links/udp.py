@@ -63,7 +63,9 @@ def _place(end: Role, address: str) -> tuple[str, int]:
     host, _, port = address.rpartition(":")
     is_port = port.isascii() and port.isdecimal() and len(port) <= 5 and 0 < int(port) < 65536
     if not host or not is_port:
-        raise PalmbotsError(f"link.{end}: address is {show(address)}; allowed: HOST:PORT")
+        raise PalmbotsError(
+            f"link.{end}: address is {show(address)}; allowed: HOST:PORT, such as 192.168.1.12:7411"
+        )
     try:
         found = socket.getaddrinfo(host, int(port), socket.AF_INET, socket.SOCK_DGRAM)
     except (OSError, ValueError) as error:  # ValueError: no name at all

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The link and the driver of one end of a pair, as its ``pair.toml`` describes them."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterator
 
 from palmbots._types import Side
 from palmbots._util.arguments import show
@@ -17,6 +18,18 @@ from palmbots.scene.scene import Scene
 from palmbots.wire import Role
 
 _ROUNDING = 1e-9
+_TABLES = ("link.", "driver.", "hardware.", "ros2.")
+
+
+@contextlib.contextmanager
+def _named(pair: Pair) -> Iterator[None]:
+    """Name the file in refusals of its keys."""
+    try:
+        yield
+    except PalmbotsError as error:
+        if not str(error).startswith(_TABLES):
+            raise
+        raise PalmbotsError(f"{pair.file}: {error}") from None
 
 
 def open_pair_link(pair: Pair, role: Role, on_line: Callable[[str], None] = to_stderr) -> Link:
@@ -28,7 +41,8 @@ def open_pair_link(pair: Pair, role: Role, on_line: Callable[[str], None] = to_s
     table = pair.settings.link
     number = pair.settings.pair.number
     settings = LinkSettings(role, table.addresses(), number, table.baud, on_line)
-    return open_link(table.kind, settings)
+    with _named(pair):
+        return open_link(table.kind, settings)
 
 
 def check_speed(pair: Pair, side: Side, scene: Scene) -> None:
@@ -90,4 +104,5 @@ def open_pair_driver(
         table=getattr(pair.settings, table.kind, None),
         on_line=on_line,
     )
-    return open_driver(table.kind, settings)
+    with _named(pair):
+        return open_driver(table.kind, settings)

@@ -247,11 +247,11 @@ def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:
 
 
 def _check_addresses(path: Path, link: LinkTable) -> None:
-    """Refuse UDP addresses that two ends share. A serial device may have the same name on each
-    computer.
+    """Refuse UDP addresses that two ends share, and those of one computer beside those of a
+    network. A serial device may have the same name on each computer.
 
     Raises:
-        PalmbotsError: two ends have the same address.
+        PalmbotsError: two ends have the same address, or one cannot be reached by the others.
     """
     if link.kind != "udp":
         return
@@ -263,6 +263,20 @@ def _check_addresses(path: Path, link: LinkTable) -> None:
                 f"{path}: link.{end}: value is {show(address)}, which is also link.{owner}; "
                 "allowed: an address of its own for each end"
             )
+    local = {end for end, address in link.addresses().items() if _is_local(address)}
+    if local and len(local) < len(owners):
+        end = min(local)
+        other = min(set(owners.values()) - local)
+        raise PalmbotsError(
+            f"{path}: link.{end}: value is {show(link.addresses()[end])}, which only this computer "
+            f"reaches, but link.{other} is {show(link.addresses()[other])}; allowed: the address "
+            "of that end in the network, such as 192.168.1.12:7411, or addresses of this computer "
+            "for all three"
+        )
+
+
+def _is_local(address: str) -> bool:
+    return address.startswith(("127.", "localhost:"))
 
 
 def _key_of(pair: Path, name: str) -> bytes:

@@ -41,7 +41,7 @@ class ReadingGauge:
         is_checked = self._hardware.battery_low_v > 0
         if is_checked and first is not None and first.battery_v is None:
             raise PalmbotsError(
-                f"hardware.battery_low_v: value is {show(self._hardware.battery_low_v)}, but the "
+                f"{pair.file}: hardware.battery_low_v: value is {show(self._hardware.battery_low_v)}, but the "
                 "driver does not measure the battery; allowed: 0"
             )
 
