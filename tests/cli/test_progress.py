@@ -53,6 +53,18 @@ def test_time_left_counts_from_the_start_of_the_stage() -> None:
     ]
 
 
+def test_time_left_is_not_claimed_where_nothing_moves() -> None:
+    """Not "0:00 min left" for work that goes on."""
+    stream, clock = io.StringIO(), Clock()
+    lines = LineProgress(stream, clock)
+    for fraction in (0.0, 0.5, 0.5, 1.0, 1.0):
+        lines.report("carrying", fraction)
+        clock.now_s += 61
+    assert [line.split(", ")[1] for line in stream.getvalue().splitlines()] == [
+        "about 1:01 min left", "time left unknown", "time left unknown", "time left unknown",
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize("quiet", [True, False])
 def test_short_work_prints_nothing(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
     with progress("carrying", quiet, simulated_s=3.0) as report:

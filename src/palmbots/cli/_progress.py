@@ -25,20 +25,22 @@ class LineProgress:
     def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
         self._stream, self._clock = stream, clock
         self._stage = ""
+        self._last_fraction = 0.0
         self._stage_start = self._last_line = clock()
 
     def report(self, stage: str, fraction: float, note: str = "") -> None:
         """Print the stage, its fraction and an estimate of the time left, if a line is due."""
         now = self._clock()
         if stage != self._stage:
-            self._stage, self._stage_start = stage, now
+            self._stage, self._stage_start, self._last_fraction = stage, now, 0.0
         if now - self._last_line < _LINE_INTERVAL_S:
             return
         self._last_line = now
         spent = now - self._stage_start
-        left = (
-            f", about {_duration(spent * (1 - fraction) / fraction)} left" if fraction > 0 else ""
-        )
+        left = ", time left unknown"
+        if self._last_fraction < fraction < 1:
+            left = f", about {_duration(spent * (1 - fraction) / fraction)} left"
+        self._last_fraction = fraction
         percent = int(100 * min(fraction, 1.0))
         line = f"palmbots: {stage}: {percent} % after {_duration(spent)}{left}"
         with contextlib.suppress(OSError):  # a full disk, or a closed pipe

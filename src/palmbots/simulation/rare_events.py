@@ -48,6 +48,8 @@ more than the time saved: at one drop in a million, 500 carries with a fraction 
 than twice the time."""
 PILOT = 12
 """The smallest number of pilot replicates."""
+LEAST_PLAIN = 1000
+"""Plain carries that are run at least where splitting gives no estimate."""
 FEWEST, MOST = 16, 10_000
 """Limits of the number of replicates that count."""
 SPLITTING = 20
@@ -208,7 +210,7 @@ def estimate_drop_rate(
         fractions, cost = tuple(_fractions(stages, effort)), run.carries(run.ticks - spent)
     else:
         count, is_narrow = 0, False
-        carries = cost = max(1000, budget - math.ceil(run.spent))
+        carries = cost = max(LEAST_PLAIN, budget - math.ceil(run.spent))
         dropped = run.plain(carries)
         rate, interval = dropped / carries, clopper_pearson(dropped, carries)
     run.report(1.0)
@@ -292,7 +294,8 @@ class _Splitting:
             each = self.carries(self.ticks) / at if at else (len(self.levels) + 1) * self._effort
             more = max(1, min(target - at, _AT_ONCE, int(half / max(each, 1e-9))))
             rows = np.concatenate([rows, self._run(at, more)])
-            self.report(self.spent / self._budget)
+            # What is left, at least, if the pilot run turns out to be of no use.
+            self.report(self.spent / max(self._budget, self.spent + LEAST_PLAIN))
             if len(rows) >= target:
                 wanted = min(self.wanted(rows, half_width), self.affordable(len(rows)))
                 target = max(target, math.ceil(wanted / 4)) if wanted else target
@@ -306,6 +309,7 @@ class _Splitting:
     def replicates(self, first: int, count: int, start: float) -> NDArray[Any]:
         """Stages (reached, drops) of replicates; a few at a time, so that Ctrl-C is noticed."""
         found = []
+        start = max(start, self._fraction)
         for at in range(0, count, _AT_ONCE):
             more = min(_AT_ONCE, count - at)
             found.append(self._run(first + at, more))

@@ -157,7 +157,10 @@ def _contact(analysis: Analysis, noise: float) -> RankedMargin:
     limit = f"a contact {end} after {millimetres(allowed)}"
     if allowed <= 0:
         limit = "a property fails wherever the contacts are"
-    use = f"noise moves it by {millimetres(noise)} over the carry if no robot corrects it"
+    use = (
+        f"noise moves it by {millimetres(noise)} (one standard deviation) over the carry if no "
+        "robot corrects it"
+    )
     is_part = any(scene.palm_of(side).usable_m for side in SIDES)
     of_palm = "palm.usable_m" if is_part else "palm.length_m"
     keys = ("palm.heel_m" if has_heel else of_palm, "robot.noise_m_s")
