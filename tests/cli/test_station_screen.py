@@ -26,6 +26,7 @@ OTHER = ROBOT | {
 STATE = {
     "time_s": 12.3,
     "wish": "start",
+    "wish_is_done": False,
     "robots": {"left": ROBOT, "right": OTHER},
     "corrections": [["B", "left", "a", "right"]],
     "warnings": ["left: 12 % of its packets are lost"],

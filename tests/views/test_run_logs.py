@@ -333,7 +333,9 @@ def test_an_e_stop_and_who_wants_it_are_seen(tmp_path: Path, clock: Any) -> None
     assert all("stopped (operator: e-stop)" in line for line in plain_status(frame)[:2])
     pair.wish("release", "disarmed")
     pair.run(20)
-    assert {robot["reason"] for robot in pair.station.frame()["robots"].values()} == {""}
+    frame = pair.station.frame()
+    assert {robot["reason"] for robot in frame["robots"].values()} == {""}
+    assert (frame["wish"], frame["wish_is_done"]) == ("release", True)
     result = replay_run(read_run([pair.written()]))
     assert [one.end for one in result.carries] == ["stopped (operator: e-stop)"] * 2
 

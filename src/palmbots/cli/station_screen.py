@@ -192,7 +192,9 @@ def station_app(client: StationClient, restarts_within_s: float = 0.0) -> "App[N
             head.add_column(ratio=1, no_wrap=True, overflow="ellipsis")
             head.add_column(justify="right", no_wrap=True)
             names = f"pair {facts['pair']}: {facts['controller']}, {facts['scene']}"
-            wish = "" if state is None or state["wish"] is None else f"wish: {state['wish']}   "
+            wish = ""
+            if state is not None and state["wish"] is not None:
+                wish = f"wish: {state['wish']}{', done' if state['wish_is_done'] else ''}   "
             time_s = 0.0 if state is None else state["time_s"]
             head.add_row(
                 Text.assemble(("palmbots station  ", "bold"), names),

@@ -41,8 +41,9 @@ class ReadingGauge:
         is_checked = self._hardware.battery_low_v > 0
         if is_checked and first is not None and first.battery_v is None:
             raise PalmbotsError(
-                f"{pair.file}: hardware.battery_low_v: value is {show(self._hardware.battery_low_v)}, but the "
-                "driver does not measure the battery; allowed: 0"
+                f"{pair.file}: hardware.battery_low_v: value is "
+                f"{show(self._hardware.battery_low_v)}, but the driver does not measure the "
+                "battery; allowed: 0"
             )
 
     @property

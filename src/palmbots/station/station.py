@@ -352,6 +352,7 @@ class Station:
         return {
             "time_s": round(self.time_s(), 3),
             "wish": self._wish,
+            "wish_is_done": self.is_done(),
             "robots": {side: self._frame_of(side, now) for side in SIDES},
             "corrections": [
                 [one.label, one.robot, one.case, one.assistant]
