@@ -9,6 +9,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.links.local_connection import Connection, ConnectionLost, connect, listen
+from palmbots.links.udp import UdpLink
 
 
 def pair_of(address: str) -> tuple[Connection, Connection]:
@@ -94,3 +95,12 @@ def test_an_offer_never_waits_and_no_frame_is_cut(ends: tuple[Connection, Connec
     assert 10 < len(numbers) < 20_000
     near.close()
     far.close()
+
+
+def test_a_taken_udp_address_has_a_remedy() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", 0))
+        own = f"127.0.0.1:{other.getsockname()[1]}"
+        places = {"left": own, "right": "127.0.0.1:9", "station": "127.0.0.1:10"}
+        with pytest.raises(pb.PalmbotsError, match=r"cannot use .*: it is taken; end the program"):
+            UdpLink("left", places)

@@ -30,6 +30,11 @@ _WHY_NOT = {
 }
 
 
+def why_not(error: OSError) -> str:
+    """Why an address cannot be used, and what to do."""
+    return _WHY_NOT.get(error.errno or 0, error.strerror or str(error))
+
+
 _encode = json.JSONEncoder(separators=(",", ":")).encode
 _decode = json.JSONDecoder().decode
 
@@ -252,8 +257,7 @@ def listen(address: str, called: str = "address") -> socket.socket:
         stream.listen()
     except OSError as error:
         stream.close()
-        why = _WHY_NOT.get(error.errno or 0, error.strerror or error)
-        raise PalmbotsError(f"{called}: cannot listen at {address}: {why}") from None
+        raise PalmbotsError(f"{called}: cannot listen at {address}: {why_not(error)}") from None
     return stream
 
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
+from palmbots.links.local_connection import why_not
 from palmbots.wire import Role
 
 _MOST_AT_ONCE = 256  # packets; a flood must not hold up the control loop
@@ -33,7 +34,7 @@ class UdpLink:
             self._socket.bind(self._places[role])
         except OSError as error:
             self._socket.close()
-            why = error.strerror or error
+            why = why_not(error)
             raise PalmbotsError(f"link.{role}: cannot use {addresses[role]}: {why}") from None
 
     def send(self, receiver: Role, data: bytes) -> None:
