@@ -101,6 +101,5 @@ def test_a_taken_udp_address_has_a_remedy() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", 0))
         own = f"127.0.0.1:{other.getsockname()[1]}"
-        places = {"left": own, "right": "127.0.0.1:9", "station": "127.0.0.1:10"}
         with pytest.raises(pb.PalmbotsError, match=r"cannot use .*: it is taken; end the program"):
-            UdpLink("left", places)
+            UdpLink("left", {"left": own, "right": "127.0.0.1:9", "station": "127.0.0.1:10"})
