@@ -350,7 +350,7 @@ def test_a_picture(open_page: Open, tmp_path: Path) -> None:
 
 def test_a_film_of_the_rest_of_the_carry(open_page: Open, tmp_path: Path) -> None:
     """Also while the drawing is outside the window, where the carry stands still otherwise."""
-    page = open_page(hash_of("carry", {**FIGURE8, "t": 5.4, "speed": 2}), height=420, moves=True)
+    page = open_page(hash_of("carry", {**FIGURE8, "t": 5.4, "speed": 0.5}), height=420, moves=True)
     with page.expect_download() as found:
         page.locator("#save-film").click()
     assert page.evaluate("document.getElementById('stage').getBoundingClientRect().bottom") < 0

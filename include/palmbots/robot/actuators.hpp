@@ -86,8 +86,8 @@ struct InertiaFilter {
 // Both robots: their actuators, their set points and the motion of the pair.
 template <class Real>
 struct Robots {
-  // Brakes hold wheels that stand: speed 0. Released, they hold them at no speed. That way the speed
-  // alone tells in each tick.
+  // Brakes hold wheels that stand: speed 0. Released, they hold them at no speed. So whether wheels
+  // are held is one comparison in each tick.
   static constexpr double braked = 0;
   static constexpr double released = std::numeric_limits<double>::quiet_NaN();
 
