@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two robots and a station in real time, on a clock of the test: start, stops, faults, the end."""
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from palmbots.pair.launcher import UP
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import StoredState, write_state
 from palmbots.robot import live_robot, storage_thread
+from palmbots.station import station as station_module
 from palmbots.station.carry_script import carry_once
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.wire import Endpoint, Operate, State, decode
@@ -304,6 +306,25 @@ def test_a_stop_is_passed_on_although_nothing_can_be_stored(
     monkeypatch.setattr(storage_thread, "write_state", full)
     live_robot.run_live_robot(pair, "left", rate=10)
     assert any(isinstance(body, State) and body.stop for body in sent)
+
+
+def test_a_station_that_ends_has_stored_that_the_carry_is_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else the next one, on a slow disk, takes robots that wait for a start for a carry."""
+
+    def slow(*arguments: Any) -> None:
+        time.sleep(0.3)
+        write_state(*arguments)
+
+    pair = SimulatedPair(tmp_path, "shared-sign", Air(), UP, {"task.distance_m": 0.1})
+    monkeypatch.setattr(station_module, "write_state", slow)
+    assert pair.carry()
+    pair.boot("left")
+    pair.boot("right")
+    pair.restart_station()
+    assert not pair.station.was_carrying
+    assert pair.carry()
 
 
 @pytest.mark.parametrize("delay_ms", [100, 1000, 6000, 30000])

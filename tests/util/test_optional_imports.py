@@ -41,7 +41,7 @@ def test_command_installs_the_packages_of_the_extra(
     packages = [
         package
         for given in EXTRAS[extra]
-        for package in (EXTRAS["study"] if given == "palmbots[study]" else [given])
+        for package in EXTRAS.get(given.removeprefix("palmbots[").removesuffix("]"), [given])
     ]
     assert shlex.split(command) == [sys.executable, "-m", "pip", "install", *packages]
 

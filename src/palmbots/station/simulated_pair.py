@@ -193,7 +193,7 @@ class SimulatedPair:
         self._station_log: StationLog | None = None
         for side in SIDES:
             self.boot(side)
-        self.restart_station()
+        self._start_station()
 
     @property
     def robots(self) -> dict[Side, Any]:
@@ -262,9 +262,16 @@ class SimulatedPair:
         self._loops[side].robot.operate(get_args(Operation).index(operation))
 
     def restart_station(self) -> None:
-        """Start the station anew."""
+        """Start the station anew, after it has stored what it had to."""
+        self._close_station()
+        self._start_station()
+
+    def _close_station(self) -> None:
+        self.station.close()
         if self._station_log is not None:
             self._station_log.close()
+
+    def _start_station(self) -> None:
         link = self.air.link("station")
         self.station = Station(self.pair, link, self.lines.append, self.now_s)
         if self.pair.log_folder() is not None:
@@ -346,8 +353,7 @@ class SimulatedPair:
         """Write what is left of the logs."""
         for loop in self._loops.values():
             loop.close()
-        if self._station_log is not None:
-            self._station_log.close()
+        self._close_station()
 
 
 def _clock() -> Any:
