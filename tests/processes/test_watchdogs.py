@@ -210,5 +210,7 @@ def test_bad_input_is_one_line(tmp_path: Path) -> None:
     robot = started(ROBOT, tmp_path)
     printed, errors = robot.communicate(timeout=60)
     assert (robot.returncode, printed) == (2, "")
-    assert errors.startswith('palmbots: driver.kind: value is "nosuch"; allowed: simulated, ')
+    assert errors.startswith(
+        'palmbots: pair.toml: driver.kind: value is "nosuch"; allowed: simulated, '
+    )
     assert errors.count("\n") == 1
