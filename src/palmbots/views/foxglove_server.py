@@ -4,11 +4,13 @@
 The server has no capabilities, so a viewer cannot publish, call or set anything.
 """
 
+import re
 from typing import Any, Self
 
 from palmbots._util.arguments import show
 from palmbots._util.optional_imports import require
 from palmbots.errors import PalmbotsError
+from palmbots.links.local_connection import why_not
 
 
 def place_of(address: str, option: str = "--serve") -> tuple[str, int]:
@@ -45,8 +47,9 @@ class FoxgloveServer:
                 name=name, host=host, port=port, capabilities=[], context=self._context
             )
         except Exception as error:  # the package raises errors of its own
-            why = str(error).rpartition(": ")[2] or error
-            raise PalmbotsError(f"--serve: cannot listen at {address}: {why}") from None
+            number = re.search(r"os error (\d+)", str(error))
+            why = why_not(OSError(int(number[1]), str(error))) if number else error
+            raise PalmbotsError(f"live view: cannot listen at {address}: {why}") from None
         self.address = f"{host}:{self._server.port}"
         self._channels: dict[str, Any] = {}
 
