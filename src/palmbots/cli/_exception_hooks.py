@@ -4,10 +4,11 @@
 They arise in the code of a user, such as a controller in Python. Python prints a traceback for
 each and continues; the command line prints a warning with the place instead, once for each place.
 
-Ctrl-C can be such an exception, too: Python raises it wherever the main thread happens to be, as in
-the garbage collector. There it is lost, so it is sent once more. In a compiled module it may become
-another exception, so it is also remembered. While a compiled module is being imported, the
-exception could abort the process; the interrupt therefore waits until the import is over.
+Ctrl-C and SIGTERM can be such exceptions, too: Python raises them wherever the main thread happens
+to be, as in the garbage collector. There they are lost, so they are sent once more. In a compiled
+module they may become other exceptions, so they are also remembered. While a compiled module is
+being imported, the exception could abort the process; the signal therefore waits until the import
+is over.
 """
 
 import _thread
@@ -19,6 +20,7 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any
 
+from palmbots._util.end_signal import leave
 from palmbots.cli import INTERRUPTION_LINE
 from palmbots.cli._streams import say
 from palmbots.cli._warnings import warn
@@ -32,7 +34,10 @@ def install_exception_hooks() -> None:
         from palmbots.control.own_code import show_error
 
         if isinstance(error, KeyboardInterrupt):
-            _interrupt_again()
+            _send_again(signal.SIGINT)
+            return
+        if isinstance(error, SystemExit) and _heard == signal.SIGTERM:
+            _send_again(signal.SIGTERM)
             return
         text = "an unknown error" if error is None else show_error(error)
         fault = text + _place(trace)
@@ -51,25 +56,29 @@ def install_exception_hooks() -> None:
 
     threading.excepthook = in_thread
     sys.unraisablehook = unraisable
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _interrupt)
+    usual = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+    for number, handler in usual.items():
+        if signal.getsignal(number) is handler:
+            signal.signal(number, _end)
 
 
-_is_interrupted = False
+_heard: int | None = None
 
 
-def was_interrupted() -> bool:
-    """Whether Ctrl-C has been heard."""
-    return _is_interrupted
+def heard_signal() -> int | None:
+    """SIGINT (Ctrl-C) or SIGTERM, if the process has heard it."""
+    return _heard
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    global _is_interrupted
-    _is_interrupted = True
+def _end(number: int, frame: FrameType | None) -> None:
+    global _heard
+    _heard = number
     if _imports_compiled(frame):
-        _interrupt_again()
-        return
-    signal.default_int_handler(number, frame)
+        _send_again(number)
+    elif number == signal.SIGTERM:
+        leave(number, frame)
+    else:
+        signal.default_int_handler(number, frame)
 
 
 def _imports_compiled(frame: FrameType | None) -> bool:
@@ -85,11 +94,12 @@ def _imports_compiled(frame: FrameType | None) -> bool:
 _SOON_S = 0.01
 
 
-def _interrupt_again() -> None:
+def _send_again(number: int) -> None:
     if not threading.main_thread().is_alive():  # Python waits for the last threads, and continues
-        say(INTERRUPTION_LINE)
+        if number == signal.SIGINT:
+            say(INTERRUPTION_LINE)
         return
-    again = threading.Timer(_SOON_S, _thread.interrupt_main)
+    again = threading.Timer(_SOON_S, _thread.interrupt_main, (number,))
     again.daemon = True
     again.start()
 

@@ -22,11 +22,11 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
-from palmbots._util.end_signal import end_with_starter, leave
+from palmbots._util.end_signal import end_with_starter
 from palmbots._util.exit_status import BAD_INPUT, CLOSED_PIPE, DONE, INTERRUPTED
 from palmbots._util.exit_status import FAILED as FAILED
 from palmbots.cli import INTERRUPTION_LINE
-from palmbots.cli._exception_hooks import install_exception_hooks, was_interrupted
+from palmbots.cli._exception_hooks import heard_signal, install_exception_hooks
 from palmbots.cli._run import Interrupted
 from palmbots.cli._streams import discard_unwritable, say
 from palmbots.cli._warnings import hold_warnings
@@ -45,8 +45,6 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     install_exception_hooks()
-    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
-        signal.signal(signal.SIGTERM, leave)
     end_with_starter(os.environ)
     try:
         status = run(sys.argv[1:])
@@ -70,9 +68,10 @@ def run(arguments: list[str]) -> int:
     try:
         return _run(arguments)
     except Exception:
-        if not was_interrupted():
+        number = heard_signal()
+        if number is None:
             raise
-        return _interrupted()
+        return _interrupted() if number == signal.SIGINT else 128 + number
 
 
 def _run(arguments: list[str]) -> int:
