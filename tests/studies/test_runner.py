@@ -79,14 +79,17 @@ def test_reasons_and_single_precision_equal_the_single_carry(tmp_path: Path) -> 
     assert unlike > 0
 
 
-def test_progress_increases_from_0_to_1(tmp_path: Path) -> None:
+@pytest.mark.parametrize("seeds", [30, 15_000])
+def test_progress_increases_from_0_to_1(tmp_path: Path, seeds: int) -> None:
     """Never back, also from one controller of a chunk to the next, and in the end all of it."""
     summary: list[float] = []
-    table = {**SMALL, "set": {"task.distance_m": 0.1}, "seeds": {"count": 1500}}
+    table = {**SMALL, "set": {"task.distance_m": 0.1}, "seeds": {"count": seeds}}
     pb.study(table, tmp_path / "study", chunk_size=10**6, threads=1, on_progress=summary.append)
     assert summary[0] == 0 and summary[-1] == 1
     assert summary == sorted(summary)
-    assert sum(0.5 < part < 1 for part in summary) >= 2, "also within a chunk"
+    # The core reports at intervals of time: a fast machine has completed a few carries before.
+    if seeds > 1000:
+        assert sum(0.5 < part < 1 for part in summary) >= 2, "also within a chunk"
 
 
 def test_statistics_follow_from_the_carries(small: Path) -> None:
