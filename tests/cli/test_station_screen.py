@@ -166,7 +166,7 @@ def test_a_viewer_has_no_keys_but_the_one_to_leave() -> None:
     assert not app.is_running
     assert client.wished == []
     assert "E-STOP" not in texts[0]
-    assert "no orders are taken" in texts[0]
+    assert "takes no orders" in texts[0]
 
 
 def test_it_ends_with_the_station() -> None:

@@ -121,7 +121,7 @@ def test_warning_names_key_values_and_remedy() -> None:
     scene = pb.load_scene("paper", {"radio.lease_s": 0.05})
     (line,) = warnings_before(scene, "shared-sign")
     assert line.startswith(f"radio.lease_s: 0.05 s {WORDS}, 0.32 s: ")
-    assert line.endswith("shared-sign works like silent meanwhile (raise it, or lower "
+    assert line.endswith("shared-sign carries like the controller silent meanwhile (raise it, or lower "
                          "radio.latency_s or radio.beacon_s)")  # fmt: skip
     assert "\n" not in line
 

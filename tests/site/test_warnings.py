@@ -75,7 +75,7 @@ def test_page_and_command_warn_alike(open_page: Open) -> None:
         "for a TiltDown",
         "stands: it hears nothing fresh",
         "corrections may not end",
-        "works like silent",
+        "carries like the controller silent",
         "a fault may drop the object",
         "never reads -:",
         "rests upside down",

@@ -159,8 +159,8 @@ void warn_of_short_lease(const runtime::TableProgramMaker<Table>&, const Spec& s
     if (lease > shortest - 1e-9) return;
     lines.push_back(sentence(
         "radio.lease_s: {} s is shorter than the round trip of two beacons, {} s: a robot "
-        "takes its partner for silent although no message is lost, and {} works like silent "
-        "meanwhile (raise it, or lower radio.latency_s or radio.beacon_s)",
+        "counts its partner as lost although no message is, and {} carries like the controller "
+        "silent meanwhile (raise it, or lower radio.latency_s or radio.beacon_s)",
         {short_text(lease), short_text(shortest), controller.name}));
   }
 }

@@ -118,7 +118,7 @@ def station_app(client: StationClient, restarts_within_s: float = 0.0) -> "App[N
                 yield Static("E-STOP:  space  or  Escape", id="stop")
                 yield Static(Text(_KEYS, no_wrap=True), id="keys")
             else:
-                yield Static(Text("looking only: no orders are taken     q quit"), id="keys")
+                yield Static(Text("view only: takes no orders     q quit"), id="keys")
 
         def on_mount(self) -> None:
             for side in SIDES:

@@ -11,10 +11,11 @@ from palmbots._types import SIDES, FilePath, Overrides, Side
 from palmbots._util.arguments import one_of
 from palmbots._util.atomic_files import check_file, check_new_folder, write_whole
 from palmbots._util.command import Option, command
+from palmbots._util.optional_imports import require
 from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.results import Files
 from palmbots._util.user_paths import user_path
-from palmbots.control.registry import ControllerLike
+from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import PalmbotsError
 from palmbots.interchange.carry_tables import write_table
 from palmbots.interchange.lerobot_sets import frames_per_second, write_dataset
@@ -32,6 +33,14 @@ from palmbots.views.run_replay import read_run
 
 _OF_CARRIES = {"parquet": write_table, "lerobot": write_dataset, "rosbag": write_bag}
 _FOLDERS = ("lerobot", "rosbag")
+_PACKAGES = {
+    "parquet": ("pyarrow", "parquet"),
+    "lerobot": ("pyarrow", "parquet"),
+    "rosbag": ("rosbags", "rosbag"),
+}
+"""The package that a format needs, and its extra."""
+_SCENE = "paper"
+_CONTROLLER = "distributed"
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,7 +71,7 @@ class Exported(Files):
     seeds=Option(least=1, most=100_000),
 )
 def export(
-    scene: SceneLike = "paper",
+    scene: SceneLike = _SCENE,
     *,
     mjcf: FilePath | None = None,
     urdf: FilePath | None = None,
@@ -71,7 +80,7 @@ def export(
     lerobot: FilePath | None = None,
     rosbag: FilePath | None = None,
     log: FilePath | None = None,
-    controller: ControllerLike = "distributed",
+    controller: ControllerLike = _CONTROLLER,
     seeds: int = 1,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
@@ -104,8 +113,10 @@ def export(
     given = {"mjcf": mjcf, "urdf": urdf, "parquet": parquet}
     given |= {"lerobot": lerobot, "rosbag": rosbag}
     files = {name: user_path(file) for name, file in given.items() if file is not None}
-    _check(files, given, log, seeds)
     chosen = load_scene(scene, overrides)
+    _check(files, given, log, seeds)
+    if log is not None:
+        _check_of_log(chosen, controller)
     makers = {"mjcf": scene_mjcf, "urdf": lambda scene: robot_urdf(scene, robot)}
     texts = {files[name]: make(chosen) for name, make in makers.items() if name in files}
 
@@ -142,7 +153,8 @@ def _check(
     log: FilePath | None,
     seeds: int,
 ) -> None:
-    """Raise `PalmbotsError` for options that do not go together, and files known not to work."""
+    """Raise `PalmbotsError` for options that do not go together, files known not to work, and a
+    missing package."""
     if not files:
         names = ", ".join(f"--{name} {'DIR' if name in _FOLDERS else 'FILE'}" for name in given)
         raise PalmbotsError(f"export: has nothing to write; allowed: {names}")
@@ -166,6 +178,19 @@ def _check(
         )
     if seeds > 1 and not files.keys() & _OF_CARRIES.keys():
         raise PalmbotsError(f"seeds: value is {seeds}; allowed with --{next(iter(files))}: 1")
+    for name in files.keys() & _PACKAGES.keys():
+        require(*_PACKAGES[name])
+
+
+def _check_of_log(scene: Scene, controller: ControllerLike) -> None:
+    """Raise `PalmbotsError` for a scene or a controller of one's own beside a log."""
+    given = {
+        "scene": scene.model_dump() != load_scene(_SCENE).model_dump(),
+        "controller": resolve(controller).name != _CONTROLLER,
+    }
+    for name, is_given in given.items():
+        if is_given:
+            raise PalmbotsError(f"{name}: does not go with --log, which has its own")
 
 
 def _carry_in(log: Path) -> Carry:
