@@ -92,17 +92,14 @@ def test_estimate_uses_only_the_counted_replicates(noise: float, seed: int, effo
         "paper", "distributed", overrides=keys, seed=seed, relative_half_width=1.0, effort=effort
     )
     spec = to_spec(load_scene("paper", keys))
-    assert list(result.levels) == _core.choose_levels(spec, "distributed", seed, 1000, 0.4)[0]
-    rows, ticks = _core.replicates(
-        spec,
-        "distributed",
-        seed,
-        effort,
-        list(result.levels),
-        result.pilot_replicates,
-        result.replicates,
-        1,
-    )
+    levels, ticks = _core.choose_levels(spec, "distributed", seed, 1000, 0.4)
+    assert list(result.levels) == levels
+    for first, count in (
+        (0, result.pilot_replicates),
+        (result.pilot_replicates, result.replicates),
+    ):
+        rows, more = _core.replicates(spec, "distributed", seed, effort, levels, first, count, 1)
+        ticks += more
     rates = []
     for stages in rows:
         rate, before = 0.0, 1.0

@@ -90,7 +90,7 @@ class DropRate(Result):
     effort: int
     """Carries in each stage of a replicate."""
     equivalent_carries: float
-    """How many whole carries would have taken the same time, without the pilot run."""
+    """How many whole carries last as long as all the work, with the pilot run."""
     controller: str
     seed: int
     scene: Scene
@@ -198,19 +198,18 @@ def estimate_drop_rate(
     affordable = run.affordable(pilot)
     is_narrow = count <= affordable
     count = min(count, affordable)
-    levels, fractions, cost = tuple(run.levels), (), 0.0
+    levels, fractions = tuple(run.levels), ()
     carries = dropped = 0
     if count >= FEWEST:
-        spent = run.ticks
         stages = run.replicates(pilot, count, run.planned(pilot, count))
         estimates = _estimates(stages, effort)
         rate = float(estimates.mean())
         half = student_t95(count - 1) * float(estimates.std(ddof=1)) / math.sqrt(count)
         interval = max(rate - half, 0.0), min(rate + half, 1.0)
-        fractions, cost = tuple(_fractions(stages, effort)), run.carries(run.ticks - spent)
+        fractions = tuple(_fractions(stages, effort))
     else:
         count, is_narrow = 0, False
-        carries = cost = max(LEAST_PLAIN, budget - math.ceil(run.spent))
+        carries = max(LEAST_PLAIN, budget - math.ceil(run.spent))
         dropped = run.plain(carries)
         rate, interval = dropped / carries, clopper_pearson(dropped, carries)
     run.report(1.0)
@@ -226,7 +225,7 @@ def estimate_drop_rate(
         replicates=count,
         pilot_replicates=pilot,
         effort=effort,
-        equivalent_carries=float(cost),
+        equivalent_carries=run.spent + carries,
         controller=entry.name,
         seed=seed,
         scene=prepared.scene,
