@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The trace hash of one carry, from a Spec as bytes on standard input:
 //   trace_hash CONTROLLER SEED double|float < spec
-// tests/laws/test_same_bits.py compiles it in several ways and compares what it prints.
+// tests/laws/test_trace_hashes.py compiles it in several ways and compares what it prints.
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>

@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the program of one robot costs: memory, time to the first tick, processor time, jitter.
 
-    .venv/bin/python benchmarks/bench_node.py [SECONDS]      20 by default
+    .venv/bin/python benchmarks/bench_robot_program.py [SECONDS]      20 by default
 
 A process of `palmbots robot` carries with the controller `silent`: it gets a reading of its driver
 and packets of its station in every control period of 10 ms, as from a world and a station. Targets:
 under 80 MB, under 1 s to the first tick, and at most 5 % of one core.
-Writes benchmarks/results/node.csv.
+Writes benchmarks/results/robot_program.csv.
 """
 
 import contextlib
@@ -119,7 +119,7 @@ def main() -> None:
         table.add_row(*map(escape, row))
     Console(highlight=False).print(table)
     print(f"mode {end['mode']}, {end['ticks']} ticks")
-    with (RESULTS / "node.csv").open("w", newline="") as file:
+    with (RESULTS / "robot_program.csv").open("w", newline="") as file:
         csv.writer(file).writerows([["figure", "measured", "target"], *rows])
 
 
