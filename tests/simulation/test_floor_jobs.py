@@ -183,6 +183,36 @@ def test_the_same_motions_without_robots_lead_to_the_same_place() -> None:
     assert state.tilt_deg == pytest.approx(math.degrees(float(trace.object[until])), abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("controller", "seed"), [("resilient", 44), ("resilient", 434), ("shared-sign", 2586)]
+)
+def test_contacts_move_in_the_air_only_as_far_as_palms_drive_them(
+    controller: str, seed: int
+) -> None:
+    """In each of these jobs both contacts slide at once when the inertia of the object changes.
+
+    Contacts that slide on palms of an angle θ move by 1 / cos(θ + tilt) of what the pivots move
+    relative to each other, and the palms do at least the work that lifts the object.
+    """
+    carry = pb.carry("lift", controller, seed=seed)
+    assert carry.trace is not None
+    begin, end = max(starts(carry, "up")), min(starts(carry, "lower"))
+    trace = carry.trace.sel(time=slice(begin, end))
+    steps = np.diff(trace.separation.values)
+    turns = np.abs(np.diff(trace.palm.values, axis=0))
+    lever = np.abs(trace.contact.values[:-1]) + RADIUS_M
+    apart = np.abs(np.diff(trace.pivot_height.values @ [-1, 1]))
+    turned = (turns * lever).sum(axis=1)
+    slid = np.abs(np.diff(trace.contact.values, axis=0)).max(axis=1)
+    steepest = math.radians(15 + 5)  # of a palm, seen from the object, which tilts by less than 5°
+    assert np.abs(trace.object.values).max() < math.radians(5)
+    assert (slid <= (np.abs(steps) + apart + turned) / math.cos(steepest) + 1e-9).all()
+    height = placements(to_spec(LIFT), trace, np.arange(trace.sizes["time"])).com[:, 1]
+    lifts = np.abs(np.diff(trace.pivot_height.values, axis=0)).max(axis=1) + turned
+    squeeze = math.tan(steepest + math.atan(0.3))  # in weights, at most
+    assert (np.diff(height) <= squeeze * np.maximum(0, -steps) + lifts + 1e-9).all()
+
+
 @pytest.mark.parametrize("seed", [3, 4])
 @pytest.mark.parametrize("controller", ["shared-sign", "resilient"])
 def test_the_mirrored_job_is_the_mirror_image_to_the_last_bit(seed: int, controller: str) -> None:

@@ -292,7 +292,16 @@ class ContactStep {
     const auto twist = detail::equations(problem_, regime_, frames, pose_, contacts, true);
     const Conditions all =
         conditions_of_motion(problem_, regime_, frames, pose_, contacts, twist, pace_);
-    return all.least() >= 0.0 && lasts(done, regime_, twist);
+    return all.least() >= 0.0 && (!twist.balance || is_here(done)) && lasts(done, regime_, twist);
+  }
+
+  // Whether the pose in which the forces of the regime balance is that of the object. Another push
+  // than in the last step moves that pose, but not the object.
+  bool is_here(double done) const {
+    Pose there = pose_;
+    ActiveContacts contacts;
+    return settle(problem_, regime_, travel_.frames(done), there, contacts) &&
+           moved(there) <= closed_;
   }
 
   bool lasts(double from, const Regime& regime) const {
