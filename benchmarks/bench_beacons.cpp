@@ -2,10 +2,12 @@
 // When should a robot of shared-sign repeat its message? The shipped table with other times between its
 // beacons. Reads a Spec from standard input. Prints drops, other carries that were not delivered, and
 // for those that were, the mean time [s] and the messages per metre.
-//   bench_beacons BUSY QUIET ANSWERS OLD CARRIES < spec
-// Times in ticks: BUSY between two beacons, QUIET while both contacts are centred as far as the robot
-// knows. ANSWERS = 1: after silence the first beacon that arrives is answered. A robot that is not
-// quiet sends a beacon every radio.beacon_s while its partner's message is at least OLD ticks old.
+//   bench_beacons BUSY EARLY ALONE QUIET ANSWERS OLD CARRIES < spec
+// Times in ticks: BUSY between two beacons, or EARLY if a message arrives, ALONE while the robot hears
+// nothing, QUIET while both contacts are centred as far as it knows. ANSWERS = 1: after silence the first beacon that arrives is
+// answered. A robot that is not quiet sends a beacon every radio.beacon_s while the message that it
+// hears is at least OLD ticks old.
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -22,6 +24,8 @@ using namespace palmbots;
 
 struct Rule {
   int busy;
+  int early;
+  int alone;
   int quiet;
   bool answers;
   int old;
@@ -46,7 +50,8 @@ class SparingRobot {
         rule_.answers && in.message != MessageKind::none && before.clock().silence();
     RobotOutput out = robot_.step(in);
     since_sent_ += in.elapsed;
-    out.send = out.message != said_ || since_sent_ >= (answers ? beacon() : interval());
+    const bool arrives = in.message != MessageKind::none;
+    out.send = out.message != said_ || since_sent_ >= (answers ? beacon() : interval(arrives));
     if (out.send) since_sent_ = 0;
     said_ = out.message;
     return out;
@@ -61,9 +66,11 @@ class SparingRobot {
 
  private:
   int beacon() const { return robot_.clock().times.beacon; }
-  int interval() const {
+  int interval(bool arrives) const {
     if (SharedSign::quiet.has(robot_.state())) return rule_.quiet;
-    return robot_.clock().age >= rule_.old ? beacon() : rule_.busy;
+    const int busy = robot_.silence() ? rule_.alone : rule_.busy;
+    if (!robot_.silence() && robot_.clock().age >= rule_.old) return beacon();
+    return arrives ? std::min(rule_.early, busy) : busy;
   }
 
   Robot robot_;
@@ -99,7 +106,8 @@ void run(const Spec& spec, const Rule& rule, std::uint64_t carries) {
 
 int main(int count, char** words) {
   const auto spec = read_spec();
-  if (count != 6 || !spec) return 2;
-  run(*spec, {std::atoi(words[1]), std::atoi(words[2]), words[3][0] == '1', std::atoi(words[4])},
-      std::strtoull(words[5], nullptr, 10));
+  if (count != 8 || !spec) return 2;
+  const auto ticks = [&](int k) { return std::atoi(words[k]); };
+  run(*spec, {ticks(1), ticks(2), ticks(3), ticks(4), words[5][0] == '1', ticks(6)},
+      std::strtoull(words[7], nullptr, 10));
 }

@@ -5,7 +5,7 @@
     .venv/bin/python benchmarks/bench_beacons.py [CARRIES]      4000 by default
 
 All rules keep the lease of the default scene, for which the controller is proved, and carry the
-same seeds in each condition. Prints the table of docs/reference/measurements.md, in about five
+same seeds in each condition. Prints the table of docs/reference/measurements.md, in about two
 minutes on one core.
 """
 
@@ -27,16 +27,19 @@ CONDITIONS: tuple[dict[str, Any], ...] = (
     {"robot.noise_m_s": 0.052, "radio.loss": 0.2, "faults.random_reboots": 1},
 )
 NEVER = 9999
-RULES = (  # busy, quiet [ticks], whether silence is answered, the age that counts as old [ticks]
-    (5, 5, 0, NEVER),
-    (10, 10, 0, NEVER),
-    (15, 15, 0, NEVER),
-    (20, 20, 0, NEVER),
-    (50, 50, 0, NEVER),
-    (10, 10, 0, 28),
-    (10, 50, 1, 28),
-    (10, 200, 1, 28),
-    (10, 200, 1, NEVER),
+RULES = (  # busy, early, alone, quiet, whether silence is answered, the age that is old; in ticks
+    (5, 5, 5, 5, 0, NEVER),
+    (10, 10, 10, 10, 0, NEVER),
+    (15, 15, 15, 15, 0, NEVER),
+    (20, 20, 20, 20, 0, NEVER),
+    (50, 50, 50, 50, 0, NEVER),
+    (10, 10, 10, 10, 0, 26),
+    (10, 10, 5, 200, 1, 28),
+    (10, 10, 10, 200, 1, 28),
+    (10, 8, 10, 200, 1, 28),
+    (10, 8, 10, 200, 1, 26),
+    (10, 10, 10, 200, 1, 24),
+    (10, 10, 10, 200, 1, NEVER),
 )
 
 
@@ -54,12 +57,13 @@ def main() -> None:
     carries = int(sys.argv[1]) if len(sys.argv) > 1 else 4000
     with tempfile.TemporaryDirectory() as folder:
         program = compiled(folder)
-        for busy, quiet, answers, old in RULES:
-            cells = [f"{busy / 100:g}", f"{quiet / 100:g}", "yes" if answers else "no"]
+        for *times, answers, old in RULES:
+            cells = [f"{ticks / 100:g}" for ticks in times]
+            cells.append("yes" if answers else "no")
             cells.append("–" if old == NEVER else f"{old / 100:g}")
             for keys in CONDITIONS:
                 spec = to_spec(pb.load_scene("paper", keys)).to_bytes()
-                words = [str(word) for word in (program, busy, quiet, answers, old, carries)]
+                words = [str(word) for word in (program, *times, answers, old, carries)]
                 done = subprocess.run(words, input=spec, capture_output=True, check=True)
                 dropped, _, _, messages = done.stdout.decode().split()
                 cells += [f"{100 * int(dropped) / carries:.1f} %, {float(messages):.0f}"]

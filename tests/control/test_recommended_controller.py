@@ -45,5 +45,7 @@ def test_failures_stay_below_what_is_promised(
 
 
 def test_messages_are_spared() -> None:
-    assert counted(0.01, {}, 500)[1] < 260
-    assert counted(0.06, {}, 500)[1] < 620
+    """A fifth of the messages of robots that send every beacon, 1023 in the default scene; half of
+    those with 6 cm/s of noise, 1242 (benchmarks/bench_beacons.py)."""
+    assert counted(0.01, {}, 500)[1] < 1023 / 5
+    assert counted(0.06, {}, 500)[1] < 1242 / 2

@@ -152,7 +152,7 @@ def test_wrong_rules_would_be_noticed() -> None:
 
 
 def test_brake_costs_little_time() -> None:
-    """3.2 % at 3 cm/s and 2.2 % at 1 cm/s, in the mean over the same seeds. A leader that hears
+    """3.1 % at 3 cm/s and 2.2 % at 1 cm/s, in the mean over the same seeds. A leader that hears
     nothing keeps its palm steep, so that it feels whether its partner stands. While robots that
     spared beacons do not hear each other yet, one of them corrects alone, and that takes longer.
     """

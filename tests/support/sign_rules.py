@@ -4,6 +4,7 @@
 A slow transcription of docs/theory/protocols.md that shares nothing with the tables in the core.
 """
 
+import math
 from dataclasses import dataclass
 
 
@@ -73,20 +74,21 @@ class SignRobot:
         names = self.tie is not None and self.leads
         says = other(self.palm) if self.ending else self.palm
         message = (sign, says if names else "shallow" if sign < 0 else "steep")
-        interval = self.clock.beacon if answers else self._interval(sign)
+        interval = self.clock.beacon if answers else self._interval(sign, news is not None)
         due = self.shares and (message != self.message or self.now - self.said_at >= interval)
         if due:
             self.said_at = self.now
         self.message = message
         return self.palm, move, stop, message, due
 
-    def _interval(self, sign: int) -> int:
+    def _interval(self, sign: int, is_spoken_to: bool) -> int:
         """The time between two beacons."""
         partner_is_off = self.phase is None and self.partner_sign != 0
         if sign == 0 and self.phase != "wait" and not partner_is_off:
             return max(self.clock.watch, self.clock.beacon)
-        is_young = 4 * (self.now - self.heard_at) < 3 * self.clock.lease
-        return 2 * self.clock.beacon if is_young else self.clock.beacon
+        if 0.7 * self.clock.lease <= self.now - self.heard_at <= self.clock.lease:
+            return self.clock.beacon
+        return math.ceil((1.5 if is_spoken_to else 2) * self.clock.beacon)
 
     def _alone(self, sign: int) -> tuple[str, bool]:
         phase = self._next_phase(sign)

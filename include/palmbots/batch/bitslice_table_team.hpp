@@ -80,6 +80,7 @@ class BitslicedTableTeam {
       if constexpr (Beacons::spares) {
         quiet_.assign(here, Beacons::quiet(t));
         sparing_.assign(here, Beacons::sparing(t));
+        early_.assign(here, Beacons::early(t));
         old_.assign(here, Beacons::old(t));
       }
       stale_.assign(here, t.lease + 1U);
@@ -226,6 +227,7 @@ class BitslicedTableTeam {
       since_sent_.increment();
       const RobotMask silent = age_.at_least(stale_);
       const RobotMask news = mail_.hear(tick, run, newest_, age_, stale_);
+      arrived_ = news;
       answers_ = news & silent;
       if constexpr (has_memory) own_.hear(news, newest_.bit[rests_bit], newest_.bit[ready_bit]);
       const RobotMask silence = heard.message[0] = age_.at_least(stale_);
@@ -245,7 +247,7 @@ class BitslicedTableTeam {
     if constexpr (has_memory)
       centred = robots_.in(Table::idle) & ~(sensed.positive | sensed.negative);
     const auto own = own_.finish(run, robots_, centred, age_, fresh, own_limits_);
-    const RobotMask send = (says_.differ(said) | own.is_news | repeats()) & run;
+    const RobotMask send = (says_.differ(said) | own.is_news | repeats(fresh)) & run;
     since_sent_.assign(send, 0);
     Content content;
     content.insert(~RobotMask{}, says_);
@@ -257,11 +259,13 @@ class BitslicedTableTeam {
   }
 
   // The robots that repeat their message (TableBeacons).
-  [[gnu::always_inline]] RobotMask repeats() const {
+  [[gnu::always_inline]] RobotMask repeats([[maybe_unused]] RobotMask fresh) const {
     const RobotMask beacon = since_sent_.at_least(beacon_);
     if constexpr (Beacons::spares) {
       const RobotMask quiet = robots_.where([](State state) { return Table::quiet.has(state); });
-      const RobotMask busy = since_sent_.at_least(sparing_) | (beacon & age_.at_least(old_));
+      const RobotMask loses = fresh & age_.at_least(old_);
+      const RobotMask busy = since_sent_.at_least(sparing_) |
+                             (since_sent_.at_least(early_) & arrived_) | (beacon & loses);
       return (since_sent_.at_least(quiet_) & quiet) | (busy & ~quiet) | (beacon & answers_);
     } else {
       return beacon;
@@ -291,11 +295,13 @@ class BitslicedTableTeam {
   Content newest_;  // the partner's newest beacon
   Messages says_;   // its own message
   BitslicedCounter age_;
-  RobotMask answers_{};  // they have heard something after silence
+  RobotMask arrived_{};  // they have heard something
+  RobotMask answers_{};  // and had heard nothing before
   Time since_sent_;
   Time beacon_;  // the beacon period
   Time quiet_;   // as in TableBeacons
   Time sparing_;
+  Time early_;
   BitslicedCounter old_;
   BitslicedCounter stale_;  // the smallest age at which a message is too old
   std::conditional_t<is_queue, BitslicedQueue<message_bits>, BitslicedBeacons<content_bits>> mail_;

@@ -166,17 +166,19 @@ struct TableTimes {
 
 // When a robot repeats its message: one time for each table, and one that depends on the state if the
 // table spares beacons. In a quiet state the robot then leaves its partner to its own sign for as long
-// as the limit says. In the others it sends every second beacon while its partner's message is
-// young. An old one shows that beacons are lost. And a robot that had heard nothing answers at
-// once, because its partner may be waiting to be heard, too. All this only leaves out beacons, so what
-// holds where any of them may be lost holds here (docs/theory/verification.md).
+// as the limit says. In the others it sends every second beacon, half a beacon early if a message
+// arrives, because the beacon then echoes a newer one. It sends all of them if its partner's message
+// is old, because that shows that beacons are lost. A robot that hears nothing does not: its partner
+// may just have been quiet, and needs a round trip to answer. And a robot that had heard nothing
+// answers at once, because its partner may be waiting to be heard, too. All this only leaves out
+// beacons, so what holds where any of them may be lost holds here (docs/theory/verification.md).
 template <class Table>
 struct TableBeacons {
   static constexpr bool spares = requires { Table::quiet; };
 
   // The age from which a message counts as old.
   static constexpr std::uint16_t old(const TableTimes<Table>& times) {
-    return static_cast<std::uint16_t>((3 * times.lease + 3) / 4);
+    return static_cast<std::uint16_t>((7 * times.lease + 9) / 10);
   }
   static constexpr std::uint16_t quiet(const TableTimes<Table>& times) {
     if constexpr (spares) {
@@ -189,6 +191,11 @@ struct TableBeacons {
     constexpr int most = 0xFFFE;
     const int every = (spares ? 2 : 1) * times.beacon;
     return static_cast<std::uint16_t>(every < most ? every : most);
+  }
+  // The same if a message arrives.
+  static constexpr std::uint16_t early(const TableTimes<Table>& times) {
+    const int early = times.beacon + (times.beacon + 1) / 2;
+    return early < sparing(times) ? static_cast<std::uint16_t>(early) : sparing(times);
   }
   static constexpr std::uint16_t longest(const TableTimes<Table>& times) {
     return quiet(times) > sparing(times) ? quiet(times) : sparing(times);

@@ -192,11 +192,13 @@ class TableRobot {
   constexpr TableRobot booted() const { return booted(assists()); }
 
   RobotOutput step(const RobotInput& in) {
-    bool answers = false;  // it has heard something after silence
+    Arrival arrival = Arrival::none;
     if constexpr (has_clock) {
       clock_.pass(in.elapsed, limit());
       if constexpr (Beacons::spares) {
-        answers = in.message != MessageKind::none && clock_.silence();
+        if (in.message != MessageKind::none) {
+          arrival = clock_.silence() ? Arrival::after_silence : Arrival::in_time;
+        }
       }
       clock_.hear(in);
     }
@@ -210,7 +212,7 @@ class TableRobot {
       out.send = out.message != MessageKind::none;
       out.read = in.message != MessageKind::none && row_masks.reads(row);
     }
-    if constexpr (has_clock) finish(in, before, answers, out);
+    if constexpr (has_clock) finish(in, before, arrival, out);
     return out;
   }
 
@@ -316,25 +318,22 @@ class TableRobot {
   {
     return now().limit < 0 ? 0 : clock_.times.limits[static_cast<std::size_t>(now().limit)];
   }
+  // What has arrived from the partner since the last step.
+  enum class Arrival : std::uint8_t { none, in_time, after_silence };
+
   // The time after which it repeats its message [ticks].
-  constexpr std::uint16_t interval() const
+  constexpr std::uint16_t interval(Arrival arrival = Arrival::none) const
     requires has_clock
   {
     const Times& times = clock_.times;
     if constexpr (Beacons::spares) {
+      if (arrival == Arrival::after_silence) return times.beacon;
       if (Table::quiet.has(state_)) return Beacons::quiet(times);
-      if (clock_.age < Beacons::old(times)) return Beacons::sparing(times);
+      if (silence() || clock_.age < Beacons::old(times)) {
+        return arrival == Arrival::none ? Beacons::sparing(times) : Beacons::early(times);
+      }
     }
     return times.beacon;
-  }
-  constexpr bool is_due(bool answers) const
-    requires has_clock
-  {
-    const bool beacon = clock_.since_sent >= clock_.times.beacon;
-    if constexpr (Beacons::spares) {
-      return beacon && (answers || clock_.since_sent >= interval());
-    }
-    return beacon;
   }
   constexpr MessageKind heard(const RobotInput& in) const {
     if constexpr (mail == Mail::queue) {
@@ -357,7 +356,7 @@ class TableRobot {
     }
     return met;
   }
-  constexpr void finish(const RobotInput& in, State before, bool answers, RobotOutput& out) {
+  constexpr void finish(const RobotInput& in, State before, Arrival arrival, RobotOutput& out) {
     if (state_ != before) clock_.since_entered = 0;
     if constexpr (brakes) {
       if (now().brakes && clock_.role.may_stop) {
@@ -370,7 +369,7 @@ class TableRobot {
                                           clock_.own_limits());
       out.message = now().message;
       out.send = out.message != outputs[static_cast<int>(before)].message || done.is_news ||
-                 is_due(answers);
+                 clock_.since_sent >= interval(arrival);
       if (out.send) clock_.since_sent = 0;
       out.ready = done.ready;
       out.assists = assists();

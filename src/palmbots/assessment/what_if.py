@@ -190,14 +190,16 @@ def _failure_command(scene: Scene, name: str, controller: str) -> str:
 
 
 def _costs(trial: ChangeTrial) -> Iterator[str]:
-    """Time and messages, if the change alters them."""
+    """Time and messages, if the change alters them, also as shown."""
     pairs = (
         ("a carry takes", trial.own_time_s, trial.time_s, "s"),
         ("a carry sends", trial.own_messages, trial.messages, "messages"),
     )
     for words, before, after, unit in pairs:
         if before and after and abs(after / before - 1) > _SAME:
-            yield f"{words} {after:.0f} {unit} instead of {before:.0f}"
+            now, was = f"{after:.0f}", f"{before:.0f}"
+            if now != was:
+                yield f"{words} {now} {unit} instead of {was}"
 
 
 def on_radio(
