@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The opening problem, its solution by value iteration, and the controller that follows it.
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
@@ -75,11 +76,14 @@ void bind_optimum(nb::module_& m) {
                              "A reference with linear feedback of the contact coordinates.")
       .def(
           "__init__",
-          [](LinearFeedback* self, bool exact, bool may_stop, double time_s) {
-            new (self) LinearFeedback{exact, may_stop, time_s};
+          [](LinearFeedback* self, bool exact, bool may_stop, double time_s,
+             const std::array<double, 2>& targets_m) {
+            new (self) LinearFeedback{exact, may_stop, time_s, {targets_m[left], targets_m[right]}};
           },
           nb::arg("exact"), nb::arg("may_stop"), nb::arg("time_s") = LinearFeedback{}.time_s,
-          "exact: it reads the coordinates; otherwise a Kalman filter estimates them from signs.")
+          nb::arg("targets_m") = std::array<double, 2>{},
+          "exact: it reads the coordinates; otherwise a Kalman filter estimates them from signs.\n"
+          "targets_m: where the left and the right contact are to be, outward of the pivot.")
       .def_ro("time_s", &LinearFeedback::time_s,
               "In which the sum of the contact coordinates is to vanish.");
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`exact-p` and `kalman`: what they may know, how they compare, and that they are labelled."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,17 @@ def test_scenes_with_little_noise_are_delivered(name: str, change: dict[str, obj
     assert run.outcome == "delivered"
     assert run.messages == 0
     assert any("no robot can run it" in line for line in run.warnings)
+
+
+@pytest.mark.parametrize("targets_m", [(0.02, 0.01), (-0.02, 0.02)])
+def test_contacts_go_to_their_targets(targets_m: tuple[float, float]) -> None:
+    """So the attack on the bound also tries contacts at the tips and flat on a palm."""
+    maker = LinearFeedback(True, True, targets_m=targets_m)
+    entry = replace(resolve("exact-p-stopping"), policy_maker=lambda spec: maker)
+    trace = pb.carry("paper", entry).trace
+    assert trace is not None
+    late = trace["contact"].isel(time=slice(trace.sizes["time"] // 2, None)).mean("time")
+    np.testing.assert_allclose(late, targets_m, atol=0.006)
 
 
 @pytest.mark.slow

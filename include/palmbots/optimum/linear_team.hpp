@@ -2,7 +2,8 @@
 // Linear feedback of the contact coordinates: references that show what information is worth.
 //
 // The commanded opening speed is (p_L + p_R) / T_c less the expected error of the opening speed,
-// within what the robots can be commanded. The palms bring the difference p_L − p_R to zero. With
+// within what the robots can be commanded. The palms bring the difference p_L − p_R to zero. (Where
+// the contacts have other targets, p is measured from these.) With
 // `exact`, both contact coordinates are read from the world, and the error of the opening speed is
 // its value in the last tick. Otherwise a Kalman filter estimates them from the signs of both palms
 // (optimum/sign_filter.hpp). Nothing is delayed.
@@ -20,6 +21,7 @@ struct LinearFeedback {
   bool exact = false;
   bool may_stop = false;
   double time_s = 0.4;  // T_c: the sum of the contacts is to vanish in this time [s]
+  PerSide<double> targets{};  // where the contacts are to be: p [m]
 };
 
 class LinearTeam : public ReferenceTeam {
@@ -68,15 +70,16 @@ class LinearTeam : public ReferenceTeam {
       for (const std::size_t side : {left, right}) contacts_[side] = filter_.contact(side);
       error_ = filter_.error();
     }
-    const double sum = contacts_[left] + contacts_[right];
-    const double wanted = sum / feedback_.time_s - error_;
+    PerSide<double> off = contacts_;
+    for (const std::size_t side : {left, right}) off[side] -= feedback_.targets[side];
+    const double wanted = (off[left] + off[right]) / feedback_.time_s - error_;
     PerSide<Command> commands =
         cheapest(speeds_, [&](double opening) { return magnitude(opening - wanted); });
     const double rate = magnitude(opening(speeds_) + error_);
     // An estimated difference near zero changes its sign often. Palms that follow it hang about
     // halfway, where the object decides which contact slides; so they complete their turns.
     if (feedback_.exact || (sensed[left].palm_at_target && sensed[right].palm_at_target)) {
-      steer_palms(angles_, contacts_, rate, turns_, period_, palms_);
+      steer_palms(angles_, off, rate, turns_, period_, palms_);
     }
     for (const std::size_t side : {left, right}) commands[side].palm = palms_[side];
     return commands;
