@@ -31,6 +31,7 @@ from typing import Any
 import numpy as np
 
 import palmbots as pb
+from palmbots._types import SIDES
 from palmbots.control.registry import ControllerEntry, resolve
 from palmbots.optimum.opening import COARSE, LinearFeedback, best_price, law_m_s, opening_problem
 from palmbots.scene.spec import to_spec
@@ -62,8 +63,8 @@ def linear(exact: bool, time_s: float) -> ControllerEntry:
 
 def off_centre(scene: pb.Scene, left: float, right: float) -> ControllerEntry:
     """A reference that wants the contacts at these parts of the palms' half-lengths."""
-    parts = {"left": left, "right": right}
-    targets = [part * scene.palm_of(side).reach_m for side, part in parts.items()]
+    parts = zip(SIDES, (left, right), strict=True)
+    targets = [part * scene.palm_of(side).reach_m for side, part in parts]
     maker = LinearFeedback(True, True, targets_m=targets)
     name = f"exact-p-stopping at {left:+g}, {right:+g}"
     return replace(resolve("exact-p-stopping"), name=name, policy_maker=lambda spec: maker)

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq, minimize
 from scipy.stats import chi2, kstest, multivariate_normal
 
-from palmbots.fitting.motion_fit import displacement_variance
+from palmbots.fitting.motion_estimates import displacement_variance
 from palmbots.fitting.motion_likelihood import Floats, Stretch, Stretches
 from palmbots.fitting.profile_likelihood import Function, bootstrap, interval, maximum
 from stretches import TRUTH, covariance, drawn

@@ -104,7 +104,7 @@ def test_parts_that_set_nothing_are_named(here: Run, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_few_stretches_give_the_gain_only(tmp_path: Path) -> None:
-    found = pb.fit(recorded(tmp_path, HIDDEN, seed=2, stretches=12), motion=True)
+    found = fit_motion(recorded(tmp_path, HIDDEN, seed=2, stretches=12))
     assert set(found.keys) <= {"robot.gain", "robot.bias_m_s"}
     reasons = {one.key: one.reason for one in found.estimates}
     assert reasons["robot.gain_sd"] == "needs 50 stretches; there are 12"

@@ -126,6 +126,13 @@ def logged(folder: Path) -> Path:
     return path
 
 
+def sent(folder: Path) -> Path:
+    """The log of a carry with many messages."""
+    path = folder / "shared-sign.mcap"
+    pb.write_log(pb.carry("paper", "shared-sign", overrides={"task.distance_m": 0.5}), path)
+    return path
+
+
 def states() -> Any:
     angles = {"theta_left": 0.2, "theta_right": 0.2, "p_left": 0.0, "p_right": [0.0, 0.01]}
     friction = {"friction_left": 0.3, "friction_right": 0.3}
@@ -198,6 +205,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     ),
     "CurveComparison": lambda folder: curves(),
     "Design": lambda folder: design(),
+    "LogFit": lambda folder: pb.fit([sent(folder)]),
     "LoadLimits": lambda folder: pb.load_limits(),
     "DesignLaw": lambda folder: DesignLaw(
         tuple(LawPoint(key, f, 0.04 * f, 0.041 * f) for key in KEYS for f in (1.0, 2.0)), Scene()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palmbots.fitting.motion_fit import fit_stretches
+from palmbots.fitting.motion_estimates import fit_stretches
 from palmbots.fitting.motion_likelihood import Floats, Stretch
 
 # Gain, bias, spread of the gain, σ, log τ, white part, noise of the positions.
@@ -35,7 +35,7 @@ def drawn(
         mean = (parameters[0] * command + parameters[1]) * times
         spread = covariance(times, command, parameters)
         positions = random.multivariate_normal(mean, spread, method="cholesky")
-        found.append(Stretch(times, positions + random.normal(), command, k % runs))
+        found.append(Stretch(times, positions + random.normal(), command * times, k % runs))
     return found
 
 

@@ -15,15 +15,15 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from logged_pairs import LoggedPair, simulated_clock
 from palmbots.cli.station_text import plain_status
 from palmbots.control.registry import shipped_names
 from palmbots.errors import PalmbotsError
-from palmbots.logs import run_log_writer
 from palmbots.logs.run_channels import LineEvent
 from palmbots.logs.run_log_reader import is_run_log, read_run_log, run_log_of
 from palmbots.logs.run_log_writer import RunLogWriter
 from palmbots.pair.launcher import UP
-from palmbots.station.simulated_pair import Air, SimulatedPair
+from palmbots.station.simulated_pair import Air
 from palmbots.views.log_alignment import Traffic, align, fit
 from palmbots.views.logged_carries import logged_carries
 from palmbots.views.run_figures import carry_of
@@ -33,30 +33,9 @@ from palmbots.wire import decode
 CONTROLLERS = shipped_names("robots")
 
 
-class LoggedPair(SimulatedPair):
-    """Everything logs, each on a clock of its own."""
-
-    def __init__(self, *arguments: Any) -> None:
-        super().__init__(*arguments, logs=True)
-
-    def written(self) -> Path:
-        """The folder with the whole logs."""
-        self.close()
-        assert not any(line.startswith("log: ") for line in self.lines)
-        folder = self.pair.log_folder()
-        assert folder is not None
-        return folder
-
-
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """The logs take their time from the simulated radio."""
-    place: dict[str, Any] = {"air": None}
-    monkeypatch.setattr(
-        run_log_writer, "_now_ns",
-        lambda: 0 if place["air"] is None else round(1e7 * place["air"].now),
-    )  # fmt: skip
-    return place
+    return simulated_clock(monkeypatch)
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)

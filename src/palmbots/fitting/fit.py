@@ -4,16 +4,19 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from palmbots._util.atomic_files import folder
 from palmbots._util.command import Option, command, writes
-from palmbots._util.report import Item
+from palmbots._util.report import Item, Line
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import fragment, write_fragment
+from palmbots.fitting.log_fit import LogFit, fit_logs
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
 from palmbots.fitting.radio_fit import RadioFit, fit_radio
+from palmbots.fitting.recorded_logs import are_logs
 
 
 @command(
@@ -30,15 +33,17 @@ def fit(
     motion: bool = False,
     radio: bool = False,
     on_progress: Callable[[float], None] | None = None,
-) -> MotionFit | RadioFit:
+) -> MotionFit | RadioFit | LogFit:
     """Fit keys of a scene to recordings, with 95 % intervals.
 
-    With `motion`: the errors of a robot's speed, from pairs of files with its commands and its
-    positions, one pair for each run. With `radio`: losses and delays, from one file with the
-    packets that arrived for each run.
+    From logs: the errors of the robots' speeds, and losses and delays of the radio, or with an
+    option only one of them. From other files with `motion`: the errors of a robot's speed, from
+    pairs of files with its commands and its positions, one pair for each run. With `radio`: losses
+    and delays, from one file with the packets that arrived for each run.
 
     Args:
-        files: the recordings.
+        files: the recordings: logs of carries (palmbots carry --out), folders with the logs of
+            robots, or tables.
         motion: fit the motion of a robot: files with commands (time_s, speed_m_s, turn_rad_s) and
             with positions (time_s, x_m, y_m, heading_rad), listed in pairs.
         radio: fit the radio: files with the packets that arrived (index, time_s, sent_s,
@@ -50,27 +55,39 @@ def fit(
     """
     if motion and radio:
         raise PalmbotsError("fit: both --motion and --radio are given; allowed: one of them")
+    if are_logs(files):
+        return fit_logs(files, motion=not radio, radio=not motion, on_progress=on_progress)
     if motion:
         return fit_motion(files, on_progress)
     if radio:
         return fit_radio(files, on_progress)
-    raise PalmbotsError("fit: no kind of recording is given; allowed: --motion or --radio")
+    raise PalmbotsError(
+        "fit: no kind of recording is given; allowed: --motion or --radio, or only logs (*.mcap)"
+    )
 
 
 @writes("fit", path=Option("--out -o", metavar="DIR"))
-def write_fit(result: MotionFit | RadioFit, path: str | os.PathLike[str]) -> list[Path | Item]:
-    """Write a part of a scene with the fitted keys, and a figure.
+def write_fit(
+    result: MotionFit | RadioFit | LogFit, path: str | os.PathLike[str]
+) -> list[Path | Item]:
+    """Write a part of a scene with the fitted keys, and a figure, of robots, radio or both.
 
     Args:
         result: the fit.
-        path: write fit.png and a part of a scene, robot.toml or radio.toml, to this folder.
+        path: write parts of a scene, robot.toml or radio.toml, and their figures to this folder.
 
     Raises:
         PalmbotsError: a file cannot be written.
     """
-    text = fragment(result.estimates, result.sources, ())
-    name = "robot" if isinstance(result, MotionFit) else "radio"
-    file, hints = write_fragment(text, path, name)
-    picture = folder(Path(path)) / "fit.png"
-    result.save_figure(picture)
-    return [file, picture, *hints]
+    parts: dict[str, MotionFit | RadioFit]
+    if isinstance(result, LogFit):
+        parts = result.parts
+    else:
+        parts = {"robot" if isinstance(result, MotionFit) else "radio": result}
+    files: list[Path] = []
+    for name, part in parts.items():
+        files.append(write_fragment(fragment(part.estimates, part.sources, ()), path, name))
+        files.append(folder(Path(path)) / f"{name}.png")
+        part.save_figure(files[-1])
+    options = " ".join(f"--with {shlex.quote(str(file))}" for file in files[::2])
+    return [*files, Line(f"carry with it: palmbots carry paper {options}", is_whole=True)]

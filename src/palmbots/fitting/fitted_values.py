@@ -4,13 +4,11 @@
 from __future__ import annotations
 
 import os
-import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from palmbots._util.atomic_files import folder, write_whole
-from palmbots._util.report import Item, Line
 from palmbots._util.toml_writer import toml_value
 from palmbots._version import __version__
 
@@ -113,12 +111,8 @@ def fragment(
     return "\n".join(lines) + "\n"
 
 
-def write_fragment(
-    text: str, path: str | os.PathLike[str], name: str
-) -> tuple[Path, Iterator[Item]]:
-    """Write the fragment to a folder; returns the file, and a line on how to use it."""
-    place = folder(Path(path))
-    file = place / f"{name}.toml"
+def write_fragment(text: str, path: str | os.PathLike[str], name: str) -> Path:
+    """Write the fragment to a folder; returns the file."""
+    file = folder(Path(path)) / f"{name}.toml"
     write_whole(file, text)
-    hint = f"carry with it: palmbots carry paper --with {shlex.quote(str(file))}"
-    return file, iter([Line(hint, is_whole=True)])
+    return file

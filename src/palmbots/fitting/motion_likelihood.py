@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The exact likelihood of positions of a robot that drives straight at a constant commanded speed.
+"""The exact likelihood of positions of a robot that drives straight.
 
 The model is that of simulated robots (docs/guide/scenes.md), in continuous time. On a
-stretch with the commanded speed u the displacement s [m] obeys
+stretch with the mean commanded speed u the displacement s [m] obeys
 
     ds = (G u + b + n) dt + q dW,   dn = −n dt/τ + σ √(2/τ) dV,   y = s + m ε,
 
@@ -12,7 +12,8 @@ noise. V and W are independent Wiener processes, ε is standard normal. All of i
 Kalman filter with the states displacement and n gives the likelihood without an approximation: the
 transitions have closed forms for any time step. The speed v = G u + b is constant on a
 stretch, so y is v t plus a part without v, and the filter is linear in y: it filters positions and
-times, each for itself. Their errors y_k and t_k, with variances T_k, make the likelihood a normal
+times, each for itself. Where the command changes within a stretch, its displacement at the speed 1
+takes the place of t. Their errors y_k and t_k, with variances T_k, make the likelihood a normal
 function of v, with the coefficients Σ y_k²/T_k, Σ y_k t_k/T_k and Σ t_k²/T_k. The gain is
 integrated out of it. The place at which a stretch begins has a flat prior, so the first position
 has no density in it.
@@ -39,14 +40,29 @@ _LEAST_M = 1e-8
 
 @dataclass(frozen=True)
 class Stretch:
-    """Positions of a robot on a straight stretch with a constant command."""
+    """Positions of a robot on a straight stretch, on which it never stands."""
 
     times_s: Floats
     positions_m: Floats
     """Along the heading, from any origin."""
-    command_m_s: float
+    commanded_m: Floats
+    """Where the commands alone would have moved it, from any origin."""
     run: int
     """Number of the recording: stretches of one run may have something in common."""
+
+    @property
+    def command_m_s(self) -> float:
+        """The mean command."""
+        return _mean_speed(self.commanded_m, self.times_s)
+
+    @property
+    def speed_m_s(self) -> float:
+        """The mean speed."""
+        return _mean_speed(self.positions_m, self.times_s)
+
+
+def _mean_speed(places_m: Floats, times_s: Floats) -> float:
+    return float((places_m[-1] - places_m[0]) / (times_s[-1] - times_s[0]))
 
 
 class Stretches:
@@ -62,9 +78,9 @@ class Stretches:
         for row, one in enumerate(ordered):
             size = len(one.times_s)
             self._steps[1:size, row] = np.diff(one.times_s)
-            times = one.times_s - one.times_s[0]
-            moved = one.positions_m - one.positions_m[0] - one.command_m_s * times
-            self._measured[:size, :, row] = np.column_stack([moved, times])
+            commanded = one.commanded_m - one.commanded_m[0]
+            moved = one.positions_m - one.positions_m[0] - commanded
+            self._measured[:size, :, row] = np.column_stack([moved, commanded / one.command_m_s])
         self._commands = np.array([one.command_m_s for one in ordered])
         self.runs = np.array([one.run for one in ordered])
         self.stretches = ordered

@@ -52,7 +52,7 @@ def _draw_bursts(axes: Axes, result: RadioFit) -> None:
 
 def _draw_delays(axes: Axes, result: RadioFit) -> None:
     data = result.data
-    called = "round trip" if result.is_round_trip else "delay behind the fastest"
+    called = result.delay_kind
     axes.set_xlabel(style.axis_label(called, "ms"))
     axes.set_ylabel("share of packets with more")
     if not data.delays_s.size:
@@ -65,7 +65,7 @@ def _draw_delays(axes: Axes, result: RadioFit) -> None:
     )
     axes.set_yscale("log")
     if data.delays_s.max() > 20 * max(data.delays_s[len(data.delays_s) // 4], 1e-6):
-        axes.set_xscale("log" if result.is_round_trip else "symlog")
+        axes.set_xscale("log" if result.delay_kind != "delay behind the fastest" else "symlog")
     axes.set_title("delays")
     axes.legend()
 

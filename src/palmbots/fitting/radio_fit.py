@@ -24,7 +24,7 @@ from palmbots.fitting.fitted_values import (
     fitted_keys,
 )
 from palmbots.fitting.loss_likelihood import LossFit
-from palmbots.fitting.recorded_packets import Packets, read_packets
+from palmbots.fitting.recorded_packets import DelayKind, Packets, read_packets
 
 Floats = NDArray[np.float64]
 
@@ -76,8 +76,8 @@ class RadioFit(Result):
     duplicates: int
     reordered: int
     """Packets that arrived after one that was sent later."""
-    is_round_trip: bool
-    """Whether the delays are round trips; otherwise they are relative to the fastest packet."""
+    delay_kind: DelayKind
+    """What the delays are."""
     estimates: tuple[Estimate, ...]
     """Scene keys, and quantiles of the delay."""
     data: PacketData = field(metadata=NOT_IN_JSON)
@@ -127,10 +127,10 @@ def fit_radio(
         report(0.7 * number / len(files))
         runs.append(read_packets(file))
     for one in runs:
-        if one.is_round_trip != runs[0].is_round_trip:
+        if one.delay_kind != runs[0].delay_kind:
             raise PalmbotsError(
-                f"{one.source.name}: has {'' if one.is_round_trip else 'no '}round_trip_s, unlike "
-                f"{runs[0].source.name}; expected the same columns in all runs"
+                f"{one.source.name}: has {'' if one.delay_kind == 'round trip' else 'no '}"
+                f"round_trip_s, unlike {runs[0].source.name}; expected the same columns in all runs"
             )
         if bool(one.gaps.size) != bool(runs[0].gaps.size):
             raise PalmbotsError(
@@ -138,10 +138,16 @@ def fit_radio(
                 f"{runs[0].source.name}; expected the same columns in all runs"
             )
     report(0.7)
-    return _fitted(runs)
+    return fit_packets(runs)
 
 
-def _fitted(runs: Sequence[Packets]) -> RadioFit:
+def fit_packets(runs: Sequence[Packets], sources: Sequence[Source] = ()) -> RadioFit:
+    """Fit losses and delays to runs with the same kind of delays.
+
+    Args:
+        runs: recordings.
+        sources: their files, if these are not one for each run.
+    """
     gaps = np.concatenate([one.gaps for one in runs])
     lost, bursts = int(gaps.sum()), int((gaps > 0).sum())
     counts, times = np.unique(gaps, return_counts=True)
@@ -158,7 +164,7 @@ def _fitted(runs: Sequence[Packets]) -> RadioFit:
     keys.sort(key=lambda one: order.get(one.key.rpartition(".")[2], len(order)))
     delays = np.concatenate([one.delays_s for one in runs])
     return RadioFit(
-        sources=tuple(one.source for one in runs),
+        sources=tuple(sources or (one.source for one in runs)),
         runs=len(runs),
         received=received,
         lost=lost,
@@ -167,7 +173,7 @@ def _fitted(runs: Sequence[Packets]) -> RadioFit:
         expected_burst_packets=0.0 if losses is None else 1 / (1 - losses.rate),
         duplicates=duplicates,
         reordered=reordered,
-        is_round_trip=runs[0].is_round_trip,
+        delay_kind=runs[0].delay_kind,
         estimates=(*keys, *(one for one in (*estimates, *of_delays) if not one.is_key)),
         data=_shown_data(gaps, losses, fate, delays, model),
     )
@@ -220,8 +226,8 @@ def _losses(
     known = [one.interval_s for one in runs if one.interval_s is not None]
     if len(known) < len(runs):
         reason = (
-            f"the file has no time_s: the periods last {length[0]:.3g} packets "
-            f"({length[1]:.3g} to {length[2]:.3g})"
+            "packets were sent irregularly, or the file has no time_s: the periods last "
+            f"{length[0]:.3g} packets ({length[1]:.3g} to {length[2]:.3g})"
         )
         rows.append(Estimate(names[2], None, None, None, reason))
         return [*rows, _all_losses(losses.rate, wide)], fate
@@ -250,14 +256,14 @@ def _copies(received: int, duplicates: int, reordered: int, has_index: bool) -> 
 def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats], Floats] | None]:
     """Latency, jitter and quantiles of the delay, and the quantiles of the model."""
     latency, jitter = "radio.latency_s", "radio.jitter_s"
-    is_round_trip = runs[0].is_round_trip
+    kind = runs[0].delay_kind
     why = next((one.why_no_delays for one in runs if one.why_no_delays), "")
     if why:
         rest = [Estimate("delay", None, None, None, why)]
         return [*(Estimate(key, None, None, None, why) for key in (latency, jitter)), *rest], None
     parts = _parts(runs, lambda one: one.delays_s)
     everything = np.concatenate(parts)
-    ways = 2 if is_round_trip else 1
+    ways = 2 if kind == "round trip" else 1
     least, middle = float(everything.min()), float(np.median(everything))
     # The median of a uniform delay is half its width, that of the sum of two is one width. Tails,
     # which the model has not, change a median little.
@@ -275,14 +281,14 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
     ends = np.quantile(spread, (0.025, 0.975), axis=0).T
     of_jitter = np.quantile(2 * (spread[:, 1] - spread[:, 0]) / ways, (0.025, 0.975))
     found = [
-        Estimate(latency, least / 2, float(ends[0, 0]) / 2, float(ends[0, 1]) / 2, "")
-        if is_round_trip
+        Estimate(latency, least / ways, float(ends[0, 0]) / ways, float(ends[0, 1]) / ways, "")
+        if kind != "delay behind the fastest"
         else Estimate(
             latency, None, None, None, "times of one way do not show it without a common clock"
         ),
         Estimate(jitter, width, float(of_jitter[0]), float(of_jitter[1]), ""),
     ]
-    called = "round_trip" if is_round_trip else "delay_behind_fastest"
+    called = kind.replace("the ", "").replace(" ", "_")
     for column, (name, q) in enumerate(_QUANTILES, 1):
         beyond = (1 - q) * len(everything)
         key = f"{called}_{name}_s".replace(".", "_")
@@ -297,7 +303,7 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
 
     def model(shares: Floats) -> Floats:
         if ways == 1:
-            return width * shares
+            return (least if kind == "one way" else 0.0) + width * shares
         half = np.minimum(shares, 1 - shares)  # the sum of two uniform delays
         side = width * np.sqrt(2 * half)
         return least + np.where(shares < 0.5, side, 2 * width - side)

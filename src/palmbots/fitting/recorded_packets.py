@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ from palmbots.fitting.fitted_values import Source
 from palmbots.fitting.recorded_tables import Recording, read_recording
 
 Floats = NDArray[np.float64]
+
+DelayKind = Literal["round trip", "one way", "delay behind the fastest"]
+"""What delays are. Those of one way need a common clock, otherwise only differences are known."""
 
 COLUMNS = ("index", "time_s", "sent_s", "round_trip_s")
 _RESTART = 1000  # a greater fall of the index is no reordering
@@ -41,8 +45,8 @@ class Packets:
     interval_s: float | None
     """Median between packets."""
     delays_s: Floats
-    """Round trips, or one way relative to the fastest packet; empty: neither is known."""
-    is_round_trip: bool
+    """Empty: unknown."""
+    delay_kind: DelayKind
     why_no_delays: str
 
 
@@ -59,38 +63,63 @@ def read_packets(path: str | os.PathLike[str]) -> Packets:
         _check_trips(table.name, trips)
     if "index" not in table:
         none = np.zeros(0, np.int64)
-        return Packets(source, none, len(trips), 0, 0, None, trips, True, "")
+        return Packets(source, none, len(trips), 0, 0, None, trips, "round trip", "")
     index = _whole(table)
-    highest = np.maximum.accumulate(index)
-    ordered, first = np.unique(index, return_index=True)
-    gaps = np.diff(ordered) - 1
-    spacing = int(np.gcd.reduce(gaps + 1))
+    spacing = int(np.gcd.reduce(np.diff(np.unique(index))))
     if spacing > 1:
         raise PalmbotsError(
             f"{table.name}: the index grows by multiples of {spacing}; expected the number of the "
             "packet, which grows by 1 for each packet sent"
         )
-    late = np.zeros(len(index), bool)
-    late[first] = True
     interval_s, delays, why = None, trips, ""
     if "time_s" in table:
-        arrived = table.times_s
-        slope = np.polyfit(index.astype(float), arrived, 1)[0]
-        once = np.sort(first)
-        steps = np.diff(arrived[once]) / np.maximum(1, np.abs(np.diff(index[once])))
-        interval_s = float(np.median(steps)) or float(abs(slope))
+        interval_s = interval_of(index, table.times_s)
     if not trips.size:
         delays, why = _one_way(table, index, interval_s)
+    kind: DelayKind = "round trip" if trips.size else "delay behind the fastest"
+    return packets_of(source, index, interval_s, delays, kind, why)
+
+
+def interval_of(index: NDArray[np.int64], arrived_s: Floats) -> float:
+    """The median time between packets."""
+    slope = np.polyfit(index.astype(float), arrived_s, 1)[0]
+    once = np.sort(np.unique(index, return_index=True)[1])
+    steps = np.diff(arrived_s[once]) / np.maximum(1, np.abs(np.diff(index[once])))
+    return float(np.median(steps)) or float(abs(slope))
+
+
+def packets_of(
+    source: Source,
+    index: NDArray[np.int64],
+    interval_s: float | None,
+    delays_s: Floats,
+    delay_kind: DelayKind,
+    why_no_delays: str = "",
+) -> Packets:
+    """One run.
+
+    Args:
+        source: its file.
+        index: numbers of the packets, in the order of arrival.
+        interval_s: median between packets.
+        delays_s: of the packets, or empty.
+        delay_kind: what they are.
+        why_no_delays: why there are none.
+    """
+    highest = np.maximum.accumulate(index)
+    ordered, first = np.unique(index, return_index=True)
+    late = np.zeros(len(index), bool)
+    late[first] = True
     return Packets(
         source=source,
-        gaps=gaps,
+        gaps=np.diff(ordered) - 1,
         received=len(ordered),
         duplicates=len(index) - len(ordered),
         reordered=int(np.sum(late & (index < highest))),
         interval_s=interval_s,
-        delays_s=delays,
-        is_round_trip=bool(trips.size),
-        why_no_delays=why,
+        delays_s=delays_s,
+        delay_kind=delay_kind,
+        why_no_delays=why_no_delays,
     )
 
 

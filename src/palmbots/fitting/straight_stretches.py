@@ -223,17 +223,21 @@ def stretches_of(
         if np.diff(when).max() > _GAP * usual + 0.05:
             jumps += 1
             continue
-        kept = _thinned(when)
+        kept = thinned(when)
         command = float(abs(speed[first]))
-        found.append(Stretch(when[kept] - when[0], moved[kept], command, run))
+        since = when[kept] - when[0]
+        found.append(Stretch(since, moved[kept], command * since, run))
     return found, jumps
 
 
-def _thinned(times: Floats) -> list[int]:
-    """Places of times that are at least about `SPACING_S` apart."""
+def thinned(times: Floats, commands: Floats | None = None) -> list[int]:
+    """Places of times that are at least about `SPACING_S` apart, and where a command changes."""
     kept = [0]
+    changes = np.zeros(len(times), bool)
+    if commands is not None:
+        changes[1:] = commands[1:] != commands[:-1]
     for place, time in enumerate(times):
-        if time - times[kept[-1]] > 0.95 * SPACING_S:
+        if changes[place] or time - times[kept[-1]] > 0.95 * SPACING_S:
             kept.append(place)
     return kept
 

@@ -120,7 +120,7 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
         outcome="delivered" if is_done else "stalled",
         reason=None if is_done else reason,
         time_s=float(times[-1]),
-        distance_m=float(trace["midpoint"].to_numpy()[-1]),
+        distance_m=abs(float(trace["midpoint"].to_numpy()[-1])),
         contact_rms_m=nothing,
         contact_peak_m=nothing,
         corrections=corrections,
@@ -240,7 +240,7 @@ def _trace(scene: Scene, times: Any, rows: dict[Side, list[Any]]) -> Any:
     progress = by_side(lambda _, row: row.progress / WHOLE)
     covered = scene.task.distance_m * (progress - progress[0])
     forward = 1.0 if scene.task.direction == "forward" else -1.0
-    speed = by_side(lambda side, row: drive(side, row).speed_m_s)
+    speed = forward * by_side(lambda side, row: drive(side, row).speed_m_s)
     unknown = np.full((len(times), 2), math.nan)
     columns = {
         "time_s": times,
@@ -250,7 +250,7 @@ def _trace(scene: Scene, times: Any, rows: dict[Side, list[Any]]) -> Any:
         "speed_m_s": speed,
         "commanded_m_s": speed,
         "separation_m": spec.com_left + spec.com_right + forward * (covered[:, 1] - covered[:, 0]),
-        "midpoint_m": covered.mean(axis=1),
+        "midpoint_m": forward * covered.mean(axis=1),
         "object_rad": np.zeros(len(times)),
         "sign": by_side(lambda _, row: row.sign).astype(np.int64),
         "case": by_side(lambda _, row: row.case if row.wheels else " ").astype("S1"),
