@@ -95,7 +95,7 @@ def _messages(carry: Carry, made: Any) -> Iterator[tuple[int, str, str, Any]]:
         for (side, robot, _), reading in zip(robots, readings, strict=True):
             robot.take_distance(float(time_s), reading.distance_m)
             for name, message in robot.of(reading):
-                kind = type_of(kinds[name], settings.cmd_vel_type)
+                kind = type_of(kinds[name], settings)
                 yield now_ns, settings.topic(side, name), kind, message
 
 

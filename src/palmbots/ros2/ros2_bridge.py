@@ -90,7 +90,7 @@ class Bridge:
         self._publishers = {
             topic.name: self._node.publisher(
                 topic.name if topic.name.startswith("/") else settings.topic(side, topic.name),
-                type_of(topic, settings.cmd_vel_type),
+                type_of(topic, settings),
                 topic.quality,
             )
             for topic in published_topics(pair)

@@ -14,7 +14,7 @@ from palmbots._util.optional_imports import require
 from palmbots.drivers.driver import Drive, DriverSettings, Reading
 from palmbots.errors import PalmbotsError
 from palmbots.pair.ros2_keys import Ros2Table
-from palmbots.ros2.ros2_topics import COMMANDS, READINGS, Topic, travel_sign
+from palmbots.ros2.ros2_topics import COMMANDS, READINGS, Topic, travel_sign, type_of
 
 _BASE_STARTS_WITHIN_S = 20.0
 _POLL_S = 0.02
@@ -47,7 +47,7 @@ class Ros2Driver:
         node = self._node = module.Ros2Node(settings.domain())
 
         def publisher(topic: Topic) -> Any:
-            kind = _type_of(topic, settings)
+            kind = type_of(topic, settings)
             name = settings.topic(side, getattr(settings, topic.name))
             lifespan_s = watchdog_s if topic.name == "cmd_vel" else None
             return node.publisher(name, kind, topic.quality, lifespan_s=lifespan_s)
@@ -221,12 +221,3 @@ def _is_finite(odometry: Any) -> bool:
     pose = odometry.pose.pose
     values = (*vars(pose.position).values(), *vars(pose.orientation).values())
     return all(map(math.isfinite, values))
-
-
-def _type_of(topic: Topic, settings: Ros2Table) -> str:
-    """The message of a topic, where a key chooses between several."""
-    if topic.name == "cmd_vel":
-        return f"geometry_msgs/msg/{settings.cmd_vel_type}"
-    if topic.name == "position":
-        return topic.types[0 if settings.palm_command == "array" else 1]
-    return topic.types[0]

@@ -6,6 +6,8 @@ This module needs no package of ROS 2 or DDS: the documentation reads it, too.
 
 from dataclasses import dataclass
 
+from palmbots.pair.ros2_keys import Ros2Table
+
 
 @dataclass(frozen=True)
 class Topic:
@@ -122,10 +124,11 @@ READINGS = (
 """What the driver ``ros2`` reads; the names are keys of [ros2]."""
 
 
-def type_of(topic: Topic, cmd_vel_type: str) -> str:
-    """The message of a topic; of several, the one that the key of [ros2] names."""
-    chosen = [name for name in topic.types if name.endswith(f"/{cmd_vel_type}")]
-    return (chosen or [*topic.types])[0]
+def type_of(topic: Topic, settings: Ros2Table) -> str:
+    """The message of a topic; of several, the one that a key of [ros2] chooses."""
+    palm = "Float64" if settings.palm_command == "float" else "Float64MultiArray"
+    ends = (f"/{settings.cmd_vel_type}", f"/{palm}")
+    return next((name for name in topic.types if name.endswith(ends)), topic.types[0])
 
 
 def dds_topic(name: str) -> str:
