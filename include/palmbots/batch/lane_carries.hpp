@@ -111,6 +111,7 @@ class LaneCarries {
           done(lane.index, one);
           continue;
         }
+        one.change_biases();
         lane.start = tick;
         load(pack, l, one);
         pack.busy |= 1U << l;

@@ -112,7 +112,7 @@ Wheels<Real> wheels_of(const RobotSpec& robot, double period, double gain) {
   const double creep = robot.noise > 0 ? smaller(1.0, robot.standing_noise / robot.noise) : 0;
   return {Real(gain * (robot.acceleration * period)),
           Real(robot.max_speed),
-          Real(robot.bias),
+          Real(0),  // until a tick sets it (RobotPair::change_biases)
           memory,
           drive,
           Real(creep),

@@ -32,7 +32,6 @@ class RobotPair {
     }
     tactile_ = tactile_of<Real>(spec);
     metrics_.settle_ticks = settle_ticks();
-    next_bias_change_ = next_bias_change(0);
     obey(commands_);
   }
 

@@ -173,9 +173,9 @@ void test_a_robot_that_stands() {
     for (auto& robot : spec.robots) {
       robot.noise = 0.04;
       robot.standing_noise = left_over;
-      robot.bias = 0.02;
     }
     Robots<double> robots = robots_of<double>(spec, 3);
+    for (auto& wheels : robots.wheels) wheels.bias = 0.02;
     robots.held_at = {robots.braked, robots.released};
     const palmbots::PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(0),
                                                      PalmAngle<double>::at(0)};
@@ -277,11 +277,11 @@ void test_brakes_and_the_sense_of_travel() {
   for (auto& robot : spec.robots) {
     robot.noise = 0.04;
     robot.standing_noise = 0.02;
-    robot.bias = 0.02;
   }
   const palmbots::PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(0),
                                                    PalmAngle<double>::at(0)};
   Robots<double> robots = robots_of<double>(spec, 3);
+  for (auto& wheels : robots.wheels) wheels.bias = 0.02;
   robots.travel_sense = -1;
   robots.held_at = {robots.braked, robots.braked};
   robots.wheels[right].speed = 3.5 * robots.wheels[right].ramp;
