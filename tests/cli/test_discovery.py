@@ -14,7 +14,7 @@ import pytest
 from commands import Run
 from palmbots.cli.commands.up_command import up
 from palmbots.cli.commands.world_command import world
-from palmbots.control.registry import shipped_names
+from palmbots.control.registry import describe, shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED, tolerated_noise
 from palmbots.scene.error_messages import dotted_keys
 from palmbots.scene.key_reference import scene_keys
@@ -81,7 +81,7 @@ def test_controllers_lists_those_of_the_help(here: Run) -> None:
         assert row["sigma_star_m_s"] == noise.sigma_star_m_s
         assert f"palmbots noise-limit -c {row['name']} " in row["sigma_star_command"]
         assert f"{row['name']}  σ* {100 * noise.sigma_star_m_s:.2f} cm/s" in text
-        assert (row["messages"] == []) == (row["name"] in ("none", "silent"))
+        assert (row["messages"] == []) == (not describe(row["name"]).uses_radio)
         assert all(need in " ".join(text.split()) for need in row["requirements"])
     needs = {row["name"]: row["requirements"] for row in rows}
     assert needs["none"] == []

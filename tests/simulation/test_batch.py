@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from palmbots.simulation.batch import batch_modules, run_batch
 def test_modules_have_different_numbers_of_lanes() -> None:
     lanes = {"_batch": (2, 4), "_batch_v3": (4, 8), "_batch_v4": (8, 16)}
     for name in batch_modules():
+        assert find_spec(f"palmbots.{name}"), f"{name} is not built; `make build` builds it"
         built = importlib.import_module(f"palmbots.{name}")
         assert (built.lanes_double, built.lanes_float) == lanes[name]
     flags = Path("/proc/cpuinfo").read_text().split()

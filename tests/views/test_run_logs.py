@@ -295,12 +295,18 @@ def test_each_run_of_a_folder_has_a_clock(tmp_path: Path, clock: Any) -> None:
     assert carry_of(logs, clocks).distance_m == pytest.approx(0.1, abs=0.02)
 
 
-def test_an_e_stop_and_who_wants_it_are_seen(tmp_path: Path, clock: Any) -> None:
-    """In the lines of the station, in what a screen shows, and in the table of a replay."""
+def under_way(folder: Path, clock: Any) -> LoggedPair:
+    """A pair that carries."""
     clock["air"] = air = Air(delay_ms=20)
-    pair = LoggedPair(tmp_path, "resilient", air, UP)
+    pair = LoggedPair(folder, "resilient", air, UP)
     pair.start()
     pair.run(100)
+    return pair
+
+
+def test_an_e_stop_and_who_wants_it_are_seen(tmp_path: Path, clock: Any) -> None:
+    """In the lines of the station, in what a screen shows, and in the table of a replay."""
+    pair = under_way(tmp_path, clock)
     pair.wish("e_stop", "stopped")
     pair.run(20)
     assert [line.split(" s  ")[1] for line in pair.lines if "stopped" in line] == [
@@ -320,10 +326,7 @@ def test_an_e_stop_and_who_wants_it_are_seen(tmp_path: Path, clock: Any) -> None
 
 
 def test_a_stop_by_hand_is_not_taken_for_an_order(tmp_path: Path, clock: Any) -> None:
-    clock["air"] = air = Air(delay_ms=20)
-    pair = LoggedPair(tmp_path, "resilient", air, UP)
-    pair.start()
-    pair.run(100)
+    pair = under_way(tmp_path, clock)
     pair.press("left", "stop")
     pair.run(100)
     pair.wish("stop", "stopped")
