@@ -62,7 +62,7 @@ nb::dict facts(const ControllerInfo& info, bool uses_clock) {
   d["description"] = info.description;
   d["board_number"] = info.board_number < 0 ? nb::object(nb::none()) : nb::cast(info.board_number);
   d["team"] = name_of(info.decider);
-  d["uses_radio"] = info.uses_radio;
+  d["uses_radio"] = !info.messages.empty();
   d["uses_clock"] = uses_clock;
   d["is_periodic"] = info.is_periodic;
   d["stops_in_silence"] = info.stops_in_silence;

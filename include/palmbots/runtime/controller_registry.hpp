@@ -45,7 +45,6 @@ struct ControllerInfo {
   // The number in the settings of a board, which never changes; −1: no board runs it.
   int board_number = -1;
   Decider decider = Decider::robots;
-  bool uses_radio = true;
   // Robots repeat what they have to say at fixed intervals. A message is news only if it differs
   // from the one before.
   bool is_periodic = false;
@@ -53,7 +52,7 @@ struct ControllerInfo {
   // The wheels of both robots follow both signs, so that a motion ends a radio delay late.
   bool drives_by_both_signs = false;
   bool has_time_bounds = false;  // resilient_timing_of must find no problem in the scene
-  std::span<const char* const> messages = {};  // the kinds that it sends
+  std::span<const char* const> messages = {};  // the kinds that it sends; none: needs no radio
   std::span<const CaseMeaning> cases = {};
   // Cases in which a robot asks its partner for assistance and may get no answer.
   std::span<const char* const> assisted_cases = {};
@@ -107,7 +106,6 @@ inline constexpr std::tuple controller_rows{
             .name = "none",
             .description = "both robots drive at their nominal speed and correct nothing",
             .decider = Decider::none,
-            .uses_radio = false,
         },
         runtime::NoProgramMaker{}),
     detail::row(
@@ -152,7 +150,6 @@ inline constexpr std::tuple controller_rows{
             .name = "silent",
             .description = "each robot corrects by the sign of its own contact, without messages",
             .board_number = 1,
-            .uses_radio = false,
             .cases = detail::silent_cases,
             .states = Silent::meanings,
         },
