@@ -115,7 +115,8 @@ build: $(VENV)/build.done  ## everything compiled, at full speed: statistics are
 
 quick: $(VENV)/carry.done  ## everything compiled without optimization, to try a change of the core
 	$(call install,OFF,ON,ON)
-	@rm -f $(VENV)/extension.done $(VENV)/build.done $(VENV)/strict.done
+	@rm -f $(VENV)/build.done $(VENV)/strict.done
+	@touch -r $(VENV)/started $(VENV)/quick.done $(VENV)/extension.done
 
 bench: $(VENV)/bench.done $(VENV)/build.done build/site/index.html  ## speed against named peers; CSV in benchmarks/results/
 	set -e; for bench in benchmarks/bench_*.py; do $(BIN)/python $$bench; done
@@ -200,20 +201,23 @@ build/site/index.html: $(SITE_IMAGES:%=docs/images/%) site/src/generated/core.wa
 	@touch $@
 
 # extension.done: palmbots._core is up to date, and so is all that has been built before.
-# build.done: everything is. strict.done: everything, without a warning. Only where `make test` has
-# run is a warning an error: elsewhere a newer compiler with more warnings prevents no carry.
+# build.done: everything is. strict.done: everything, without a warning. quick.done: everything, without
+# optimization. Only where `make test` has run is a warning an error: elsewhere a newer compiler with
+# more warnings prevents no carry.
 WERROR = $(if $(wildcard $(VENV)/strict.done),ON,OFF)
 
 $(VENV)/extension.done: $(EXTENSION) $(VENV)/carry.done
-	$(call install,$(WERROR),$(if $(wildcard $(VENV)/build.done),ON,OFF))
-	@touch -r $(VENV)/started $(wildcard $(VENV)/build.done $(VENV)/strict.done) $@
+	$(call install,$(WERROR),$(if $(wildcard $(VENV)/build.done $(VENV)/quick.done),ON,OFF),$(if $(wildcard $(VENV)/quick.done),ON))
+	@touch -r $(VENV)/started $(wildcard $(VENV)/build.done $(VENV)/strict.done $(VENV)/quick.done) $@
 
 $(VENV)/build.done: $(EXTENSION) $(VENV)/carry.done
 	$(call install,$(WERROR),ON)
+	@rm -f $(VENV)/quick.done
 	@touch -r $(VENV)/started $(wildcard $(VENV)/strict.done) $(VENV)/extension.done $@
 
 $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 	$(call install,ON,ON)
+	@rm -f $(VENV)/quick.done
 	@touch -r $(VENV)/started $(VENV)/extension.done $(VENV)/build.done $@
 
 # Targets share .venv and build/.
