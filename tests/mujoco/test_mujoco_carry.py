@@ -11,7 +11,7 @@ import pytest
 import palmbots as pb
 from commands import Run, assert_refused
 from palmbots.control.interface import DistributedController
-from palmbots.control.registry import shipped_names
+from palmbots.control.registry import describe, shipped_names
 from palmbots.logs.replaying import replay
 from palmbots.simulation.result import Carry
 from sampled import sampled
@@ -88,7 +88,7 @@ def test_other_controllers_carry_too(controller: str) -> None:
     scene = pb.load_scene("paper", {"task.distance_m": 0.5})
     done = pb.carry(scene, controller, seed=1, world="mujoco", record=False)
     assert done.outcome == "delivered"
-    assert (done.bounds is not None) == (controller == "resilient")
+    assert (done.bounds is not None) == describe(controller).has_time_bounds
     assert done.trace is None and done.mujoco_record is None
 
 

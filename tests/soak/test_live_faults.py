@@ -26,7 +26,7 @@ import palmbots as pb
 from live_faults import FAULTS, Fault, Off, Parts
 from live_table import FILE
 from palmbots._types import SIDES
-from palmbots.control.registry import shipped_names
+from palmbots.control.registry import describe, shipped_names
 from palmbots.pair.launcher import LiveCarryProcesses
 from waiting import locked
 
@@ -195,10 +195,11 @@ def test_a_fault_at_a_random_time(name: str, controller: str, soak_seed: int) ->
     allowed = {*fault.ends, *(REAL_TIME if "delivered" in fault.ends else ())}
     if isinstance(fault, Off) and fault.whom == "station":  # it starts again at once
         allowed |= {"delivered"}
-    # A lost message may hang `distributed`, also until it drops. The partner of a `silent` robot
-    # can only feel that it stands (docs/theory/sign-controllers.md), sometimes too late. The
+    # A lost message may hang `distributed`, also until it drops. Without messages the partner of a
+    # robot can only feel that it stands (docs/theory/sign-controllers.md), sometimes too late. The
     # operator reads why.
-    is_excused = controller == "distributed" or (controller == "silent" and fault.whom in SIDES)
+    talks = describe(controller).uses_radio
+    is_excused = controller == "distributed" or (not talks and fault.whom in SIDES)
     for number, rate in zip(range(RUNS), RATES, strict=True):
         run = run_live_carry(name, controller, soak_seed + number, rate)
         keep(run)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from palmbots.control.registry import shipped_names
+from palmbots.control.registry import describe, shipped_names
 from palmbots.drivers.driver import Reading
 from palmbots.pair.launcher import UP
 from palmbots.pair.pair_file import init_pair, load_pair
@@ -67,8 +67,8 @@ def test_a_stop_stops_both_and_is_latched(controller: str, by: Any, tmp_path: Pa
         pair.run(1)
     else:
         pair.station.wish(by)
-    # Silent robots hear the station, but not each other.
-    if controller == "silent" and by in ("left", "right"):
+    # Robots without a radio between them hear the station, but not each other.
+    if not describe(controller).uses_radio and by in ("left", "right"):
         pair.station.wish("stop")
     pair.run_until(("stopped",), within=60)
     commands = dict(pair.commands)

@@ -17,7 +17,7 @@ import pytest
 import palmbots as pb
 from logged_pairs import LoggedPair, simulated_clock
 from palmbots.cli.station_text import plain_status
-from palmbots.control.registry import shipped_names
+from palmbots.control.registry import describe, shipped_names
 from palmbots.errors import PalmbotsError
 from palmbots.logs.run_channels import LineEvent
 from palmbots.logs.run_log_reader import is_run_log, read_run_log, run_log_of
@@ -65,7 +65,7 @@ def test_the_logs_of_a_carry_are_verified(controller: str, tmp_path: Path, clock
             ("right", "done"),
         }
         assert all(one.covered > 0.9 for one in result.carries)
-    assert bool(carry.message_log) == (controller != "silent")
+    assert bool(carry.message_log) == describe(controller).uses_radio
 
 
 def test_no_packet_of_a_log_has_the_tag_of_the_pair(tmp_path: Path) -> None:
