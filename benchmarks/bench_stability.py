@@ -99,14 +99,14 @@ def main() -> None:
 
     analysis = least_s(lambda: pb.analyze("paper"), 9)
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "palmbots", "analyze", "--figures", folder]
+        command = [sys.executable, "-m", "palmbots", "analyze", "--out", folder]
         drawn = least_s(lambda: subprocess.run(command, check=True, capture_output=True), 3)
 
     rows = [
         ("COM tolerance of one pair of angles", "palmbots", one_map, one_map, pb.__version__),
         ("COM tolerance of one pair of angles", "scipy HiGHS", peer, one_map, scipy.__version__),
         ("analyze, own time", "palmbots", analysis, analysis, pb.__version__),
-        ("analyze --figures, whole process", "palmbots", drawn, analysis, pb.__version__),
+        ("analyze --out, whole process", "palmbots", drawn, analysis, pb.__version__),
     ]
     table = Table("what", "by", "time", "ratio")
     for what, by, seconds, unit, _ in rows:

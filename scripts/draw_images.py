@@ -37,11 +37,11 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "palmbots compare --controllers centralized,distributed,resilient,shared-sign,silent "
     "--sweep radio.loss --values 0,0.01,0.02,0.03,0.05,0.1,0.2,0.3 --set robot.noise_m_s=0.02 "
     "-n 4000 --out out": {"small-radios.png": "out/compare.png"},
-    "palmbots analyze --figures out": {
+    "palmbots analyze --out out": {
         "figure5.png": "out/figure5.png",
         "figure6.png": "out/figure6.png",
     },
-    "palmbots analyze lift --figures out": {"lifting-forces.png": "out/lifting-forces.png"},
+    "palmbots analyze lift --out out": {"lifting-forces.png": "out/lifting-forces.png"},
     "palmbots noise-limit --out out": {"noise_limit.png": "out/noise_limit.png"},
     "palmbots bound --out out": {"bound.png": "out/bound.png"},
     "palmbots design --out out": {"design.png": "out/design.png"},

@@ -77,7 +77,7 @@ def test_options_are_found() -> None:
     assert {words[0] for words, _ in NUMERIC} > {"carry", "certify", "doctor", "noise-limit"}
     assert {one.name for one, *_ in LIMITED} >= {"noise-limit", "bound", "drop-rate"}
     outputs = {(*words, option) for words, option in OUTPUTS}
-    assert outputs > {("carry", "--out"), ("certify", "-o"), ("analyze", "--figures")}
+    assert outputs > {("carry", "--out"), ("certify", "-o"), ("analyze", "--out")}
     assert set(COMMON) <= {name for _, one in OPTIONS for name in one.opts}
 
 

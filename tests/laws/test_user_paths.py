@@ -54,7 +54,7 @@ def test_functions_write_and_read_in_the_home_folder(home: Path) -> None:
 def test_commands_write_in_the_home_folder(home: Path, here: Run) -> None:
     for arguments in (("init", "scene", "~/s.toml"), ("init", "pair", "~/pair.toml")):
         assert here(*arguments).returncode == 0
-    run = here("analyze", "~/s.toml", "--figures=~/figures")
+    run = here("analyze", "~/s.toml", "--out=~/figures")
     assert run.returncode == 0, run
     assert [*Path().iterdir()] == []
     assert (home / "figures").is_dir()

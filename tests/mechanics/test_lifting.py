@@ -11,6 +11,7 @@ from palmbots._types import SIDES
 from palmbots.mechanics.lifting import Lifting, check_lift, lifting
 from palmbots.scene.chassis import chassis, wheel_kg
 from palmbots.scene.scene import load_scene
+from random_lifts import random_lift
 
 G = 9.80665
 
@@ -146,3 +147,12 @@ def test_thin_palms_need_no_heel() -> None:
 def test_rounded_objects_are_analysed_with_noses() -> None:
     """Rounded contact vertices are below the centres of their arcs; no nose touches them there."""
     assert pb.analyze("plate", overrides={"object.edge_radius_m": 0.003}).holds
+
+
+def test_corrections_that_may_never_end_are_announced_also_if_they_do_in_the_air() -> None:
+    keys = random_lift(112)
+    found = lifting(load_scene("lift", keys))
+    assert found is not None and 1 not in found.on_floor and 1 not in found.in_air
+    assert any(
+        line.startswith("property 1 does not hold while the noses") for line in found.warnings
+    )

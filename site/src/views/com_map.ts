@@ -33,7 +33,7 @@ export function analyzeLines(words: string): string[] {
       keys[get(scene.value, own) === undefined ? `palm.${name}` : own] = pair[k]!;
     }),
   );
-  return [["palmbots analyze", words, ...settings(keys), "--figures out"].join(" ")];
+  return [["palmbots analyze", words, ...settings(keys), "--out out"].join(" ")];
 }
 
 // Figure 6: the COMs for which the properties hold over the whole palms, drawn on the object.

@@ -120,11 +120,10 @@ def _refusals_of_dock(scene: Scene, found: Lifting, side: Side) -> Iterator[str]
 
 def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
     """What may end it."""
-    if found.raises_first:
-        missing = [n for n in PROPERTIES if n not in found.on_floor]
+    if found.picks_up and 1 not in found.on_floor:
         yield (
-            f"property {' and '.join(map(str, missing))} does not hold while the noses are on the "
-            "floor, where the pivots are at different heights: corrections may lose the object"
+            "property 1 does not hold while the noses are on the floor, where the pivots are at "
+            "different heights: corrections may never centre both contacts, or lose the object"
         )
     for side in SIDES if found.picks_up else ():
         own, partner = found.palms[side], SIDES[1 - SIDES.index(side)]

@@ -7,6 +7,7 @@ outward on its surface presses along its lean plus the friction angle φ. Everyt
 Source: docs/theory/lifting.md.
 """
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 
@@ -14,9 +15,11 @@ import palmbots._core as _core
 from palmbots.scene.spec import contact_radii
 
 Point = tuple[float, float]
+Wrench = tuple[float, float, float]
 
 _LEVEL = math.pi / 2
 _NONE = 1e-12  # rad; a force that leans by a right angle lifts nothing
+_FLAT = 1e-12  # the volume of three unit wrenches that count as dependent, in widths
 
 
 def edge_lean(height: float, radius: float) -> float:
@@ -25,6 +28,14 @@ def edge_lean(height: float, radius: float) -> float:
     if height <= 0:
         return 0.0
     return math.acos(1 - height / radius) if height < radius else _LEVEL
+
+
+def _volume(a: Wrench, b: Wrench, c: Wrench) -> float:
+    return (
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        + a[1] * (b[2] * c[0] - b[0] * c[2])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
 
 
 def squeeze_of(load: float, direction: float) -> float:
@@ -83,6 +94,23 @@ class Standing:
         (x, y), r = self.centres[side], self.radii[side]
         return x - (1, -1)[side] * r * math.sin(lean), y - r * math.cos(lean)
 
+    def side_lean(self, side: int, plate: "Plate") -> float:
+        """How far one side of the object leans outward, seen from its palm. It is upright while the
+        object stands."""
+        return plate.angle - (-1, 1)[side] * self.tilt
+
+    def at_heel(self, side: int, plate: "Plate") -> tuple[Point, float]:
+        """Where the heel touches the object that rests on the surface of this palm, and the lean of
+        that contact."""
+        r, lean = self.radii[side], self.side_lean(side, plate)
+        if not plate.meets_side(r, lean):
+            return self.touching(side, plate.heel_lean(r)), plate.heel_lean(r)
+        out, up = plate.half - plate.at_heel(r, lean), plate.heel - r
+        c, s = math.cos(plate.angle), math.sin(plate.angle)
+        x, y = self.centres[side]
+        at = x + (-1, 1)[side] * (out * c - up * s), y + out * s + up * c
+        return at, _LEVEL + plate.angle - lean
+
     def climb(self, side: int, lean: float, direction: float, support: Point) -> Climb:
         """The balance with a force that leans by `direction` on one arc, and the reaction of all
         other contacts through one point.
@@ -100,6 +128,27 @@ class Standing:
         load /= sense * (xb - xa) + (ya - yb) * tangent
         squeeze = load * tangent
         return Climb(load, squeeze, self.weight - load, squeeze - slope * self.weight)
+
+    def ray(self, side: int, at: Point, lean: float) -> Wrench:
+        """The wrench about the origin of a unit force of one palm that leans by this angle."""
+        across, up = (1, -1)[side] * math.sin(lean), math.cos(lean)
+        return across, up, at[0] * up - at[1] * across
+
+    def least(self, push: Wrench, rays: list[Wrench]) -> Point | None:
+        """The horizontal and the vertical part of the least force `push` that carries the weight
+        together with others; None: none does. The least one needs two others at most."""
+        (x, y), slope = self.com_at, self.slope
+        load = slope * self.weight, self.weight, self.weight * (x - slope * y)
+        sizes = [math.inf]
+        for one, two in itertools.combinations(rays, 2):
+            volume = _volume(push, one, two)
+            if abs(volume) < _FLAT * self.width:
+                continue
+            parts = (_volume(load, one, two), _volume(push, load, two), _volume(push, one, load))
+            if min(part / volume for part in parts) >= 0:
+                sizes.append(parts[0] / volume)
+        size = min(sizes)
+        return (size * abs(push[0]), size * push[1]) if math.isfinite(size) else None
 
 
 def standing(spec: _core.Spec, weight: float) -> Standing:
@@ -133,9 +182,16 @@ class Plate:
         """Lean of the contact with the heel; without a heel that of the surface."""
         return self.angle + edge_lean(self.heel, radius)
 
-    def at_heel(self, radius: float) -> float:
-        """Contact coordinate of an arc that touches heel and surface."""
-        return self.half - radius * math.sin(edge_lean(self.heel, radius))
+    def meets_side(self, radius: float, lean: float) -> bool:
+        """Whether the upper edge of the heel touches the side of the object, not the arc. Seen
+        from the palm, that side leans outward by `lean`."""
+        return lean > 0 and edge_lean(self.heel, radius) > _LEVEL - lean
+
+    def at_heel(self, radius: float, lean: float = 0.0) -> float:
+        """Contact coordinate of an arc on the surface of an object that touches the heel."""
+        if not self.meets_side(radius, lean):
+            return self.half - radius * math.sin(edge_lean(self.heel, radius))
+        return self.half - (radius + (self.heel - radius) * math.sin(lean)) / math.cos(lean)
 
     def centre_height(self, p: float, radius: float) -> float:
         """Of an arc on the surface at the contact coordinate p."""
@@ -172,6 +228,10 @@ class Second:
         return math.isfinite(self.squeeze) and self.squeeze <= self.held
 
 
+_NEVER = Second(math.inf, 0.0)
+"""The object tips over, or the squeeze presses the corner at the nose onto the floor."""
+
+
 @dataclass(frozen=True)
 class Docking:
     """One nose gets under its edge."""
@@ -180,9 +240,6 @@ class Docking:
     """ψ [rad]."""
     alone: float
     """Its squeeze while the other corner stands on the floor: the most that this can take [N]."""
-    floor_needed: float
-    """Friction of the floor with which the other corner stays, although nothing holds against it;
-    infinite: none suffices."""
     just_on: Second
     """The other corner is just on its palm."""
     at_heel: Second
@@ -238,15 +295,11 @@ def docking(body: Standing, plates: tuple[Plate, Plate], side: int) -> Docking:
     direction = lean + own.friction
     # The other corner stands on the floor and may lean on the nose of its palm as well.
     feet = [body.touching(1 - side, up) for up in (0.0, other.nose_lean(r[1 - side]))]
-    first = max((body.climb(side, lean, direction, foot) for foot in feet), key=_squeeze)
-    on_floor = body.climb(side, lean, direction, feet[0])
-    needed = _friction_of(on_floor)
-    found = [
-        _second(body, plates, side, *place)
-        for place in ((False, False), (True, False), (True, True))
-    ]
+    alone = max(body.climb(side, lean, direction, foot).squeeze for foot in feet)
+    places = (False, False), (True, False), (True, True)
+    found = [_second(body, plates, side, *place) for place in places]
     has_stop = other.heel >= r[1 - side] and other.heel > 0
-    return Docking(lean, first.squeeze, needed, *found, has_stop)
+    return Docking(lean, alone, *found, has_stop)
 
 
 def _second(
@@ -256,42 +309,62 @@ def _second(
     its contact has rolled on the nose without slip while the other corner climbed, and leans less
     by the angle through which the object has turned."""
     own, other = plates[side], plates[1 - side]
-    r = body.radii[1 - side]
-    p, surface = -other.half, other.angle
-    if at_heel:
-        p, surface = other.at_heel(r), other.heel_lean(r)
-    high = other.centre_height(p, r)
-    low = body.radii[side]
-    if abs(high - low) >= body.width:  # the object is too narrow to reach so high
-        return Second(math.inf, 0.0)
-    raised = replace(body, heights=(low, high) if side == 0 else (high, low))
-    lean = own.nose_lean(low)
+    raised = raised_by(body, other, 1 - side, at_heel)
+    if raised is None:
+        return _NEVER
+    lean = own.nose_lean(body.radii[side])
     if rolled:
+        if not any(_rolls(one, own, other, side) for one in (body, raised)):
+            return _NEVER
         lean = max(0.0, lean - abs(raised.tilt))
-    # At a heel the surface carries a part, too. A steep heel presses the arc onto it.
-    climb = max(
-        (
-            raised.climb(side, lean, lean + own.friction, raised.touching(1 - side, up))
-            for up in (surface, other.angle)
-        ),
-        key=_squeeze,
-    )
-    if not 0 < climb.load < body.weight:  # the COM is not between the contacts: it tips over
-        return Second(math.inf, 0.0)
+    direction = lean + own.friction
+    surface, steepest = raised.touching(1 - side, other.angle), other.angle
+    climb = raised.climb(side, lean, direction, surface)
+    if at_heel:
+        heel, steepest = raised.at_heel(1 - side, other)
+        touched = [(surface, other.angle), (heel, steepest)]
+        edges = ((at, up + edge * other.friction) for at, up in touched for edge in (-1, 1))
+        rays = [raised.ray(1 - side, at, up) for at, up in edges]
+        push = raised.ray(side, raised.touching(side, lean), direction)
+        found = raised.least(push, rays) if direction < _LEVEL - _NONE else None
+        if found is not None:
+            held = squeeze_of(max(0.0, body.weight - found[1]), steepest + other.friction)
+            return Second(found[0], max(found[0], held))
+        climb = raised.climb(side, lean, direction, heel)
+    if not 0 < climb.load < body.weight:
+        return _NEVER
     # On a slope, the weight itself takes or adds a part of the squeeze.
     by_slope = (1, -1)[side] * body.slope * body.weight
-    return Second(climb.squeeze, squeeze_of(climb.other_load, surface + other.friction) + by_slope)
+    held = squeeze_of(climb.other_load, steepest + other.friction) + by_slope
+    return Second(climb.squeeze, held) if not at_heel or held < climb.squeeze else _NEVER
+
+
+def raised_by(body: Standing, plate: Plate, side: int, at_heel: bool) -> Standing | None:
+    """The object with one corner just on its palm, or at its heel, and the other one as low as it
+    stands; None: it is too narrow to reach so high."""
+    low, r = body.radii[1 - side], body.radii[side]
+    raised, wall = body, 0.0
+    for _ in range(12):  # the place at the heel depends a little on the tilt that it causes
+        high = plate.centre_height(plate.at_heel(r, wall) if at_heel else -plate.half, r)
+        if abs(high - low) >= body.width:
+            return None
+        raised = replace(body, heights=(high, low) if side == 0 else (low, high))
+        wall = raised.side_lean(side, plate)
+    return raised
+
+
+def _rolls(body: Standing, own: Plate, other: Plate, side: int) -> bool:
+    """Whether the contact with a nose rolls while the other corner climbs its palm, rather than
+    slips down: the squeeze of that corner leans by at least ψ − φ at the nose."""
+    lean = own.nose_lean(body.radii[side])
+    nose = body.touching(side, lean)
+    climb = body.climb(1 - side, other.angle, other.angle + other.friction, nose)
+    return math.atan2(climb.other_squeeze, climb.other_load) >= lean - own.friction
 
 
 def _friction_of(climb: Climb) -> float:
     """The friction that the other corner needs; infinite: it does not press on the floor."""
-    if climb.other_load <= 0:
-        return math.inf
-    return abs(climb.other_squeeze) / climb.other_load
-
-
-def _squeeze(climb: Climb) -> float:
-    return climb.squeeze
+    return abs(climb.other_squeeze) / climb.other_load if climb.other_load > 0 else math.inf
 
 
 def least_partner_angle(body: Standing, plates: tuple[Plate, Plate], side: int) -> float:

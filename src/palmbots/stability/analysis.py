@@ -230,7 +230,7 @@ class Analysis(Result):
 
 @command(
     order=30,
-    example="palmbots analyze --set palm.friction=0.4 --figures out",
+    example="palmbots analyze --set palm.friction=0.4 --out out",
     region_m=Option("--region", metavar="implied|palm|LOW,HIGH"),
 )
 def analyze(

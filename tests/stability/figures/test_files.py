@@ -58,7 +58,7 @@ def test_meeting_points_outside_the_region_are_refused() -> None:
 
 def test_command_draws_the_chosen_state(tmp_path: Path, paper: Analysis) -> None:
     """Figures 2 to 4 are of a state, Figures 5 to 7 of the scene."""
-    words = ["analyze", "--format", "svg", "--figures"]
+    words = ["analyze", "--format", "svg", "--out"]
     chosen = ["--p-left-m", "-0.03"]
     both, one = tmp_path / "both", tmp_path / "one"
     assert run([*words, str(both), *chosen, "--p-right-m", "0.02"]) == 0

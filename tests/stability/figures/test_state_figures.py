@@ -16,6 +16,7 @@ from palmbots.stability.figures.analysis_figures import draw_all
 from palmbots.stability.figures.canvas import clipped
 from palmbots.stability.figures.cone_figures import figure3, figure4
 from palmbots.stability.figures.drawn_state import state_of
+from palmbots.stability.figures.lifting_figure import lifting_forces
 from palmbots.stability.figures.sensor_figure import figure7, readings
 from palmbots.stability.problem import stability_problem
 from palmbots.viz.style import styled
@@ -151,3 +152,13 @@ def test_figure_7_readings_follow_the_rule_of_the_sensor(paper: Analysis) -> Non
     assert figure.axes[0].get_xlim() == figure.axes[1].get_xlim()[::-1]  # outward on either side
     given = pb.analyze("paper", overrides={"tactile.zones": ZONES})
     assert "assumed" not in " ".join(rows(figure7(given.scene.tactile, given.problem.spec)))
+
+
+@pytest.mark.parametrize("keys", [{}, {"palm.heel_m": 0.0, "palm.nose_m": 1e-4}])
+def test_squeezes_of_the_lifting_figure_are_those_of_the_table(keys: dict[str, float]) -> None:
+    analysis = pb.analyze("lift", overrides=keys)
+    assert analysis.lifting is not None
+    titles = [axes.get_title(loc="left") for axes in lifting_forces(analysis).axes]
+    first, second = (title for title in titles if "gets under" in title)
+    assert f"H = {analysis.lifting.palms.left.squeeze_n:.2f} N" in first
+    assert f"H = {analysis.lifting.palms.right.second_n:.2f} N" in second

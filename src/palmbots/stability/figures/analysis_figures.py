@@ -104,7 +104,7 @@ def _of_regions(analysis: Analysis) -> _Figures:
 
 @writes(
     "analyze",
-    folder=Option("--figures", metavar="DIR"),
+    folder=Option("--out", metavar="DIR"),
     kind=Option("--format", metavar="NAME"),
 )
 def save_all(

@@ -18,7 +18,15 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.lifting import Lifting
-from palmbots.mechanics.lifting_forces import Climb, Plate, Point, Standing, docking, squeeze_of
+from palmbots.mechanics.lifting_forces import (
+    Climb,
+    Docking,
+    Plate,
+    Point,
+    Standing,
+    docking,
+    raised_by,
+)
 from palmbots.stability.analysis import Analysis
 from palmbots.viz.style import BACKGROUND, DROP, FLOOR, HUE, INK, OBJECT, QUIET, axis_label, styled
 
@@ -75,7 +83,7 @@ def _states(found: Lifting) -> Iterator[_State]:
     if found.picks_up:
         second = 1 - first
         yield _first(body, steep, first)
-        yield _second(body, steep, second, docks[second].needs_heel)
+        yield _second(body, steep, second, docks[second])
     if found.puts_down:
         yield _leaving(body, steep, 1, found.floor_friction)
 
@@ -83,7 +91,10 @@ def _states(found: Lifting) -> Iterator[_State]:
 def _first(body: Standing, plates: tuple[Plate, Plate], side: int) -> _State:
     plate, other = plates[side], 1 - side
     lean = plate.nose_lean(body.radii[side])
-    climb = body.climb(side, lean, lean + plate.friction, body.touching(other, 0.0))
+    leans = 0.0, plates[other].nose_lean(body.radii[other])  # floor or nose below the other corner
+    feet = [(up, body.touching(other, up)) for up in leans]
+    climbs = [(body.climb(side, lean, lean + plate.friction, foot), up) for up, foot in feet]
+    climb, foot_lean = max(climbs, key=lambda one: one[0].squeeze)
     pivots = tuple(_at_nose(body, plates[k], k) for k in (0, 1))
     name = SIDES[side]
     return _State(
@@ -92,31 +103,28 @@ def _first(body: Standing, plates: tuple[Plate, Plate], side: int) -> _State:
         side,
         (pivots[0], pivots[1]),
         (plates[0].angle, plates[1].angle),
-        _forces(body, climb, side, lean, 0.0, QUIET),
+        _forces(body, climb, side, lean, foot_lean, QUIET),
         _note(climb, f"grey: of the floor and the {SIDES[other]} robot together"),
         not math.isfinite(climb.squeeze),
         body.touching(side, lean),
     )
 
 
-def _second(body: Standing, plates: tuple[Plate, Plate], side: int, at_heel: bool) -> _State:
-    other = 1 - side
+def _second(body: Standing, plates: tuple[Plate, Plate], side: int, dock: Docking) -> _State:
+    other, state = 1 - side, dock.second
     plate, r = plates[other], body.radii[other]
-    surface = plate.heel_lean(r) if at_heel else plate.angle
-    p = plate.at_heel(r) if at_heel else -plate.half
-    heights = list(body.heights)
-    heights[other] = plate.centre_height(p, r)
-    raised = replace(body, heights=(heights[0], heights[1]))
-    lean = plates[side].nose_lean(body.radii[side])
-    climb = raised.climb(
-        side, lean, lean + plates[side].friction, raised.touching(other, plate.angle)
-    )
+    raised = raised_by(body, plate, other, dock.needs_heel) or body
+    at_heel = plate.at_heel(r, raised.side_lean(other, plate))
+    lean = dock.lean - (abs(raised.tilt) if state is dock.rolled else 0.0)
+    direction = lean + plates[side].friction
+    load = state.squeeze / math.tan(direction) if direction > 0 else 0.5 * body.weight
+    push = state.squeeze - (1, -1)[side] * body.slope * body.weight
+    climb = Climb(load, state.squeeze, body.weight - load, push)
     pivots: list[Point] = [(0.0, 0.0), (0.0, 0.0)]
     pivots[side] = _at_nose(raised, plates[side], side)
-    pivots[other] = _under(raised, plate, other, p)
-    where = "at the heel" if at_heel else "on its palm"
-    most = squeeze_of(climb.other_load, surface + plate.friction)
-    holds = "any squeeze" if math.isinf(most) else f"up to {most:.1f} N"
+    pivots[other] = _under(raised, plate, other, at_heel if dock.needs_heel else -plate.half)
+    where = "at the heel" if dock.needs_heel else "on its palm"
+    holds = "any squeeze" if math.isinf(state.held) else f"up to {state.held:.2f} N"
     return _State(
         f"the {SIDES[side]} nose gets under second, the other corner is {where}",
         raised,
@@ -125,7 +133,7 @@ def _second(body: Standing, plates: tuple[Plate, Plate], side: int, at_heel: boo
         (plates[0].angle, plates[1].angle),
         _forces(raised, climb, side, lean, plate.angle, HUE[SIDES[other]]),
         _note(climb, f"the {SIDES[other]} palm holds {holds}"),
-        climb.squeeze > most,
+        not state.works,
         raised.touching(side, lean),
     )
 
@@ -160,7 +168,7 @@ def _note(climb: Climb, more: str) -> str:
     if not math.isfinite(climb.squeeze):
         return f"no squeeze suffices; {more}"
     way = "inward" if climb.squeeze >= 0 else "outward"
-    return f"V = {climb.load:.1f} N, H = {abs(climb.squeeze):.1f} N {way}; {more}"
+    return f"V = {climb.load:.2f} N, H = {abs(climb.squeeze):.2f} N {way}; {more}"
 
 
 def _forces(
