@@ -101,6 +101,7 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
         speeds = _reached(wanted, carry, side)
         commanded = np.concatenate([[0.0], np.cumsum(speeds[:-1] * np.diff(times))])
         drives = ((wanted != 0) | (speeds != 0)) & np.isfinite(moved)
+        drives[-1] = False  # the end of a carry lies within a tick
         edges = np.flatnonzero(np.diff(np.concatenate([[False], drives, [False]])))
         for first, after in edges.reshape(-1, 2):
             rows = np.arange(first, after)

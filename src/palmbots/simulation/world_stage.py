@@ -75,6 +75,8 @@ class PerfectStage:
 
     def __init__(self, scene: Scene, world: str, seed: int) -> None:
         self._carry = begin_episode(load_scene(scene, _ENDLESS), world, seed)
+        self._forward = 1.0 if scene.task.direction == "forward" else -1.0
+        self._start_m = self._carry.sight().separation
         self.midpoint = 0.0
         self.contacts: tuple[float, float] = (0.0, 0.0)
 
@@ -92,9 +94,13 @@ class PerfectStage:
         return []
 
     def frames(self) -> tuple[Any, Any]:
-        """Sign, whether the palm is turned, and the distance."""
-        seen = self._carry.seen()
-        left, right = ([sign, turned, abs(self.midpoint)] for sign, turned, *_ in seen)
+        """Sign, whether the palm is turned, and the distance that the robot itself has moved."""
+        apart = 0.5 * (self._carry.sight().separation - self._start_m)
+        moved = self.midpoint - apart, self.midpoint + apart
+        left, right = (
+            [sign, turned, self._forward * x]
+            for (sign, turned, *_), x in zip(self._carry.seen(), moved, strict=True)
+        )
         return left, right
 
     def command_in(self, frame: Any) -> tuple[int, int, bool]:

@@ -43,6 +43,11 @@ class LoggedCarry:
         return str(self.run), name, start, time, f"{self.covered:.0%}", self.end
 
 
+def travel_ticks(log: RunLog) -> int:
+    """How many ticks a robot without encoders takes to cover the distance; 0: it has encoders."""
+    return int(log.facts["settings"]["travel"])
+
+
 def logged_carries(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> tuple[LoggedCarry, ...]:
     """Every carry of every robot, in the order of time in each run.
 
@@ -78,16 +83,21 @@ class _Stop:
 def _of_robot(log: RunLog, fit: ClockFit, orders: Sequence[_Stop]) -> Iterator[LoggedCarry]:
     first: tuple[float, Any] | None = None
     last: tuple[float, Any] | None = None
+    carried, travelled = 0, False  # ticks in mode carrying; whether the last one was in it
 
     def carry(end: str) -> LoggedCarry:
         assert first is not None
         assert last is not None
         start_s, duration_s = fit.to_first(first[0]), last[0] - first[0]
         covered = last[1].progress / WHOLE
+        if travel := travel_ticks(log):
+            covered = min(1.0, carried / travel)
         return LoggedCarry(log.end, str(log.path), fit.run, start_s, duration_s, covered, end)
 
     for now, tick in log.messages["ticks"]:
         if tick.mode in _MODES:
+            carried = carried + tick.elapsed * travelled if first else 0
+            travelled = tick.mode == "carrying"
             first, last = first or (now, tick), (now, tick)
         elif first is not None:
             begin_s, end_s = fit.to_first(first[0]), fit.to_first(now) + fit.uncertainty_s

@@ -28,7 +28,7 @@ from palmbots.simulation.result import Carry, Correction, Message
 from palmbots.simulation.trace import trace_dataset
 from palmbots.station.correction_watch import CorrectionWatch, SeenCorrection
 from palmbots.views.log_alignment import ClockFit, traffic
-from palmbots.views.logged_carries import WHOLE
+from palmbots.views.logged_carries import WHOLE, travel_ticks
 from palmbots.views.run_replay import RunReplay
 
 _ENDS = (*SIDES, "station")
@@ -95,7 +95,8 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
     count = max(1, round((end_s - start_s) / scene.control.period_s)) + 1
     times = np.arange(count) * scene.control.period_s
     rows: dict[Side, list[Any]] = {side: _rows(ticks[side], times + start_s) for side in SIDES}
-    trace = _trace(scene, times, rows)
+    is_measured = not any(travel_ticks(log) for log in logs if log.end in SIDES)
+    trace = _trace(scene, times, rows, is_measured)
     for side in SIDES:  # where the log of a robot has a gap, nobody knows where the robot was
         instants = np.array([now for now, _ in ticks[side]])
         places = np.searchsorted(instants, times + start_s, side="right") - 1
@@ -227,7 +228,9 @@ def _rows(ticks: list[tuple[float, Any]], times: Any) -> list[Any]:
     return [ticks[k][1] for k in places]
 
 
-def _trace(scene: Scene, times: Any, rows: dict[Side, list[Any]]) -> Any:
+def _trace(scene: Scene, times: Any, rows: dict[Side, list[Any]], is_measured: bool) -> Any:
+    """Without encoders the midpoint is where the commands would have moved it, and nobody knows the
+    separation."""
     spec = to_spec(scene)
     drives = {side: drive_table(scene, side) for side in SIDES}
 
@@ -237,20 +240,27 @@ def _trace(scene: Scene, times: Any, rows: dict[Side, list[Any]]) -> Any:
     def drive(side: Side, row: Any) -> Any:
         return drives[side][row.palm, row.move, row.rests, row.wheels]
 
-    progress = by_side(lambda _, row: row.progress / WHOLE)
-    covered = scene.task.distance_m * (progress - progress[0])
     forward = 1.0 if scene.task.direction == "forward" else -1.0
-    speed = forward * by_side(lambda side, row: drive(side, row).speed_m_s)
+    commanded = forward * by_side(lambda side, row: drive(side, row).speed_m_s)
     unknown = np.full((len(times), 2), math.nan)
+    period_s = scene.control.period_s
+    separation = np.full(len(times), math.nan)
+    speed = commanded
+    moved = np.concatenate([np.zeros((1, 2)), period_s * np.cumsum(commanded[:-1], axis=0)])
+    if is_measured:
+        progress = by_side(lambda _, row: row.progress / WHOLE)
+        moved = forward * scene.task.distance_m * (progress - progress[0])
+        speed = np.diff(moved, axis=0, append=moved[-1:]) / period_s
+        separation = spec.com_left + spec.com_right + moved[:, 1] - moved[:, 0]
     columns = {
         "time_s": times,
         "contact_m": unknown,
         "vertex_height_m": np.zeros_like(unknown),
         "palm_rad": by_side(lambda side, row: drive(side, row).palm_rad),
         "speed_m_s": speed,
-        "commanded_m_s": speed,
-        "separation_m": spec.com_left + spec.com_right + forward * (covered[:, 1] - covered[:, 0]),
-        "midpoint_m": forward * covered.mean(axis=1),
+        "commanded_m_s": commanded,
+        "separation_m": separation,
+        "midpoint_m": moved.mean(axis=1),
         "object_rad": np.zeros(len(times)),
         "sign": by_side(lambda _, row: row.sign).astype(np.int64),
         "case": by_side(lambda _, row: row.case if row.wheels else " ").astype("S1"),

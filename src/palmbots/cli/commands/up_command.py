@@ -8,12 +8,17 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
 from palmbots.cli._run import controller_of, load
 from palmbots.cli._streams import say
 from palmbots.errors import PalmbotsError
+
+if TYPE_CHECKING:
+    from palmbots.links.impairment import Impairment
+    from palmbots.scene.scene import Scene
 
 _WAIT = ("--wait-s", "60")  # the station is a process that starts at the same time
 _SCREEN = ("--attach", *_WAIT)
@@ -53,7 +58,7 @@ def up(
     Exit status 1: the object was not delivered.
 
     Args:
-        link: simulate a bad radio: "loss=0.2 delay_ms=50 jitter_ms=30".
+        link: another radio than that of the scene: "loss=0.2 delay_ms=50 jitter_ms=30".
         log: folder for the logs; None: a new one.
         live: serve a live 3-D view for Foxglove at this HOST:PORT.
     """
@@ -104,7 +109,7 @@ def up(
             controller,
             options,
             rate=rate,
-            impairment=Impairment.parse(link),
+            impairment=Impairment.parse(link) if link else _radio_of(chosen),
             screen=None if as_json else _SCREEN if has_screen else _PLAIN,
             output=output,
             log_folder=logs,
@@ -114,6 +119,19 @@ def up(
     if logs and not as_json:
         print(f"logs: {logs}")
     return status
+
+
+def _radio_of(scene: "Scene") -> "Impairment":
+    """What happens to packets between processes, as the scene's radio has it."""
+    from palmbots.links.impairment import Impairment
+
+    radio = scene.radio
+    return Impairment(
+        loss=radio.loss,
+        delay_ms=1e3 * (radio.latency_s + 0.5 * radio.jitter_s),
+        jitter_ms=1e3 * 0.5 * radio.jitter_s,
+        duplicate=radio.duplicate,
+    )
 
 
 def _log_folder(log: Path | None, scene: str) -> str:
