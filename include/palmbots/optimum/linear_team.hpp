@@ -20,7 +20,7 @@ namespace palmbots {
 struct LinearFeedback {
   bool exact = false;
   bool may_stop = false;
-  double time_s = 0.4;  // T_c: the sum of the contacts is to vanish in this time [s]
+  double time_s = 0.4;        // T_c: the sum of the contacts is to vanish in this time [s]
   PerSide<double> targets{};  // where the contacts are to be: p [m]
 };
 
