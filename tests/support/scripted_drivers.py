@@ -67,3 +67,45 @@ class WithWatchdog(Noted):
     """One whose hardware stops by itself."""
 
     has_watchdog = True
+
+
+class Toy(HardwareDriver):
+    """One whose hardware stops by itself, and which fails as its options say: `fails` is the
+    method, `after` how many calls go well before, `times` how often the driver is opened and fails.
+    Only the first time, calls go well before."""
+
+    has_watchdog = True
+    opened = 0
+
+    def __init__(self, settings: DriverSettings) -> None:
+        super().__init__(settings)
+        self._calls = {"read_raw": 0, "write_raw": 0}
+        self.commands: list[RawCommand] = []
+        type(self).opened += 1
+        self._number = type(self).opened
+
+    def _fail(self, method: str) -> None:
+        options = self.settings.options
+        self._calls[method] += 1
+        well = options.get("after", 0) if self._number == 1 else 0
+        fails = options.get("fails") == method and self._number <= options.get("times", 1)
+        if fails and self._calls[method] > well:
+            raise OSError(5, "Input/output error")  # the line that the tests look for
+
+    def read_raw(self) -> RawReading | None:
+        self._fail("read_raw")
+        if "returns" in self.settings.options:
+            return self.settings.options["returns"]
+        time.sleep(self.settings.options.get("waits_s", 0.0))
+        switches = len(self.settings.hardware.switches)
+        return RawReading((0.0, 0.0), (False,) * switches, None, None)
+
+    def write_raw(self, command: RawCommand) -> None:
+        self._fail("write_raw")
+        self.commands.append(command)
+
+
+class GuardedToy(Toy):
+    """The same in a guard process."""
+
+    has_watchdog = False

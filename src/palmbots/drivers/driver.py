@@ -11,6 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from palmbots._types import Side
 from palmbots.drivers.hardware import HardwareParameters
+from palmbots.errors import PalmbotsError
 from palmbots.links.link import to_stderr
 
 WATCHDOG_SHARE = 0.9
@@ -153,6 +154,15 @@ class DriverSettings:
     """The table of this kind of driver in the ``pair.toml``, where there is one."""
     on_line: Callable[[str], None] = to_stderr
     """Called with a line for the operator, such as that the hardware is lost, or back."""
+
+
+class DriverFailed(PalmbotsError):
+    """A driver of another distribution has raised an exception."""
+
+    def __init__(self, kind: str, why: str) -> None:
+        super().__init__(f"driver.kind: {kind}: {why}")
+        self.why = why
+        """The exception, and the place in the driver."""
 
 
 DriverMaker = Callable[[DriverSettings], Driver]

@@ -8,6 +8,7 @@ function, that takes `DriverSettings` and returns a `Driver` (docs/guide/drivers
 from palmbots._util.named_registry import Registry
 from palmbots.drivers.driver import Driver, DriverMaker, DriverSettings
 from palmbots.drivers.guard import GuardedDriver
+from palmbots.drivers.own_driver import OwnDriver
 from palmbots.drivers.speed_limit import limited
 
 DRIVERS: Registry[DriverMaker] = Registry(
@@ -29,6 +30,8 @@ def open_driver(kind: str, settings: DriverSettings) -> Driver:
         PalmbotsError: there is no such kind, or its hardware cannot be used.
     """
     make = DRIVERS.get(kind)
-    if kind in DRIVERS or getattr(make, "has_watchdog", False):
+    if kind in DRIVERS:
         return limited(make(settings), settings)
+    if getattr(make, "has_watchdog", False):
+        return limited(OwnDriver(kind, make, settings), settings)
     return limited(GuardedDriver(kind, settings), settings)

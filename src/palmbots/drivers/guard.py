@@ -21,6 +21,7 @@ from typing import Any
 
 from palmbots.drivers.driver import (
     Drive,
+    DriverFailed,
     DriverSettings,
     RawCommand,
     RawReading,
@@ -53,6 +54,8 @@ class GuardedDriver:
         self._silence_s = max(_SILENCE_S, 20 * settings.period_s)
         self._newest: tuple[Reading, RawReading | None] | None = None
         self._has_ended = self._works = False
+        self.loss = ""
+        """Why the driver was lost last; empty: it was not."""
         self._heard_s = 0.0
         self._lost_s: float | None = None
         self._start()
@@ -125,6 +128,8 @@ class GuardedDriver:
         try:
             while (frame := self._guard.poll()) is not None:
                 self._take(frame)
+        except DriverFailed as error:
+            self._lose(error.why)
         except PalmbotsError as error:
             self._lose(str(error))
 
@@ -138,7 +143,9 @@ class GuardedDriver:
             self._has_ended = True
             return
         name, content = frame
-        if name != "reading":
+        if name == "failed":
+            raise DriverFailed(self._kind, content)
+        if name == "refused":
             raise PalmbotsError(content)
         shape, raw, works = content
         sign, at_target, distance_m, battery_v, has_contact = shape
@@ -156,7 +163,7 @@ class GuardedDriver:
     def _lose(self, why: str) -> None:
         if self._works:
             self._settings.on_line(f"driver.kind: {self._kind} is lost: {why}")
-        self._works = False
+        self._works, self.loss = False, why
         self._lost_s = time.monotonic()
         self._guard.close()  # a guard that still runs stops the wheels, and ends
 

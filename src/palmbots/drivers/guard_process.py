@@ -27,6 +27,7 @@ from palmbots.drivers.driver import (
     works,
 )
 from palmbots.drivers.driver_registry import DRIVERS
+from palmbots.drivers.own_driver import checked, failure
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import Connection, ConnectionLost
 
@@ -39,20 +40,19 @@ def main() -> None:
     stream = socket.socket(fileno=int(sys.argv[1]))
     program = Connection(stream, "robot")
     with contextlib.closing(program):
+        make: Any = None
         try:
-            driver = DRIVERS.get(kind)(settings)
-        except PalmbotsError as error:
-            _report(program, "failed", str(error))
-            return
+            make = DRIVERS.get(kind)
+            driver = make(settings)
         except Exception as error:  # whatever a driver of somebody else does
-            _report(program, "failed", f"driver.kind: {kind}: {_text(error)}")
+            _report_failure(program, make, error)
             return
         try:
             _Guard(driver, settings, program, stream).run()
         except ConnectionLost:
             pass
         except Exception as error:
-            _report(program, "failed", f"driver.kind: {kind}: {_text(error)}")
+            _report_failure(program, make, error)
         finally:
             with contextlib.suppress(Exception):
                 driver.stop()
@@ -60,13 +60,10 @@ def main() -> None:
                 driver.close()
 
 
-def _report(program: Connection, name: str, content: Any) -> None:
+def _report_failure(program: Connection, make: Any, error: Exception) -> None:
+    name = "refused" if isinstance(error, PalmbotsError) else "failed"
     with contextlib.suppress(ConnectionLost):
-        program.send([name, content])
-
-
-def _text(error: Exception) -> str:
-    return str(error) if isinstance(error, PalmbotsError) else f"{type(error).__name__}: {error}"
+        program.send([name, failure(make, error)])
 
 
 class _Guard:
@@ -117,7 +114,7 @@ class _Guard:
 
     def _send_reading(self) -> bool:
         """Send a reading; false: the hardware has ended the carry."""
-        seen = self._driver.read()
+        seen = checked(self._driver.read())
         if seen is None:
             self._program.send("end")
             return False

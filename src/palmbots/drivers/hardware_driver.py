@@ -42,10 +42,14 @@ class HardwareDriver(ABC):
 
         Raises:
             PalmbotsError: ``[hardware]`` does not fit the switches or the encoders of the driver.
+            TypeError: `read_raw` of the subclass returns something else.
         """
         raw = self.read_raw()
         if raw is None:
             return None
+        if not isinstance(raw, RawReading):
+            kind = type(raw).__name__
+            raise TypeError(f"read_raw returns {kind}; allowed: a RawReading, or None")
         listed = len(self.settings.hardware.switches)
         if len(raw.closed) != listed:
             raise PalmbotsError(

@@ -33,6 +33,11 @@ class LimitedDriver:
         return works(self._driver)
 
     @property
+    def loss(self) -> str:
+        """Why the driver was lost last; empty: it was not, or does not say so."""
+        return getattr(self._driver, "loss", "")
+
+    @property
     def clock_rate(self) -> float:
         """How fast the clock of the robot's program runs; 1 except for simulated robots."""
         return getattr(self._driver, "clock_rate", 1.0)

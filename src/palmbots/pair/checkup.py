@@ -198,10 +198,21 @@ def check_driver(
     The wheels do not turn. The palm turns to both of its angles.
     """
     try:
-        first = driver.read()
+        return _checked_driver(driver, side, scene, hardware, wait, clock)
     except PalmbotsError as error:
         remedy = "check the power and the cable of the motor board, and [driver]"
         return [Check("driver", side, False, str(error), remedy)]
+
+
+def _checked_driver(
+    driver: Driver,
+    side: Side,
+    scene: Scene,
+    hardware: HardwareParameters,
+    wait: Callable[[], None],
+    clock: Callable[[], float],
+) -> list[Check]:
+    first = driver.read()
     if first is None:
         return [Check("driver", side, False, "has no hardware", "start its hardware")]
     palm = scene.palm_of(side)
@@ -221,7 +232,10 @@ def check_driver(
             newest = driver.read()
             if newest is None or not getattr(driver, "works", True):
                 remedy = "check the power and the cable of the motor board"
-                return [Check("driver", side, False, "ceases to answer", remedy)]
+                loss = getattr(driver, "loss", "")
+                if loss:
+                    remedy += ", and the driver"
+                return [Check("driver", side, False, loss or "ceases to answer", remedy)]
             seen = newest
             moved = moved or not seen.palm_at_target
             if seen.palm_at_target and clock() - begin > _NOTICED_S:

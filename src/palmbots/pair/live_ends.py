@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from palmbots._types import Side
 from palmbots._util.arguments import show
-from palmbots.drivers.driver import Driver, DriverSettings
+from palmbots.drivers.driver import Driver, DriverFailed, DriverSettings
 from palmbots.drivers.driver_registry import open_driver
 from palmbots.errors import PalmbotsError
 from palmbots.links.greeting import scene_number
@@ -27,7 +27,7 @@ def _named(pair: Pair) -> Iterator[None]:
     try:
         yield
     except PalmbotsError as error:
-        if not str(error).startswith(_TABLES):
+        if isinstance(error, DriverFailed) or not str(error).startswith(_TABLES):
             raise
         raise PalmbotsError(f"{pair.file}: {error}") from None
 

@@ -9,6 +9,7 @@ from os import PathLike
 
 from palmbots._types import Side
 from palmbots._util.command import Option, command
+from palmbots.drivers.driver import DriverFailed
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost
 from palmbots.pair.checkup import Check, check_driver, check_own_clock, checks_of_status
@@ -115,6 +116,10 @@ def _of_robot(pair: Pair, scene: Scene, side: Side, own: Check) -> Diagnosis:
     try:
         with opened_driver(pair, side, scene) as driver:
             checks += check_driver(driver, side, scene, pair.settings.hardware.of(side))
+    except DriverFailed as error:
+        checks.append(
+            Check("driver", side, False, error.why, "correct the driver, or its hardware")
+        )
     except ConnectionLost as error:
         remedy = "start the world, or the motor board"
         checks.append(Check("driver", side, False, str(error), remedy))

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A driver of somebody else that raises: the robot's program goes on, and names the place."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import scripted_drivers
+from pair_programs import new_pair
+from palmbots.drivers.driver import Drive, DriverFailed, DriverSettings, works
+from palmbots.drivers.driver_registry import DRIVERS, open_driver
+from palmbots.errors import PalmbotsError
+from palmbots.pair.checkup import Check
+from palmbots.robot import doctor
+from waiting import wait_until
+
+LINES: list[str] = []
+TURN = Drive(0, 0, False, True, 0.5, 0.05)
+LINE = 1 + next(
+    number
+    for number, text in enumerate(Path(scripted_drivers.__file__).read_text().splitlines())
+    if "the line that the tests look for" in text
+)
+WHY = f"OSError: [Errno 5] Input/output error at scripted_drivers.py:{LINE}"
+
+
+@pytest.fixture(autouse=True)
+def toy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The driver is installed, and no attempt to open it again waits."""
+    installed = DRIVERS._installed
+    monkeypatch.setattr(
+        DRIVERS,
+        "_installed",
+        lambda name, *rest: scripted_drivers.Toy if name == "toy" else installed(name, *rest),
+    )
+    monkeypatch.setattr("palmbots.drivers.own_driver._RETRY_S", 0.0)
+    monkeypatch.setattr(scripted_drivers.Toy, "opened", 0)
+    LINES.clear()
+
+
+def settings(**options: Any) -> DriverSettings:
+    made = DriverSettings("left", False, "", 0.01, 0.2, on_line=LINES.append)
+    return replace(made, options=options)
+
+
+@pytest.mark.parametrize("method", ["read_raw", "write_raw"])
+def test_an_exception_is_a_lost_driver_that_is_opened_again(method: str) -> None:
+    driver = open_driver("toy", settings(fails=method, after=3))
+    for _ in range(3):
+        driver.write(TURN)
+        driver.read()
+    driver.write(TURN)
+    assert driver.read() is not None  # the last reading; `works` denies it
+    assert not works(driver)
+    assert [f"driver.kind: toy is lost: {WHY}"] == LINES
+    driver.stop()  # nothing raises while it is lost
+    wait_until(lambda: (driver.read(), works(driver))[1])
+    assert LINES[1:] == ["driver.kind: toy is back"]
+    driver.close()
+
+
+def test_a_driver_that_stays_away_is_reported_once() -> None:
+    driver = open_driver("toy", settings(fails="read_raw", after=1, times=5))
+    driver.read()
+    wait_until(lambda: (driver.read(), works(driver))[1])
+    assert scripted_drivers.Toy.opened == 6
+    assert [f"driver.kind: toy is lost: {WHY}", "driver.kind: toy is back"] == LINES
+    driver.close()
+
+
+def test_an_exception_at_the_start_names_the_place() -> None:
+    with pytest.raises(DriverFailed) as failed:
+        open_driver("toy", settings(fails="read_raw"))
+    assert str(failed.value) == f"driver.kind: toy: {WHY}"
+
+
+def test_a_reading_of_another_type_is_refused() -> None:
+    with pytest.raises(PalmbotsError, match="read_raw returns dict; allowed: a RawReading, or No"):
+        open_driver("toy", settings(returns={"closed": ()}))
+
+
+def test_the_wheels_are_stopped_when_a_driver_is_lost() -> None:
+    driver = open_driver("toy", settings(fails="read_raw", after=1))
+    opened: Any = driver
+    board = opened._driver._driver
+    driver.write(TURN)
+    driver.read()
+    assert board.commands[-1].wheels_rad_s == (0.0, 0.0)
+    driver.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"fails": "read_raw"}, WHY),
+        ({"fails": "read_raw", "after": 9}, WHY),
+        ({"fails": "write_raw"}, WHY),
+        ({"returns": 7}, "TypeError: read_raw returns int; allowed: a RawReading, or None"),
+    ],
+)
+def test_the_doctor_names_the_exception_and_keeps_what_it_has_found(
+    options: dict[str, Any], why: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own_clock = Check("clock", "", True, "runs")
+    monkeypatch.setattr(doctor, "check_own_clock", lambda *_, **__: own_clock)
+    file = new_pair(tmp_path, driver__kind="toy", driver__options=options)
+    found = doctor.diagnose(file, side="left")
+    assert not found.well
+    assert found.checks[0] == own_clock
+    assert [f"{check.robot} {check.about}: {check.text}" for check in found.checks[1:]] == [
+        f"left driver: {why}"
+    ]
