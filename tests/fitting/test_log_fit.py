@@ -60,7 +60,7 @@ def test_carries_are_fitted(logs: list[Path], here: Run, tmp_path: Path) -> None
     assert {file.name for file in (tmp_path / "fitted").iterdir()} == written
     parts = [str(tmp_path / "fitted" / name) for name in ("robot.toml", "radio.toml")]
     with_both = [word for part in parts for word in ("--with", part)]
-    assert f"palmbots carry paper {' '.join(with_both)}\n" in result.stdout
+    assert f"palmbots carry SCENE {' '.join(with_both)}\n" in result.stdout
     assert here("carry", "paper", *with_both, "--seeds", "1").returncode in (0, 1)
     one_of_both = here("fit", "--radio", *map(str, logs), "--out", str(tmp_path / "radio"))
     assert one_of_both.returncode == 0

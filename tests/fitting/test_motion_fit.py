@@ -15,6 +15,8 @@ from scipy.stats import binom
 import palmbots as pb
 from commands import Run
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
+from palmbots.fitting.recorded_tables import read_recording
+from palmbots.fitting.straight_stretches import COMMANDS, POSITIONS, stretches_of
 from recordings import HIDDEN, LAG_S, recorded
 from stretches import coverage
 
@@ -147,3 +149,23 @@ def test_options_of_python(found: MotionFit, run: tuple[Path, Path]) -> None:
     assert found == pb.fit(run, motion=True)
     scene: Any = pb.load_scene("paper", found.keys)
     assert scene.robot.gain == found.keys["robot.gain"]
+
+
+def test_a_row_for_each_change_of_the_command_is_enough(
+    run: tuple[Path, Path], tmp_path: Path
+) -> None:
+    """A command holds until the next one."""
+    commands = np.loadtxt(run[0], delimiter=",", skiprows=1, ndmin=2)
+    changes = np.flatnonzero(np.diff(commands[:, 1])) + 1
+    rows = commands[np.concatenate([[0], changes, [len(commands) - 1]])]
+    sparse = tmp_path / "changes.csv"
+    np.savetxt(sparse, rows, delimiter=",", header="time_s,speed_m_s", comments="")
+    (one, _), (other, _) = (
+        stretches_of(read_recording(file, COMMANDS, 2, least_rows=2, most_apart_s=600),
+                     read_recording(run[1], POSITIONS, 2), 0.0, 0)
+        for file in (run[0], sparse)
+    )  # fmt: skip
+    assert len(one) == len(other) > 5
+    for a, b in zip(one, other, strict=True):
+        assert np.array_equal(a.positions_m, b.positions_m)
+    assert len(fit_motion([sparse, run[1]]).estimates) > 5

@@ -90,4 +90,4 @@ def write_fit(
         files.append(folder(Path(path)) / f"{name}.png")
         part.save_figure(files[-1])
     options = " ".join(f"--with {shlex.quote(str(file))}" for file in files[::2])
-    return [*files, Line(f"carry with it: palmbots carry paper {options}", is_whole=True)]
+    return [*files, Line(f"carry with it: palmbots carry SCENE {options}", is_whole=True)]

@@ -39,6 +39,7 @@ from palmbots.fitting.straight_stretches import (
 Floats = NDArray[np.float64]
 
 LEAST_FOR_GAIN = 5
+_MOST_APART_S = 600.0  # commands may have a row for each change
 _READING = 0.2  # of the time
 _GAINS = (0.5, 2.0)  # limits of the scene key
 _NOT_FITTED = (
@@ -143,7 +144,7 @@ def fit_motion(
     report = on_progress or (lambda fraction: None)
     for run, (one, other) in enumerate(zip(files[::2], files[1::2], strict=True)):
         report(_READING * 2 * run / len(files))
-        commands = read_recording(one, COMMANDS, 2)
+        commands = read_recording(one, COMMANDS, 2, least_rows=2, most_apart_s=_MOST_APART_S)
         positions = read_recording(other, POSITIONS, 2)
         check_units(commands, positions)
         alignments.append(align(commands, positions))

@@ -59,6 +59,7 @@ def read_recording(
     *,
     instead: str = "",
     least_rows: int = 100,
+    most_apart_s: float = 2.0,
 ) -> Recording:
     """Read a file of numbers.
 
@@ -68,6 +69,7 @@ def read_recording(
         needed: how many of them, from the first on, must be there.
         instead: a column that suffices alone.
         least_rows: fewest rows.
+        most_apart_s: largest usual time between rows; a larger one is taken for another unit.
 
     Raises:
         PalmbotsError: it cannot be read, or is no such recording.
@@ -98,7 +100,7 @@ def read_recording(
     table = _table(name, lines, names, needed, expected)
     found = {key: table[:, names.index(key)] for key in columns if key in names[: table.shape[1]]}
     if "time_s" in found:
-        _check_times(name, found["time_s"], [number for number, _ in lines])
+        _check_times(name, found["time_s"], [number for number, _ in lines], most_apart_s)
     return Recording(name, hashlib.sha256(data).hexdigest(), found)
 
 
@@ -181,7 +183,7 @@ def _rows(name: str, lines: list[tuple[int, str]], width: int, expected: str) ->
     return rows
 
 
-def _check_times(name: str, times_s: Floats, numbers: list[int]) -> None:
+def _check_times(name: str, times_s: Floats, numbers: list[int], most_apart_s: float) -> None:
     steps = np.diff(times_s)
     back = np.flatnonzero(steps < 0)
     if back.size:
@@ -191,8 +193,8 @@ def _check_times(name: str, times_s: Floats, numbers: list[int]) -> None:
             "of the row above; expected times in s that do not decrease"
         )
     usual = float(np.median(steps))
-    if not 1e-5 < usual < 2:
+    if not 1e-5 < usual < most_apart_s:
         raise PalmbotsError(
-            f"{name}: the rows are {usual:.4g} s apart; expected times in s, of 0.5 to 100000 rows "
-            "a second"
+            f"{name}: the rows are {usual:.4g} s apart; expected times in s, with 1e-05 to "
+            f"{most_apart_s:g} s between rows"
         )

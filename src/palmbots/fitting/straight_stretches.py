@@ -49,6 +49,7 @@ _LAGS_S = 0.02  # between the lags that are tried
 _FINE_S = 0.01  # a part of both
 _FARTHEST_S = 2.0
 _LEAST_CORRELATION = 0.3
+_LONGER = 100.0  # commands that last longer by this factor have times in another unit
 _SCALE = 10.0  # a ratio of speeds beyond this is another unit
 _JUMP_M = 0.02  # beyond what a robot can travel: the position was lost
 
@@ -82,6 +83,12 @@ def check_units(commands: Recording, positions: Recording) -> None:
         )
     if not any(np.ptp(positions[key]) > 0 for key in ("x_m", "y_m") if key in positions):
         raise PalmbotsError(f"{positions.name}: the position is constant; expected a moving robot")
+    long, short = (float(np.ptp(one.times_s)) for one in (commands, positions))
+    if long > _LONGER * short:
+        raise PalmbotsError(
+            f"{commands.name}: lasts {long:.4g} s, and {positions.name} {short:.4g} s; expected "
+            "times in s in both"
+        )
     first = max(commands.times_s[0], positions.times_s[0])
     last = min(commands.times_s[-1], positions.times_s[-1])
     if last - first < 2 * _FARTHEST_S + 10:

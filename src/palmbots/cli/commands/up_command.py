@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
-from palmbots.cli._run import controller_of, load
+from palmbots.cli._run import controller_of, interruption_line, load
 from palmbots.cli._streams import say
 from palmbots.errors import PalmbotsError
 
@@ -103,7 +103,10 @@ def up(
         require("foxglove", "station")
         place_of(live, "--live")
     logs = "" if no_log else _log_folder(log, scene)
-    with _output(has_screen) as (output, on_line):
+    end = "palmbots: interrupted; world, robots and station have ended"
+    if logs:
+        end += f", their logs are in {logs}"
+    with interruption_line(end), _output(has_screen) as (output, on_line):
         status = run_live(
             chosen,
             controller,
