@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import scripted_drivers
+from distributions import installed
 from pair_programs import new_pair
 from palmbots.drivers.driver import Drive, DriverFailed, DriverSettings, works
 from palmbots.drivers.driver_registry import DRIVERS, open_driver
@@ -112,3 +113,33 @@ def test_the_doctor_names_the_exception_and_keeps_what_it_has_found(
     assert [f"{check.robot} {check.about}: {check.text}" for check in found.checks[1:]] == [
         f"left driver: {why}"
     ]
+
+
+@pytest.mark.parametrize("kind", ["toy", "guarded"])
+def test_the_doctor_times_a_driver_in_and_outside_a_guard(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "check_own_clock", lambda *_, **__: Check("clock", "", True, ""))
+    environment = installed(
+        tmp_path / "site", "palmbots.drivers", guarded="scripted_drivers:GuardedToy"
+    )
+    monkeypatch.setenv("PYTHONPATH", environment["PYTHONPATH"])
+    monkeypatch.syspath_prepend(tmp_path / "site")
+    options = {"waits_s": 0.05}
+    file = new_pair(tmp_path, driver__kind=kind, driver__options=options)
+    found = doctor.diagnose(file, side="left").checks
+    (driver,) = [check for check in found if check.about == "driver"]
+    assert not driver.is_well
+    assert "a read takes " in driver.text
+    assert "allowed: 5 ms together" in driver.text
+
+
+def test_the_doctor_names_cable_device_and_baud_of_silent_hardware(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "check_own_clock", lambda *_, **__: Check("clock", "", True, ""))
+    monkeypatch.setattr(scripted_drivers.Toy, "read_raw", lambda self: None)
+    file = new_pair(tmp_path, driver__kind="toy", driver__left_address="/dev/ttyX")
+    found = doctor.diagnose(file, side="left").checks
+    assert found[1].text == "gives no reading (None)"
+    assert "power and cable, driver.address (/dev/ttyX) and driver.baud (115200)" in found[1].remedy

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from palmbots.drivers.driver import Drive, Reading
+from palmbots.drivers.driver import Drive, RawCommand, RawReading, Reading
 from palmbots.drivers.hardware import Hardware, HardwareParameters
 from palmbots.pair.checkup import (
     Check,
@@ -18,6 +18,7 @@ from palmbots.pair.checkup import (
     checks_of_status,
     clock_rate,
 )
+from palmbots.pair.diagnosis import Diagnosis
 from palmbots.pair.link_check import PERIOD_S, LinkFigures, measure
 from palmbots.station.simulated_pair import Air, SimulatedPair
 from palmbots.wire import Status
@@ -154,13 +155,17 @@ class StubDriver:
 
     works = True
 
-    def __init__(self, *, turns: int = 5, dies: bool = False, contact: bool = True) -> None:
+    def __init__(
+        self, *, turns: int = 5, dies: bool = False, contact: bool = True, read_s: float = 0.0
+    ) -> None:
+        self.read_s = read_s
         self.turns, self.dies, self.contact = turns, dies, contact
         self.palm, self.left, self.now = 0, 0, 0.0
         self.written: list[Drive] = []
         self.stopped = False
 
     def read(self) -> Reading | None:
+        self.now += self.read_s
         if self.dies and self.now > 0.2:
             return None
         return Reading(1, self.left <= 0, 0.0, 7.4, self.contact)
@@ -209,6 +214,11 @@ def test_a_servo_that_reports_no_angle_is_given_the_time_of_a_whole_turn() -> No
     [
         (StubDriver(turns=10_000), {}, "left palm: the palm does not reach its shallow angle"),
         (StubDriver(turns=0), {}, "left palm: the palm is always at its target: it does not "),
+        (
+            StubDriver(read_s=0.05),
+            {},
+            "left driver: answers; a read takes 50.0 ms and a write 0.0 ms (medians); allowed: ",
+        ),
         (StubDriver(dies=True), {}, "left driver: ceases to answer"),
         (StubDriver(contact=False), {}, "left contact: not sensed"),
         (StubDriver(), {"battery_low_v": 7.5}, "left battery: 7.40 V, less than 7.5 V"),
@@ -223,6 +233,38 @@ def test_what_is_wrong_with_a_driver(stub: StubDriver, hardware: dict[str, Any],
     lines = wrong(driver_checks(stub, **hardware))
     assert len(lines) == 1
     assert lines[0].startswith(line)
+
+
+def test_a_driver_that_takes_most_of_a_period_is_unsure() -> None:
+    for read_s, is_sure in ((0.004, True), (0.006, False)):
+        found = driver_checks(StubDriver(read_s=read_s))
+        assert wrong(found) == []
+        assert [check.is_sure for check in found if check.about == "driver"] == [is_sure]
+
+
+@pytest.mark.parametrize(("servo_rad", "is_sure"), [(None, False), (0.5, True)])
+def test_a_palm_without_a_reported_angle_is_not_checked(
+    servo_rad: float | None, is_sure: bool
+) -> None:
+    class Raw(StubDriver):
+        def read_raw(self) -> RawReading:
+            return RawReading(None, (), servo_rad)
+
+        def write_raw(self, command: RawCommand) -> None:
+            pass
+
+    (palm,) = [check for check in driver_checks(Raw()) if check.about == "palm"]
+    assert (palm.is_well, palm.is_sure) == (True, is_sure)
+    assert palm.text.startswith("not checked") is not is_sure
+    assert ("unsure left palm: not checked: the" in str(Diagnosis(True, (palm,)))) is not is_sure
+
+
+def test_a_driver_without_a_reading_is_wrong() -> None:
+    class Silent(StubDriver):
+        def read(self) -> None:
+            return None
+
+    assert wrong(driver_checks(Silent())) == ["left driver: gives no reading (None)"]
 
 
 def test_a_driver_that_cannot_be_read() -> None:

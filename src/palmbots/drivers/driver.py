@@ -156,6 +156,10 @@ class DriverSettings:
     """Called with a line for the operator, such as that the hardware is lost, or back."""
 
 
+class NoAnswer(PalmbotsError):
+    """The hardware stays silent."""
+
+
 class DriverFailed(PalmbotsError):
     """A driver of another distribution has raised an exception."""
 

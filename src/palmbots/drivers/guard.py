@@ -56,6 +56,8 @@ class GuardedDriver:
         self._has_ended = self._works = False
         self.loss = ""
         """Why the driver was lost last; empty: it was not."""
+        self.call_s = (0.0, 0.0)
+        """How long the driver last took for a read and for a write [s]."""
         self._heard_s = 0.0
         self._lost_s: float | None = None
         self._start()
@@ -147,7 +149,8 @@ class GuardedDriver:
             raise DriverFailed(self._kind, content)
         if name == "refused":
             raise PalmbotsError(content)
-        shape, raw, works = content
+        shape, raw, works, (read_s, write_s) = content
+        self.call_s = (read_s, write_s)
         sign, at_target, distance_m, battery_v, has_contact = shape
         distance_m = math.nan if distance_m is None else distance_m
         reading = Reading(sign, at_target, distance_m, battery_v, has_contact)

@@ -73,6 +73,7 @@ class _Guard:
         self._driver, self._program, self._stream = driver, program, stream
         self._period_s = settings.period_s
         self._limit_s = WATCHDOG_SHARE * settings.watchdog_s
+        self._write_s = 0.0  # how long the last command took
         self._stop_s = math.inf  # when the wheels have to stop if no command comes
 
     def run(self) -> None:
@@ -106,14 +107,17 @@ class _Guard:
             self._driver.stop()
             return
         self._stop_s = given_s + self._limit_s
+        begin_s = time.monotonic()
         if name == "drive":
             self._driver.write(Drive(*content))
         elif isinstance(self._driver, RawAccess):
             (left, right), servo_rad = content
             self._driver.write_raw(RawCommand((left, right), servo_rad))
+        self._write_s = time.monotonic() - begin_s
 
     def _send_reading(self) -> bool:
         """Send a reading; false: the hardware has ended the carry."""
+        begin_s = time.monotonic()
         seen = checked(self._driver.read())
         if seen is None:
             self._program.send("end")
@@ -123,7 +127,8 @@ class _Guard:
         raw = self._driver.read_raw() if isinstance(self._driver, RawAccess) else None
         if raw is not None:
             raw = [raw.wheel_counts, raw.closed, raw.servo_rad, raw.battery_v]
-        self._program.offer(["reading", [shape, raw, works(self._driver)]])
+        call_s = [time.monotonic() - begin_s, self._write_s]
+        self._program.offer(["reading", [shape, raw, works(self._driver), call_s]])
         return True
 
 

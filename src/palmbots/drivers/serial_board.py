@@ -7,7 +7,13 @@ The board stops the wheels when no command comes in time: each command states fo
 import math
 import time
 
-from palmbots.drivers.driver import WATCHDOG_SHARE, DriverSettings, RawCommand, RawReading
+from palmbots.drivers.driver import (
+    WATCHDOG_SHARE,
+    DriverSettings,
+    NoAnswer,
+    RawCommand,
+    RawReading,
+)
 from palmbots.drivers.hardware import oriented
 from palmbots.drivers.hardware_driver import HardwareDriver
 from palmbots.errors import PalmbotsError
@@ -68,7 +74,7 @@ class SerialDriver(HardwareDriver):
         while self._identity is None or self._newest is None:
             self._take()
             if time.monotonic() > give_up:
-                raise PalmbotsError(
+                raise NoAnswer(
                     f"driver.address: no motor board answers at {self.settings.address} "
                     f"within {_ANSWERS_WITHIN_S:g} s"
                 )

@@ -38,6 +38,11 @@ class LimitedDriver:
         return getattr(self._driver, "loss", "")
 
     @property
+    def call_s(self) -> tuple[float, float] | None:
+        """How long a guard process last took for a read and for a write; None: there is none."""
+        return getattr(self._driver, "call_s", None)
+
+    @property
     def clock_rate(self) -> float:
         """How fast the clock of the robot's program runs; 1 except for simulated robots."""
         return getattr(self._driver, "clock_rate", 1.0)

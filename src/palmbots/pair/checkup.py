@@ -4,8 +4,10 @@
 A `Check` is one line: what was found, and, if something is wrong, what to do.
 """
 
+import contextlib
 import hashlib
 import math
+import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +15,7 @@ from typing import Any
 
 from palmbots._types import SIDES, Side
 from palmbots.clocks.control_clock import JITTER_LIMITS_MS, ControlClock
-from palmbots.drivers.driver import Drive, Driver, Reading
+from palmbots.drivers.driver import Drive, Driver, RawAccess, Reading
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.errors import PalmbotsError
 from palmbots.pair.fault_words import FAULT_WORDS
@@ -28,6 +30,7 @@ _MOST_PPM = 1000.0  # a quartz is off by 100 at most; the system may correct by 
 _NOT_MEASURED = 0xFFFF
 _PALM_SLACK_S = 2.0
 _POLL_S = 0.01
+_WELL_SHARE = 0.5  # of a control period that a driver may take; the rest is for radio and log
 _NOTICED_S = 0.3  # within which a palm that has been commanded no longer counts as at its target
 
 
@@ -44,6 +47,8 @@ class Check:
     """What was found."""
     remedy: str = ""
     """What to do, if something is wrong."""
+    is_sure: bool = True
+    """False: nothing is known to be wrong, but not all could be checked; `text` says what."""
 
 
 def checks_of_status(
@@ -192,13 +197,24 @@ def check_driver(
     hardware: HardwareParameters,
     wait: Callable[[], None] = lambda: time.sleep(_POLL_S),
     clock: Callable[[], float] = time.monotonic,
+    silent: str = "start its hardware",
 ) -> list[Check]:
-    """Look at the hardware of a robot: does it answer, does the palm move, is a contact sensed?
+    """Look at the hardware of a robot: does it answer in time, does the palm move, is a contact
+    sensed?
 
     The wheels do not turn. The palm turns to both of its angles.
+
+    Args:
+        driver: of the robot.
+        side: of the robot.
+        scene: of the pair.
+        hardware: of the robot.
+        wait: waits between two commands.
+        clock: the time [s].
+        silent: what to do if the hardware has no reading.
     """
     try:
-        return _checked_driver(driver, side, scene, hardware, wait, clock)
+        return _checked_driver(driver, side, scene, hardware, wait, clock, silent)
     except PalmbotsError as error:
         remedy = "check the power and the cable of the motor board, and [driver]"
         return [Check("driver", side, False, str(error), remedy)]
@@ -211,10 +227,11 @@ def _checked_driver(
     hardware: HardwareParameters,
     wait: Callable[[], None],
     clock: Callable[[], float],
+    silent: str,
 ) -> list[Check]:
     first = driver.read()
     if first is None:
-        return [Check("driver", side, False, "has no hardware", "start its hardware")]
+        return [Check("driver", side, False, "gives no reading (None)", silent)]
     palm = scene.palm_of(side)
     angles = [math.radians(angle) for angle in (palm.steep_deg, palm.shallow_deg)]
     # A servo that does not report its angle may begin at any angle.
@@ -222,14 +239,20 @@ def _checked_driver(
     seen: Reading = first
     stuck = ""
     moved = False
+    calls_s: list[tuple[float, float]] = []  # of a read and a write
     for which in (0, 1, 0):
         drive = Drive(which, 0, True, False, angles[which], 0.0)
         begin = clock()
         give_up = begin + whole_turn_s + _PALM_SLACK_S
         while True:
+            start = clock()
             driver.write(drive)
+            write_s = clock() - start
             wait()
+            start = clock()
             newest = driver.read()
+            # A guard process takes the time, and the calls here only pass on.
+            calls_s.append(getattr(driver, "call_s", None) or (clock() - start, write_s))
             if newest is None or not getattr(driver, "works", True):
                 remedy = "check the power and the cable of the motor board"
                 loss = getattr(driver, "loss", "")
@@ -246,8 +269,11 @@ def _checked_driver(
         if stuck:
             break
     driver.stop()
-    checks = [Check("driver", side, True, "answers")]
-    if stuck:
+    checks = [_time_check(side, calls_s, scene.control.period_s)]
+    if _is_unmeasured(driver):
+        text = "not checked: the servo reports no angle; look whether it turns to both angles"
+        checks.append(Check("palm", side, True, text, is_sure=False))
+    elif stuck:
         text = f"the palm does not reach its {stuck} angle"
         checks.append(Check("palm", side, False, text, "free the palm, or calibrate the servo"))
     elif not moved:
@@ -270,3 +296,28 @@ def _checked_driver(
         remedy = "palmbots calibrate --only stopping, or lower robot.acceleration_m_s2"
         checks.append(Check("stopping", side, False, text, remedy))
     return checks
+
+
+def _time_check(side: Side, calls_s: Sequence[tuple[float, float]], period_s: float) -> Check:
+    """Whether a driver is fast enough: the control loop reads and writes in every tick."""
+    read_s, write_s = (statistics.median(times) for times in zip(*calls_s, strict=True))
+    text = (
+        f"answers; a read takes {1e3 * read_s:.1f} ms and a write {1e3 * write_s:.1f} ms (medians)"
+    )
+    if read_s + write_s <= _WELL_SHARE * period_s:
+        return Check("driver", side, True, text)
+    text += f"; allowed: {1e3 * _WELL_SHARE * period_s:g} ms together, half of control.period_s"
+    if read_s + write_s > period_s:
+        remedy = "let its methods return at once, or raise control.period_s of the scene"
+        return Check("driver", side, False, text, remedy)
+    return Check("driver", side, True, f"{text}: ticks may be missed", is_sure=False)
+
+
+def _is_unmeasured(driver: Driver) -> bool:
+    """The driver states that its servo reports no angle."""
+    if not isinstance(driver, RawAccess):
+        return False
+    with contextlib.suppress(PalmbotsError):  # a simulated robot without hardware
+        raw = driver.read_raw()
+        return raw is not None and raw.servo_rad is None
+    return False

@@ -52,9 +52,9 @@ class Diagnosis(Result):
                 yield Line(_SILENT, indent=2)
         for check in self.checks:
             name = f"{check.robot} {check.about}".strip()
-            mark = "ok   " if check.is_well else "WRONG"
+            mark = "WRONG" if not check.is_well else "ok" if check.is_sure else "unsure"
             remedy = f": {check.remedy}" if check.remedy else ""
-            yield Line(f"{mark}  {name}: {check.text}{remedy}", is_whole=True)
+            yield Line(f"{mark:6} {name}: {check.text}{remedy}", is_whole=True)
 
 
 def _row(side: Side, one: LinkFigures) -> tuple[str, ...]:

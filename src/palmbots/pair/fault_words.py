@@ -43,7 +43,9 @@ FAULT_WORDS: dict[FaultCode, FaultWords] = {
         "mode", "a carry took too long", "arm again, or raise limits.time_limit_s"
     ),
     "overrun": FaultWords(
-        "clock", "its control loop is too slow", "end other programs on its computer"
+        "clock",
+        "its control loop is too slow, or its driver waits",
+        "end other programs on its computer; palmbots doctor --side, on it, times the driver",
     ),
     "storage": FaultWords("storage", "it cannot store its state", "make room on its disk"),
     "settings": FaultWords(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from palmbots._types import Side
 from palmbots._util.arguments import show
-from palmbots.drivers.driver import Driver, DriverFailed, DriverSettings
+from palmbots.drivers.driver import Driver, DriverFailed, DriverSettings, NoAnswer
 from palmbots.drivers.driver_registry import open_driver
 from palmbots.errors import PalmbotsError
 from palmbots.links.greeting import scene_number
@@ -29,7 +29,8 @@ def _named(pair: Pair) -> Iterator[None]:
     except PalmbotsError as error:
         if isinstance(error, DriverFailed) or not str(error).startswith(_TABLES):
             raise
-        raise PalmbotsError(f"{pair.file}: {error}") from None
+        kind = NoAnswer if isinstance(error, NoAnswer) else PalmbotsError
+        raise kind(f"{pair.file}: {error}") from None
 
 
 def open_pair_link(pair: Pair, role: Role, on_line: Callable[[str], None] = to_stderr) -> Link:

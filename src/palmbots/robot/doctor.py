@@ -9,7 +9,7 @@ from os import PathLike
 
 from palmbots._types import Side
 from palmbots._util.command import Option, command
-from palmbots.drivers.driver import DriverFailed
+from palmbots.drivers.driver import DriverFailed, NoAnswer
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost
 from palmbots.pair.checkup import Check, check_driver, check_own_clock, checks_of_status
@@ -115,7 +115,12 @@ def _of_robot(pair: Pair, scene: Scene, side: Side, own: Check) -> Diagnosis:
     checks = [own]
     try:
         with opened_driver(pair, side, scene) as driver:
-            checks += check_driver(driver, side, scene, pair.settings.hardware.of(side))
+            hardware = pair.settings.hardware.of(side)
+            checks += check_driver(
+                driver, side, scene, hardware, silent=_silence_remedy(pair, side)
+            )
+    except NoAnswer as error:
+        checks.append(Check("driver", side, False, str(error), _silence_remedy(pair, side)))
     except DriverFailed as error:
         checks.append(
             Check("driver", side, False, error.why, "correct the driver, or its hardware")
@@ -124,3 +129,18 @@ def _of_robot(pair: Pair, scene: Scene, side: Side, own: Check) -> Diagnosis:
         remedy = "start the world, or the motor board"
         checks.append(Check("driver", side, False, str(error), remedy))
     return Diagnosis(all(check.is_well for check in checks), tuple(checks))
+
+
+def _silence_remedy(pair: Pair, side: Side) -> str:
+    """What to do about hardware that does not answer."""
+    table = pair.settings.driver
+    if table.kind == "simulated":
+        return "start the world"
+    address = table.address_of(side)
+    remedy = (
+        f"check power and cable, driver.address ({address or 'empty'}) and driver.baud "
+        f"({table.baud})"
+    )
+    if table.kind == "serial":
+        return remedy
+    return f"{remedy}; a driver that waits for its first answer must not return None"
