@@ -3,6 +3,8 @@
 
 import json
 import random
+import resource
+import signal
 import stat
 import zlib
 from importlib import resources
@@ -127,6 +129,22 @@ def test_an_image_without_settings_is_refused(image: Path, tmp_path: Path, here:
 
 
 @pytest.mark.slow
+def test_a_copy_that_fails_leaves_no_part(image: Path, tmp_path: Path) -> None:
+    """A limit on the size of files takes the place of a drive that is full."""
+    target = drive(tmp_path / "MICROBIT")
+    limit = image.stat().st_size // 2
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limits[1]))
+    try:
+        with pytest.raises(pb.PalmbotsError, match="too large; connect the board anew, and flash"):
+            flash(image, target)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, before)
+    assert not (target / image.name).exists()
+
+
 def test_no_damaged_image_is_flashed(image: Path, tmp_path: Path) -> None:
     """Lines that are missing, swapped or repeated, and settings forged with a right check."""
     target = drive(tmp_path / "MICROBIT")

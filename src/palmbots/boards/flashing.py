@@ -5,6 +5,7 @@ The interface chip of the board writes the image into the flash memory and resta
 reports a failure in a file FAIL.TXT on the drive.
 """
 
+import contextlib
 import hashlib
 import io
 import os
@@ -82,7 +83,13 @@ def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Pat
             stream.flush()
             os.fsync(stream.fileno())
     except OSError as error:
-        raise PalmbotsError(f"{copy}: cannot be written: {error.strerror or error}") from None
+        with contextlib.suppress(OSError):
+            copy.unlink()
+        # How much of it the board has taken is unknown, so the mark stays.
+        raise PalmbotsError(
+            f"{copy}: cannot be written: {error.strerror or error}; connect the board anew, and "
+            "flash the image with --again"
+        ) from None
     failure = target / "FAIL.TXT"
     if failure.exists():
         reason = " ".join(failure.read_text("utf-8", "replace").split())
