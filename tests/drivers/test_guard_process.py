@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 from palmbots.drivers import guard_process
-from palmbots.drivers.driver import Drive, DriverSettings, Reading
+from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReading, Reading
+from palmbots.drivers.hardware_driver import HardwareDriver
 from palmbots.links.local_connection import ConnectionLost
 
 W_S = 0.2
@@ -65,8 +66,24 @@ class Noted:
         pass
 
 
+class Hardware(HardwareDriver):
+    """Counts how often it is read."""
+
+    reads = 0
+
+    def read_raw(self) -> RawReading:
+        self.reads += 1
+        return RawReading((0.0, self.reads), (False, False, False))
+
+    def write_raw(self, command: RawCommand) -> None:
+        pass
+
+
 def run(
-    monkeypatch: pytest.MonkeyPatch, frames: list[tuple[float, Any]], seconds: float
+    monkeypatch: pytest.MonkeyPatch,
+    frames: list[tuple[float, Any]],
+    seconds: float,
+    hardware: HardwareDriver | None = None,
 ) -> tuple[list[tuple[str, float]], Program]:
     clock = Clock()
     monkeypatch.setattr(guard_process.time, "monotonic", clock.monotonic)
@@ -77,7 +94,7 @@ def run(
     settings = DriverSettings(
         side="left", leads=False, address="", period_s=0.01, watchdog_s=W_S
     )  # fmt: skip
-    parts: Any = (driver, settings, program, object())
+    parts: Any = (hardware or driver, settings, program, object())
     guard = guard_process._Guard(*parts)
     with pytest.raises(ConnectionLost):
         guard.run()
@@ -117,3 +134,10 @@ def test_a_reading_is_sent_in_every_period(monkeypatch: pytest.MonkeyPatch) -> N
     _, program = run(monkeypatch, [], 1.0)
     assert len(program.readings) == pytest.approx(100, abs=2)
     assert program.readings[0] == ["reading", [[0, True, 0.0, None, True], None, True, [0, 0]]]
+
+
+def test_hardware_is_read_once_for_a_reading(monkeypatch: pytest.MonkeyPatch) -> None:
+    hardware = Hardware(DriverSettings("left", False, "", 0.01, W_S))
+    _, program = run(monkeypatch, [], 1.0, hardware)
+    assert hardware.reads == len(program.readings)
+    assert [content[1][0][1] for _, content in program.readings] == [*range(1, hardware.reads + 1)]

@@ -316,5 +316,30 @@ def test_an_order_without_effect_names_the_order_that_is_needed_first(tmp_path: 
     assert any("within 5 s: the robot is disarmed; arm it first" in x for x in pair.lines)
     pair.wish("stop", "stopped")
     pair.station.wish("arm")
-    pair.run(600)
-    assert any("arm has no effect within 5 s: the robot is stopped" in x for x in pair.lines)
+    pair.run(50)
+    found = [line for line in pair.lines if "arm has no effect" in line]
+    assert len(found) == 2
+    assert "left: arm has no effect: the robot is stopped; release it first" in found[0]
+    pair.run(600)  # and once is enough
+    assert [line for line in pair.lines if "arm has no effect" in line] == found
+
+
+def test_an_order_right_after_a_release_is_not_called_void(tmp_path: Path) -> None:
+    """The statuses that show the release are still on their way."""
+    pair = SimulatedPair(tmp_path, "resilient", Air(delay_ms=20), UP)
+    pair.wish("stop", "stopped")
+    pair.station.wish("release")
+    pair.run(7)
+    pair.wish("arm", "armed")
+    assert not any("has no effect" in line for line in pair.lines)
+
+
+def test_a_fault_that_prevents_an_order_is_a_sentence(tmp_path: Path) -> None:
+    pair = SimulatedPair(tmp_path, "resilient", Air(), UP)
+    pair.run(20)
+    view = pair.station.robots["left"]
+    assert view.status is not None
+    view.status = replace(view.status, mode="fault", fault="overrun")
+    assert pair.station._obstacle("left").startswith(
+        "the robot has a fault (overrun: its control loop is too slow, or its driver waits; "
+    )

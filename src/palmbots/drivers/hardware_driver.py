@@ -22,6 +22,8 @@ class HardwareDriver(ABC):
 
     def __init__(self, settings: DriverSettings) -> None:
         self.settings = settings
+        self.newest_raw: RawReading | None = None
+        """Of the newest `read`."""
         self._io = HardwareIo(settings.hardware, leads=settings.leads)
 
     @abstractmethod
@@ -44,7 +46,7 @@ class HardwareDriver(ABC):
             PalmbotsError: ``[hardware]`` does not fit the switches or the encoders of the driver.
             TypeError: `read_raw` of the subclass returns something else.
         """
-        raw = self.read_raw()
+        raw = self.newest_raw = self.read_raw()
         if raw is None:
             return None
         if not isinstance(raw, RawReading):

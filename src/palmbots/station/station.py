@@ -31,6 +31,7 @@ UNDER_WAY: tuple[RobotMode, ...] = ("ready", "carrying", "holding")
 GONE_AFTER_S = 10.0
 _WISH_LASTS_S = 5.0
 _STOP_CONFIRMED_S = 1.0
+_MODE_KNOWN_S = 0.3  # after this time, statuses show what an earlier order has done
 _UNARMED: tuple[RobotMode, ...] = ("disarmed", "done", "fault")
 _STOPS: tuple[Operation, ...] = ("stop", "e_stop")
 # What is not done in time is not done later either, when nobody expects it any more.
@@ -261,13 +262,16 @@ class Station:
         return Hello(stop=stops) if is_over else Operate(wish, stop=stops)
 
     def _note_lapse(self) -> None:
-        if not self.has_lapsed():
+        if not self._is_older(_MODE_KNOWN_S):
             return
+        modes = self.modes()
         for side in SIDES:
-            if side not in self._fulfilled | self._lapsed:
-                self._lapsed.add(side)
-                why = self._obstacle(side)
-                self._say(f"{side}: {self._wish} has no effect within {_WISH_LASTS_S:g} s: {why}")
+            is_refused = modes.get(side) == "stopped" and self._wish != "release"
+            if side in self._fulfilled | self._lapsed or not (is_refused or self.has_lapsed()):
+                continue
+            self._lapsed.add(side)
+            within = "" if is_refused else f" within {_WISH_LASTS_S:g} s"
+            self._say(f"{side}: {self._wish} has no effect{within}: {self._obstacle(side)}")
 
     def _note_unconfirmed(self) -> None:
         """Name the robots of which a stop is not known to have taken effect."""
@@ -298,9 +302,9 @@ class Station:
             return "the robot is stopped; release it first"
         if self._wish == "start" and status.fault == "none" and status.mode in _UNARMED:
             return f"the robot is {status.mode}; arm it first"
-        return f"the robot is {status.mode}" + (
-            "" if status.fault == "none" else f" ({fault_line(status.fault)})"
-        )
+        state = "has a fault" if status.mode == "fault" else f"is {status.mode}"
+        why = "" if status.fault == "none" else f" ({fault_line(status.fault)})"
+        return f"the robot {state}{why}"
 
     def _take(self, side: Side, packet: Packet, status: Status) -> None:
         view, now = self.robots[side], self.clock()
