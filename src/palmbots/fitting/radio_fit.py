@@ -288,7 +288,7 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
         ),
         Estimate(jitter, width, float(of_jitter[0]), float(of_jitter[1]), ""),
     ]
-    called = kind.replace("the ", "").replace(" ", "_")
+    called = kind.replace("the ", "").replace(" ", "_").replace("-", "_")
     for column, (name, q) in enumerate(_QUANTILES, 1):
         beyond = (1 - q) * len(everything)
         key = f"{called}_{name}_s".replace(".", "_")
@@ -303,7 +303,7 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
 
     def model(shares: Floats) -> Floats:
         if ways == 1:
-            return (least if kind == "one way" else 0.0) + width * shares
+            return (least if kind == "one-way delay" else 0.0) + width * shares
         half = np.minimum(shares, 1 - shares)  # the sum of two uniform delays
         side = width * np.sqrt(2 * half)
         return least + np.where(shares < 0.5, side, 2 * width - side)

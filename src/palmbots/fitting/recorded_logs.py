@@ -166,4 +166,4 @@ def _packets(source: Source, sent: Sent, period_s: float) -> Packets | None:
     if np.ptp(delays) > 0:
         order = np.argsort(np.random.default_rng(0).random(len(delays)))
         delays = delays - period_s * (order + 0.5) / len(delays)
-    return packets_of(source, index.astype(np.int64), interval_s, delays, "one way")
+    return packets_of(source, index.astype(np.int64), interval_s, delays, "one-way delay")

@@ -22,7 +22,7 @@ from palmbots.fitting.recorded_tables import Recording, read_recording
 
 Floats = NDArray[np.float64]
 
-DelayKind = Literal["round trip", "one way", "delay behind the fastest"]
+DelayKind = Literal["round trip", "one-way delay", "delay behind the fastest"]
 """What delays are. Those of one way need a common clock, otherwise only differences are known."""
 
 COLUMNS = ("index", "time_s", "sent_s", "round_trip_s")
