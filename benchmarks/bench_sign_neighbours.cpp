@@ -32,11 +32,51 @@ constexpr auto changed(auto change) {
   return made;
 }
 
-// The braking robot keeps its correction, and so moves slowly backwards or forwards.
+// A robot that does not brake here keeps its correction, and so moves slowly backwards or forwards.
+constexpr void reverse(TableOutput& output) {
+  output.command.stop = output.command.stop || output.brakes;
+  output.brakes = false;
+}
+
+// No robot brakes.
 struct Reverses : SharedSign {
+  static constexpr auto outputs =
+      changed<SharedSign>([](State, TableOutput& output) { reverse(output); });
+};
+
+// Only a robot with this palm brakes.
+template <Palm palm>
+struct StandsWith : SharedSign {
   static constexpr auto outputs = changed<SharedSign>([](State, TableOutput& output) {
-    output.command.stop = output.command.stop || output.brakes;
-    output.brakes = false;
+    if (output.command.palm != palm) reverse(output);
+  });
+};
+
+// Only this one brakes: the follower if both contacts are outward, or the leader if both are inward.
+template <bool follower>
+struct OneStands : SharedSign {
+  static constexpr auto outputs = changed<SharedSign>([](State state, TableOutput& output) {
+    constexpr EnumSet<State> of_follower = {State::follow_out_steep, State::follow_out_shallow};
+    if (of_follower.has(state) != follower) reverse(output);
+  });
+};
+
+// A leader that brakes does not while it announces its next palm.
+struct StandsShorter : SharedSign {
+  static constexpr auto outputs = changed<SharedSign>([](State state, TableOutput& output) {
+    constexpr EnumSet<State> ends = {State::lead_in_steep_ends, State::lead_in_shallow_ends};
+    if (ends.has(state)) reverse(output);
+  });
+};
+
+// The braking robot stands on where its partner is centred again and its own contact is not.
+struct StandsLonger : SharedSign {
+  static constexpr auto outputs = changed<SharedSign>([](State state, TableOutput& output) {
+    if (EnumSet<State>{State::own_out, State::own_in}.has(state)) {
+      output.command.stop = true;
+      output.command.move = Move::hold;
+      output.brakes = true;
+    }
   });
 };
 
@@ -111,6 +151,12 @@ struct Neighbour {
 constexpr Neighbour neighbours[] = {
     {"shared-sign", run<SharedSign>},
     {"reverses", run<Reverses>},
+    {"stands-if-steep", run<StandsWith<Palm::steep>>},
+    {"stands-if-shallow", run<StandsWith<Palm::shallow>>},
+    {"follower-stands", run<OneStands<true>>},
+    {"leader-stands", run<OneStands<false>>},
+    {"stands-shorter", run<StandsShorter>},
+    {"stands-longer", run<StandsLonger>},
     {"partner-holds", run<PartnerHolds>},
     {"helper-holds", run<HelperHolds>},
     {"apart-holds", run<ApartHolds>},

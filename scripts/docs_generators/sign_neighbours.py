@@ -8,6 +8,12 @@ RESULT = Path(__file__).parents[2] / "benchmarks" / "results" / "sign_neighbours
 RULES = {
     "shared-sign": "`shared-sign`",
     "reverses": "the braking robot keeps its correction",
+    "stands-if-steep": "it stands only with a steep palm",
+    "stands-if-shallow": "it stands only with a shallow palm",
+    "follower-stands": "only the follower stands, with both contacts outward",
+    "leader-stands": "only the leader stands, with both contacts inward",
+    "stands-shorter": "a leader does not stand while it announces its next palm",
+    "stands-longer": "it stands until its own contact is centred, too",
     "partner-holds": "its partner keeps the nominal speed",
     "helper-holds": "a robot whose contact is centred does not correct",
     "apart-holds": "at opposite signs one robot keeps the nominal speed",
