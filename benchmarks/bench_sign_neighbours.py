@@ -24,8 +24,8 @@ RESULT = HERE / "results" / "sign_neighbours.csv"
 SOURCE = HERE / "bench_sign_neighbours.cpp"
 SHARED = (
     "shared-sign", "reverses", "stands-if-steep", "stands-if-shallow", "follower-stands",
-    "leader-stands", "stands-shorter", "stands-longer", "partner-holds", "helper-holds", "apart-holds",
-    "turns-0.8", "turns-1.5", "turns-2", "turns-never",
+    "leader-stands", "stands-shorter", "stands-longer", "partner-holds", "helper-holds",
+    "apart-holds", "turns-0.8", "turns-1.5", "turns-2", "turns-never",
 )  # fmt: skip
 SILENT = ("silent", "silent-patience-0.4", "silent-patience-2", "silent-patience-4")
 LOSSY = {"radio.loss": 0.2, "faults.random_reboots": 1}
