@@ -3,12 +3,14 @@
 
 import ast
 import re
+import tomllib
 from functools import cache
 from pathlib import Path
 from typing import get_args
 
 import pytest
 
+import palmbots as pb
 from palmbots.wire import FaultCode
 
 ROOT = Path(__file__).parents[2]
@@ -54,3 +56,20 @@ def test_programs_print_the_lines(line: str) -> None:
 
 def test_other_lines_are_noticed() -> None:
     assert not is_printed("…: the boot counter is tired; …")
+
+
+def test_the_page_installs_what_its_commands_need() -> None:
+    named = set(re.findall(r"pip install '\.\[([a-z0-9,]+)\]'", PAGE)[0].split(","))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert named <= project["optional-dependencies"].keys()
+    assert "palmbots calibrate pair.toml" in PAGE
+    assert "calibrate" in named  # `palmbots.pair.calibration_run` requires it
+
+
+def test_the_page_quotes_the_load_that_the_default_servo_holds() -> None:
+    limits = pb.load_limits("paper")
+    torque = limits.scene.mujoco.palm_torque_n_m
+    assert f"Its default, {torque:g} N m, is assumed" in PAGE
+    mass = re.search(r"heaviest object ([0-9.]+) kg", limits.sentence())
+    assert mass is not None
+    assert f"finds {mass[1]} kg" in " ".join(PAGE.split())
