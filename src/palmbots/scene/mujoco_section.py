@@ -54,7 +54,8 @@ class MujocoParameters(Section):
     """MuJoCo world: Coulomb coefficient between wheels and floor."""
     palm_torque_n_m: float = key("mujoco.palm_torque_n_m")
     """MuJoCo world: torque with which a palm's servo still holds the palm within a quarter of a
-    degree of its commanded angle. Under more, a robot waits for a palm that does not arrive."""
+    degree of its commanded angle; less than the stall torque of a data sheet. Under more, a robot
+    waits for a palm that does not arrive."""
     drive_force_n: float | None = key("mujoco.drive_force_n")
     """MuJoCo world: largest force of both wheels of a robot together on the floor. Not set: as much
     as the floor's friction allows."""
