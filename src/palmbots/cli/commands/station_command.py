@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from palmbots._util.command import Option, command
 from palmbots._util.exit_status import DONE, FAILED
-from palmbots.cli._run import print_json
+from palmbots.cli._run import interruption_line, print_json
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -78,15 +78,17 @@ def station(
 
         address = station_address(chosen)
         shown = {"plain": plain or as_json or not sys.stdout.isatty(), "as_json": as_json}
-        if attach or watch:
-            client = attached(address, "viewer" if watch else "operator", wait_s)
-            end = _show(client, **shown, reads_orders=not watch, within_s=_RESTARTS_WITHIN_S)
-        else:
-            options = [pair, *(["--auto"] if auto else [])]
-            options += [] if log is None else ["--log", str(log)]
-            options += ["--no-log"] if no_log else []
-            with started_station(options, address) as client:
-                end = _show(client, **shown, reads_orders=not auto)
+        what = "" if watch else "; the station stops robots that may move"
+        with interruption_line(f"palmbots: interrupted{what}"):
+            if attach or watch:
+                client = attached(address, "viewer" if watch else "operator", wait_s)
+                end = _show(client, **shown, reads_orders=not watch, within_s=_RESTARTS_WITHIN_S)
+            else:
+                options = [pair, *(["--auto"] if auto else [])]
+                options += [] if log is None else ["--log", str(log)]
+                options += ["--no-log"] if no_log else []
+                with started_station(options, address) as client:
+                    end = _show(client, **shown, reads_orders=not auto)
         ended = StationEnd(end["done"], end["modes"], client.lines, end.get("links", {}))
     if as_json:
         print_json(ended)
