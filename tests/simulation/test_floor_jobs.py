@@ -15,6 +15,7 @@ from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import Carry, FloorWorld, run_seeds
 from palmbots.simulation.floor_job import MEANINGS, MISSED, FloorJob
+from random_lifts import random_lift
 
 LIFT = load_scene("lift")
 RADIUS_M = 0.003
@@ -151,6 +152,19 @@ def test_noses_of_any_thickness_lift(nose_m: float) -> None:
     keys = {"palm.nose_m": nose_m, "palm.thickness_m": 0.0015, "object.mass_kg": 0.15}
     carry = pb.carry("lift", "shared-sign", overrides=keys)
     assert (carry.outcome, job(carry).failure) == ("delivered", None)
+
+
+@pytest.mark.parametrize(("seed", "delivers"), [(42, False), (284, False), (190, True)])
+def test_an_attempt_that_cannot_centre_ends(seed: int, delivers: bool) -> None:
+    """One robot centres again and again, and its partner cannot; another attempt may succeed."""
+    carry = pb.carry("lift", "shared-sign", overrides=random_lift(seed))
+    names = [phase.phase for phase in job(carry).phases if phase.robot == "right"]
+    assert "recentre" in names and carry.time_s < 100  # the task has 130 s
+    if delivers:
+        assert (carry.outcome, names.count("dock")) == ("delivered", 2)
+    else:
+        assert carry.outcome == "stalled"
+        assert job(carry).failure == "did not centre the contacts on the floor"
 
 
 def test_every_phase_says_what_was_missed() -> None:

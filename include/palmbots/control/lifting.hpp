@@ -16,7 +16,9 @@
 //
 // A robot knows −, 0, + and whether a switch is closed at all, its timers, its odometry, and what its
 // partner said within the lease. It cannot notice that its wheels stall. Every wait on the floor has
-// a time limit, after which the robot backs off and tries again. In the air everything holds.
+// a time limit, after which the robot backs off and tries again; `ready` lasts as long as its partner
+// centres. In `recentre` the partner may be raising, unless it says otherwise. In the air everything
+// holds.
 //
 // After a boot a robot whose palm may be under the object holds everything until it hears what its
 // partner does. Arms and palms are assumed to hold while a program does not run.
@@ -180,7 +182,7 @@ struct Lifting {
       /* under         */ {' ', stands, M::under, wait},
       /* centre        */ {' ', stands, M::centring, centre_limit},
       /* ready         */ {' ', stands, M::ready},
-      /* recentre      */ {' ', stands, M::centring},
+      /* recentre      */ {' ', stands, M::centring, centre_limit},
       /* raise         */ {' ', stands, M::raising},
       /* raise_hold    */ {' ', stands, M::raising},
       /* up            */ {' ', stands, M::lifted},
@@ -254,6 +256,7 @@ struct Lifting {
       {S::ready,       P::positive,     any_message,                           {},              S::recentre},
       {S::ready,       P::negative,     any_message,                           {},              S::recentre},
       {S::recentre,    P::zero,         any_message,               {If::turned, If::touches},   S::ready},
+      {S::recentre,    P::any,          {M::centring, M::ready},               If::timed_out,   S::back_off},
       {S::raise,       P::any,          any_message,                           If::arm_there,   S::up},
       {S::raise,       P::any,          any_message - rises,                   {},              S::raise_hold},
       {S::raise_hold,  P::any,          rises,                                 {},              S::raise},

@@ -29,6 +29,7 @@ MISSED = {phase: goal for goal, phases in _GOALS.items() for phase in phases}
 """What a job did not achieve that ends in a phase."""
 STAGES = {phase: phases[0].partition("_")[0] for phases in _GOALS.values() for phase in phases}
 """The stage to which a phase belongs, dock, centre, raise, carry, lower, leave or held."""
+_RETRIES = ("back_off", "stand_back", "failed")  # after an attempt that failed
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,10 +92,10 @@ def floor_job(scene: Scene, measured: Any) -> FloorJob:
 
 
 def _failure(outcome: str, phases: list[JobPhase]) -> str | None:
-    """In words: from the last phase of the robot that is less far."""
+    """In words: from the last phase, of an attempt, of the robot that is less far."""
     if outcome == "delivered":
         return None
-    last = {phase.robot: phase.phase for phase in phases}
+    last = {phase.robot: phase.phase for phase in phases if phase.phase not in _RETRIES}
     order = list(MISSED)
     behind = min(last.values(), key=order.index)
     return ("fell: " if outcome == "dropped" else "") + MISSED[behind]
