@@ -142,7 +142,10 @@ def test_an_unplugged_board_is_a_fault_and_comes_back(tmp_path: Path) -> None:
         found, errors = ended(robot)
         rest = made.wait_resting()
         assert not rest.by_watchdog  # an orderly end stops the wheels itself
-    lost, back = errors.splitlines()
+    modes = [line for line in errors.splitlines() if line.startswith("palmbots: left: ")]
+    assert modes[0] == "palmbots: left: disarmed"
+    assert any(line.startswith("palmbots: left: fault: its motor board") for line in modes)
+    lost, back = (line for line in errors.splitlines() if line not in modes)
     assert lost.startswith(f"palmbots: driver.address: {device} is lost: ")
     assert back == f"palmbots: driver.address: {device} is back"
     link = found["link"]["station"]
@@ -199,7 +202,9 @@ def test_dry_run_carries_for_the_time_of_the_distance(tmp_path: Path) -> None:
         assert any(2000 < value < 65535 for value in progress)
         assert time.monotonic() - begin_s > 2.0  # 0.12 m at 0.06 m/s
         _, errors = ended(robot)
-    lines = errors.splitlines()
+    modes = [line for line in errors.splitlines() if line.startswith("palmbots: left: ")]
+    assert modes[-2:] == ["palmbots: left: carrying", "palmbots: left: done"]
+    lines = [line for line in errors.splitlines() if line not in modes]
     assert all(line.startswith("palmbots: left robot, dry run: palm at ") for line in lines[:-1])
     assert any(line.endswith(" 0.060 m/s") for line in lines)
     assert lines[-1].endswith("wheels at rest")

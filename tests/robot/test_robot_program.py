@@ -87,8 +87,9 @@ class Clock(ControlClock):
 def test_a_stop_reaches_the_driver_within_two_control_periods(
     stop: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A silent robot needs no partner to be armed and started."""
-    pair = load_pair(init_pair(tmp_path / "pair.toml", controller="silent")[0])
+    """A silent robot needs no partner to be armed and started. A real one says what it does."""
+    values = {"driver.kind": "dry-run"}
+    pair = load_pair(init_pair(tmp_path / "pair.toml", controller="silent", values=values)[0])
     station = Endpoint(pair.key, pair.settings.pair.number, "station", 1)
     packets = {tick: [station.send("left", Hello())] for tick in range(1, 40)}
     robot = Robot(packets, 100)
@@ -111,7 +112,12 @@ def test_a_stop_reaches_the_driver_within_two_control_periods(
     monkeypatch.setattr(
         live_robot, "control_clock", lambda _, period_s, stride: Clock(period_s, stride)
     )
-    end = live_robot.run_live_robot(pair, "left")
+    lines: list[str] = []
+    end = live_robot.run_live_robot(pair, "left", on_line=lines.append)
+    modes = [line for line in lines if line.startswith("left: ")]
+    assert modes == [
+        f"left: {mode}" for mode in ("disarmed", "armed", "ready", "carrying", "stopped")
+    ]
     wheels = [drive.wheels for drive in robot.drives]
     moving = [tick for tick, turns in enumerate(wheels, 2) if turns]
     assert moving and moving[0] <= 42

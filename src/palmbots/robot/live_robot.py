@@ -25,6 +25,7 @@ from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.pair.stored_state import StoredState, booted
 from palmbots.robot.core_program import controller_of, robot_program
 from palmbots.robot.logged_steps import RobotLog
+from palmbots.robot.mode_lines import ModeLines
 from palmbots.robot.observation import Observation, Observer, observation_socket
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
@@ -57,7 +58,7 @@ def run_live_robot(
         side: which of its robots.
         rate: multiple of real time at which a simulated robot runs.
         on_line: called with a line when the program has been held up and starts again, or cannot
-            log.
+            log; on a real robot also when its mode or fault changes.
 
     Raises:
         PalmbotsError: a file is missing or damaged, an address cannot be used, or the driver is
@@ -67,7 +68,9 @@ def run_live_robot(
     scene = pair.checked_scene()
     with booted(file) as state, contextlib.ExitStack() as stack:
         live_program(pair, side, state, scene, rate)  # refuses before anything is opened
-        if pair.settings.driver.kind != "simulated":  # the world of a simulated robot prints them
+        # World and station of simulated robots print what these would.
+        is_real = pair.settings.driver.kind != "simulated"
+        if is_real:
             for text in warnings_before(scene, controller_of(pair)):
                 on_line(f"warning: {text}")
         link = stack.enter_context(contextlib.closing(open_pair_link(pair, side)))
@@ -93,10 +96,13 @@ def run_live_robot(
             )
 
         period_s = scene.control.period_s
+        modes = ModeLines(side, on_line)
         silence = _silence(pair, side, ticks_in(PATIENCE_S * rate, period_s), on_line)
 
         def watch(loop: RobotLoop, step: Step) -> None:
             silence.step(loop.heard)
+            if is_real:
+                modes.take(loop.robot)
             _observe(observer, loop, step)
 
         loop = RobotLoop(
