@@ -118,6 +118,23 @@ def test_a_frozen_program_does_not_hold_up_the_world(world: World) -> None:
     right.close()
 
 
+def test_the_time_is_that_of_the_motion(world: World) -> None:
+    """Not from the start of the world, which waits for its robots to be armed."""
+    robots = [world.robot(side) for side in SIDES]
+    for stands in (True, False, True):
+        end = time.monotonic() + 0.4
+        while time.monotonic() < end:
+            for robot in robots:
+                assert robot.read() is not None
+                robot._offer([0, 0, stands])
+            time.sleep(0.002)
+    for robot in robots:
+        robot.close()
+    world.thread.join(60)
+    assert world.result is not None and world.result.distance_m > 0.05
+    assert world.result.time_s == pytest.approx(world.result.distance_m / 0.06, rel=0.3)
+
+
 def test_a_lockstep_world_is_named() -> None:
     near, far = socket.socketpair()
     far.sendall(b'["greet","right"]\n')

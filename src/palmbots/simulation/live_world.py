@@ -39,7 +39,7 @@ class LiveCarry:
     distance_m: float
     """Distance that the midpoint of the robots has covered."""
     time_s: float
-    """Simulated time."""
+    """Simulated time from the first motion of the pair to the last."""
     overruns: int
     """Ticks that the world missed."""
     avoidable: bool | None = None
@@ -185,14 +185,17 @@ def run_live_world(
     robots = LiveRobots(scene, stage, door, rate)
     robots.wait(on_line)
     clock = control_clock("world", period_s / rate)
-    ticks = 0
+    ticks = first = last = 0  # so far; and before and after the pair moved
     contacts: deque[tuple[float, float]] = deque(maxlen=round(_REMEMBERED_S / period_s))
     alone_since = None
     while stage.outcome == "running":
         clock.wait()
+        before = stage.midpoint
         robots.tick()
         contacts.append(stage.contacts)
         ticks += 1
+        if stage.midpoint != before:
+            first, last = first or ticks - 1, ticks
         if len(robots.missing()) == len(SIDES):
             now = process_clock.monotonic()
             alone_since = alone_since or now
@@ -208,7 +211,7 @@ def run_live_world(
     avoidable = None
     if outcome == "dropped":
         avoidable = not _was_unavoidable(scene, stage, np.array(contacts))
-    return LiveCarry(outcome, distance_m, ticks * period_s, clock.overruns, avoidable)
+    return LiveCarry(outcome, distance_m, (last - first) * period_s, clock.overruns, avoidable)
 
 
 def _was_unavoidable(scene: Scene, stage: Stage, contacts: np.ndarray) -> bool:
