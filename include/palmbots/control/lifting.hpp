@@ -239,6 +239,9 @@ struct Lifting {
   // A robot in one of these states may have the object on its palm, or has put it down. It stores that.
   static constexpr Set assisting = Set::all() - on_trial - Set{S::back_off, S::stand_back, S::failed};
   static constexpr State initial_assisting = S::held;
+  // A robot that restarts in `ready` docks again. Its partner may have begun to raise, and waits for it.
+  static constexpr MessageSet raised = {M::raising, M::lifted};
+  static constexpr MessageSet joins = {M::centring, M::ready, M::raising, M::lifted};
   static constexpr MessageSet rises = {M::ready, M::raising, M::lifted, M::carrying};
   static constexpr MessageSet sinks = {M::arrived, M::lowering, M::down, M::leaving, M::empty};
 
@@ -248,10 +251,11 @@ struct Lifting {
       // pick up
       {S::dock,        P::not_negative, any_message,                           If::touches,     S::under},
       {S::dock,        P::any,          any_message,                           If::timed_out,   S::back_off},
-      {S::under,       P::any,          {M::under, M::centring, M::ready},     {},              S::centre},
+      {S::under,       P::any,          joins,                                 {},              S::centre},
+      {S::under,       P::any,          M::under,                              {},              S::centre},
       {S::under,       P::any,          any_message,                           If::timed_out,   S::back_off},
-      {S::centre,      P::zero,         {M::centring, M::ready},   {If::turned, If::touches},   S::ready},
-      {S::centre,      P::any,          any_message,                           If::timed_out,   S::back_off},
+      {S::centre,      P::zero,         joins,                     {If::turned, If::touches},   S::ready},
+      {S::centre,      P::any,          any_message - raised,                  If::timed_out,   S::back_off},
       {S::ready,       P::zero,         rises,                                 {},              S::raise},
       {S::ready,       P::positive,     any_message,                           {},              S::recentre},
       {S::ready,       P::negative,     any_message,                           {},              S::recentre},
