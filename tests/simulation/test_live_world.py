@@ -151,7 +151,10 @@ def test_a_lockstep_world_is_named() -> None:
 def test_a_robot_with_another_scene_is_refused(tmp_path: Path) -> None:
     made = World(tmp_path)
     other = SimulatedDriver(made.address, "left", 1, scene=12345)
-    with pytest.raises(pb.PalmbotsError, match=r"^world: runs another scene than the left robot$"):
+    with pytest.raises(
+        pb.PalmbotsError,
+        match=r"^world: runs another scene than the left robot; start it with the scene of",
+    ):
         other.read()
     other.close()
     number = scene_number(pb.load_scene("paper"))

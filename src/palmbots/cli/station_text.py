@@ -73,11 +73,12 @@ def _line(robot: dict[str, Any] | None) -> str:
     if not robot["is_heard"]:
         return f"not heard for {robot['silent_s']:.0f} s; was {robot['mode']}"
     part = robot["progress"]
+    battery = [] if robot["battery_v"] is None else [battery_text(robot)]
     return ", ".join([
         robot["mode"] + (f" ({robot['reason']})" if robot["reason"] else ""),
         f"sign {robot['sign']:+d}" if robot["sign"] else "sign 0",
         f"palm {palm_text(robot)}",
         UNKNOWN if part is None else f"{100 * part:.0f} %",
         link_text(robot),
-        battery_text(robot) if robot["battery_v"] is not None else "battery not measured",
+        *battery,
     ])  # fmt: skip

@@ -55,4 +55,6 @@ def check_admitted(frame: Any, end: str) -> None:
     if frame == TAKEN:
         raise PalmbotsError(f"world: another program is the {name}")
     if frame == OTHER_SCENE:
-        raise PalmbotsError(f"world: runs another scene than the {name}")
+        raise PalmbotsError(
+            f"world: runs another scene than the {name}; start it with the scene of the pair file"
+        )
