@@ -26,6 +26,7 @@ MANY = {
     "batch/bitslice_table_test": "100000",
     "batch/bitslice_test": "200000",
     "batch/lane_carries_test": "60",
+    "control/lifting_test": "20000",
     "control/resilient_test": "400",
     "control/resilient_world_test": "20000",
     "runtime/mode_search_test": "2",

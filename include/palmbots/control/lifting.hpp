@@ -264,7 +264,7 @@ struct Lifting {
       {S::raise,       P::any,          any_message,                           If::arm_there,   S::up},
       {S::raise,       P::any,          any_message - rises,                   {},              S::raise_hold},
       {S::raise_hold,  P::any,          rises,                                 {},              S::raise},
-      {S::up,          P::any,          {M::lifted, M::carrying},              {},              S::carry},
+      {S::up,          P::any,          {M::lifted, M::carrying, M::arrived},  {},              S::carry},
       // carry
       {S::carry,       P::any,          {M::arrived, M::lowering},             {},              S::arrived},
       {S::carry,       P::any,          any_message,                           If::far_enough,  S::arrived},
