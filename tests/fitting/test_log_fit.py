@@ -15,7 +15,7 @@ from logged_pairs import LoggedPair, simulated_clock
 from palmbots.fitting.fitted_values import Source
 from palmbots.fitting.log_fit import LogFit
 from palmbots.fitting.motion_fit import fit_recorded
-from palmbots.fitting.recorded_logs import read_carry, stretches_in
+from palmbots.fitting.recorded_logs import _packets, read_carry, stretches_in
 from palmbots.logs.mcap_writer import write_log
 from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air
@@ -74,7 +74,8 @@ def test_without_noise_every_position_follows_from_the_commands(
 ) -> None:
     """Also while robots accelerate and correct, and where they stand between."""
     keys = {"robot.noise_m_s": 0.0, "task.direction": direction, "start.left_m": 0.03}
-    carried = pb.carry("paper", controller, overrides=keys | {"robot.right.bias_m_s": 0.004})
+    keys |= {"robot.right.bias_m_s": 0.004, "robot.right.acceleration_m_s2": 0.3}
+    carried = pb.carry("paper", controller, overrides=keys)
     stretches = list(stretches_in(carried, 0))
     assert stretches
     for one in stretches:
@@ -84,6 +85,55 @@ def test_without_noise_every_position_follows_from_the_commands(
         assert drift == pytest.approx(0, abs=1e-9) or drift == pytest.approx(0.004, rel=1e-6)
         np.testing.assert_allclose(error, sense * drift * one.times_s, atol=1e-9)
         assert np.diff(one.times_s).max() < 0.111
+
+
+def test_a_way_of_less_than_two_seconds_is_no_stretch() -> None:
+    for distance_m, count in ((0.1, 0), (0.15, 2)):  # at 6 cm/s
+        keys = {"robot.noise_m_s": 0.0, "task.distance_m": distance_m}
+        assert len(list(stretches_in(pb.carry("paper", "silent", overrides=keys), 0))) == count
+
+
+def test_between_positions_the_command_stays_the_same() -> None:
+    """With wheels that follow at once each way is one of the speeds, times its duration."""
+    keys = {"robot.acceleration_m_s2": 100.0, "start.left_m": 0.03}
+    carried = pb.carry("paper", "shared-sign", seed=1, overrides=HIDDEN | keys)
+    robot = carried.scene.robot_of("left")
+    speeds = robot.speed_m_s + robot.correction_m_s * np.array([-1, 0, 1])
+    ways = [np.diff(one.commanded_m) / np.diff(one.times_s) for one in stretches_in(carried, 0)]
+    seen = np.abs(np.concatenate(ways))[:, None] - speeds
+    assert (np.abs(seen) < 1e-6).any(axis=1).all()
+    assert ((np.abs(seen) < 1e-6).sum(axis=0) > 0).sum() > 1
+
+
+def test_delays_of_whole_ticks_have_the_mean_of_the_radio(logs: list[Path]) -> None:
+    """The simulation rounds delays up to whole ticks."""
+    packets = [one for log in logs for one in read_carry(log, 0).packets]
+    delays = np.concatenate([one.delays_s for one in packets])
+    assert len(packets) == 8 and len(delays) > 300
+    assert delays.mean() == pytest.approx(0.03 + 0.04 / 2, abs=0.003)
+    assert delays.std() == pytest.approx(0.04 / np.sqrt(12), abs=0.0015)
+    assert 0.03 - 1e-9 < delays.min() < 0.032 and 0.068 < delays.max() < 0.07
+
+
+def test_packets_of_a_log_are_numbered_as_sent_and_have_an_interval_if_regular() -> None:
+    source = Source("", "")
+    regular = [(0.05 * k, None if k % 10 == 3 else 0.05 * k + 0.02) for k in range(100)]
+    found = _packets(source, regular, 0.01)
+    assert found is not None and found.interval_s == pytest.approx(0.05)
+    assert found.gaps.sum() == 10 and found.received == 90 and found.reordered == 0
+    np.testing.assert_allclose(found.delays_s, 0.02)  # all equal: nothing is rounded
+    overtaken = [*regular[:50], (2.5, 2.58), *regular[51:]]
+    found = _packets(source, overtaken, 0.01)
+    assert found is not None and found.reordered == 1 and found.gaps.sum() == 10
+    slower = [(0.05 * k + 0.004 * k**1.1, 0.05 * k + 0.004 * k**1.1 + 0.02) for k in range(30)]
+    found = _packets(source, slower, 0.01)
+    assert found is not None and found.interval_s is not None
+    steps = np.diff([now for now, _ in slower])
+    assert found.interval_s == pytest.approx(float(np.median(steps)))
+    bursts = [(0.3 * (k // 3) + 0.02 * (k % 3), 0.3 * (k // 3) + 0.02 * (k % 3)) for k in range(60)]
+    irregular = _packets(source, bursts, 0.01)
+    assert irregular is not None and irregular.interval_s is None
+    assert _packets(source, regular[:21], 0.01) is None  # 18 of them arrived
 
 
 @pytest.mark.slow
@@ -125,7 +175,6 @@ def test_logs_of_robots_are_fitted(
         assert one.speed_m_s / one.command_m_s == pytest.approx(1, abs=0.1)
     found = pb.fit([folder])
     assert isinstance(found, LogFit) and found.radio is not None
-    print(found)
     of = {one.key: one for one in found.radio.estimates}
     for key, value in {
         "packets_lost": 0.1,

@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+import palmbots as pb
+from palmbots.cli.commands.up_command import _radio_of
 from palmbots.links.impairment import Impairment, Proxy
 
 PACKETS = 20_000
@@ -67,3 +69,16 @@ def test_datagrams_go_to_the_end_they_are_meant_for() -> None:
         for end, one in ends.items():
             assert [one.recv(100), one.recv(100)] == [end.encode()] * 2
             one.close()
+
+
+def test_packets_between_processes_have_the_delays_of_the_scene() -> None:
+    """From the shortest to the longest: a scene adds its jitter to the latency."""
+    keys = {"radio.latency_s": 0.03, "radio.jitter_s": 0.04, "radio.loss": 0.1}
+    radio = _radio_of(pb.load_scene("paper", keys | {"radio.duplicate": 0.3}))
+    radio.check()
+    chance = random.Random(0)
+    fates = [radio.delays_s(chance) for _ in range(10_000)]
+    delays = [one for fate in fates for one in fate]
+    assert 0.03 <= min(delays) < 0.031 and 0.069 < max(delays) <= 0.07
+    assert sum(not fate for fate in fates) / len(fates) == pytest.approx(0.1, abs=0.015)
+    assert sum(len(fate) == 2 for fate in fates) / len(fates) == pytest.approx(0.27, abs=0.02)

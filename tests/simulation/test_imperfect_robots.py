@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import palmbots as pb
@@ -128,6 +129,29 @@ def test_the_driven_world_is_the_quasistatic_one() -> None:
             assert driven.pressed == pytest.approx(contacts, abs=1e-9)
             assert driven.wrists() == pytest.approx(perfect._carry.sight().palms, abs=1e-12)
     assert any(abs(p) > 0.005 for p in driven.pressed if p is not None)
+
+
+@pytest.mark.parametrize("direction", ["forward", "backward"])
+def test_programs_read_how_far_their_own_robot_has_moved(direction: str) -> None:
+    """In the direction of the task, also where a robot corrects and its partner does not."""
+    scene = pb.load_scene("paper", QUIET | {"task.direction": direction})
+    stage = PerfectStage(scene, "quasistatic", 0)
+    speed, correction = scene.robot_of("left").speed_m_s, scene.robot_of("left").correction_m_s
+    assert [frame[2] for frame in stage.frames()] == [0, 0]
+    for _ in range(300):
+        stage.step((0, 0, False), (0, 0, False))
+    travelled = [frame[2] for frame in stage.frames()]
+    assert travelled == pytest.approx([3 * speed] * 2, abs=0.02)
+    for left, right in (((0, 1, False), (0, 0, False)), ((0, 0, False), (0, 1, False))):
+        before = [frame[2] for frame in stage.frames()]
+        for _ in range(20):
+            stage.step(left, right)
+        moved = np.subtract([frame[2] for frame in stage.frames()], before)
+        apart = float(moved[1] - moved[0]) * (1 if direction == "forward" else -1)
+        assert 0.1 * correction < apart < 0.2 * correction + 1e-9
+        same = moved[1] if left[1] == 1 else moved[0]
+        assert same == pytest.approx(0.2 * speed, abs=0.1 * speed)
+    assert stage.outcome == "running"
 
 
 @pytest.mark.parametrize("heights", [(0.0, 0.01), (0.0, -0.01), (0.008, 0.0)])
