@@ -161,8 +161,8 @@ def test_intervals_cover_the_hidden_values(fits: int) -> None:
 def test_logs_of_robots_are_fitted(
     direction: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Their packets have the loss and the latency of the simulated radio, and their wheels count
-    what was commanded."""
+    """Their packets have the loss and the latency of the simulated radio, from 10 to 50 ms, and
+    their wheels count what was commanded."""
     air = Air(delay_ms=30, loss=0.1, jitter_ms=20, seed=4)
     simulated_clock(monkeypatch)["air"] = air
     keys = {"task.distance_m": 0.3, "task.direction": direction}
@@ -178,12 +178,15 @@ def test_logs_of_robots_are_fitted(
     of = {one.key: one for one in found.radio.estimates}
     for key, value in {
         "packets_lost": 0.1,
-        "radio.latency_s": 0.03,
-        "radio.jitter_s": 0.02,
+        "radio.latency_s": 0.01,
+        "radio.jitter_s": 0.04,
     }.items():
         one = of[key]
         assert one.low is not None and one.high is not None
         assert one.low - 0.01 <= value <= one.high + 0.01, key
+    assert of["radio.latency_s"].value == pytest.approx(0.01, abs=0.003)
+    assert of["radio.jitter_s"].value == pytest.approx(0.04, abs=0.012)
+    assert found.radio.data.model_s[0] == pytest.approx(0.01, abs=0.003)
 
 
 def test_what_is_no_such_log_is_refused(logs: list[Path], tmp_path: Path) -> None:

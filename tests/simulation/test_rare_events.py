@@ -234,6 +234,7 @@ def test_levels_that_cost_half_of_the_budget_are_given_up(monkeypatch: pytest.Mo
     assert 10_000 < spent < 12_000
     assert found.carries == carries > 8000
     assert spent + carries <= 20_001
+    assert 19_000 < found.equivalent_carries <= 20_001
     assert found.interval[1] < 4e-4
 
 
