@@ -15,7 +15,7 @@ from logged_pairs import LoggedPair, simulated_clock
 from palmbots.fitting.fitted_values import Source
 from palmbots.fitting.log_fit import LogFit
 from palmbots.fitting.motion_fit import fit_recorded
-from palmbots.fitting.recorded_logs import _packets, read_carry, stretches_in
+from palmbots.fitting.recorded_logs import Sent, _packets, read_carry, stretches_in
 from palmbots.logs.mcap_writer import write_log
 from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air
@@ -118,22 +118,24 @@ def test_delays_of_whole_ticks_have_the_mean_of_the_radio(logs: list[Path]) -> N
 def test_packets_of_a_log_are_numbered_as_sent_and_have_an_interval_if_regular() -> None:
     source = Source("", "")
     regular = [(0.05 * k, None if k % 10 == 3 else 0.05 * k + 0.02) for k in range(100)]
-    found = _packets(source, regular, 0.01)
+    found = _packets(source, Sent(regular, is_timed=True), 0.01)
     assert found is not None and found.interval_s == pytest.approx(0.05)
     assert found.gaps.sum() == 10 and found.received == 90 and found.reordered == 0
     np.testing.assert_allclose(found.delays_s, 0.02)  # all equal: nothing is rounded
     overtaken = [*regular[:50], (2.5, 2.58), *regular[51:]]
-    found = _packets(source, overtaken, 0.01)
+    found = _packets(source, Sent(overtaken, is_timed=True), 0.01)
     assert found is not None and found.reordered == 1 and found.gaps.sum() == 10
     slower = [(0.05 * k + 0.004 * k**1.1, 0.05 * k + 0.004 * k**1.1 + 0.02) for k in range(30)]
-    found = _packets(source, slower, 0.01)
+    found = _packets(source, Sent(slower, is_timed=True), 0.01)
     assert found is not None and found.interval_s is not None
     steps = np.diff([now for now, _ in slower])
     assert found.interval_s == pytest.approx(float(np.median(steps)))
     bursts = [(0.3 * (k // 3) + 0.02 * (k % 3), 0.3 * (k // 3) + 0.02 * (k % 3)) for k in range(60)]
-    irregular = _packets(source, bursts, 0.01)
+    irregular = _packets(source, Sent(bursts, is_timed=True), 0.01)
     assert irregular is not None and irregular.interval_s is None
-    assert _packets(source, regular[:21], 0.01) is None  # 18 of them arrived
+    assert _packets(source, Sent(regular[:21], is_timed=True), 0.01) is None  # 18 of them arrived
+    untimed = _packets(source, Sent(regular, is_timed=False), 0.01)
+    assert untimed is not None and untimed.gaps.sum() == 10 and not untimed.delays_s.size
 
 
 @pytest.mark.slow

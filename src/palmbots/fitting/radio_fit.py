@@ -261,7 +261,7 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
     if why:
         rest = [Estimate("delay", None, None, None, why)]
         return [*(Estimate(key, None, None, None, why) for key in (latency, jitter)), *rest], None
-    parts = _parts(runs, lambda one: one.delays_s)
+    parts = [part for part in _parts(runs, lambda one: one.delays_s) if part.size]
     everything = np.concatenate(parts)
     ways = 2 if kind == "round trip" else 1
     least, middle = float(everything.min()), float(np.median(everything))

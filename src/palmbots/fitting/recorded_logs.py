@@ -27,7 +27,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import Source
 from palmbots.fitting.motion_likelihood import Stretch
 from palmbots.fitting.recorded_packets import Packets, packets_of
-from palmbots.fitting.straight_stretches import LEAST_S, MOST_S, thinned
+from palmbots.fitting.straight_stretches import LEAST_S, MOST_S, SLOWEST_M_S, thinned
 from palmbots.logs.mcap_reader import read_log
 from palmbots.logs.run_log_reader import RunLog
 from palmbots.simulation.result import Carry
@@ -107,7 +107,9 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
             rows = np.arange(first, after)
             rows = rows[times[rows] < times[first] + MOST_S]
             rows = rows[thinned(times[rows], wanted[rows])]
-            if times[rows[-1]] - times[rows[0]] > LEAST_S:
+            duration = times[rows[-1]] - times[rows[0]]
+            way = abs(commanded[rows[-1]] - commanded[rows[0]])
+            if duration > LEAST_S and way > SLOWEST_M_S * duration:
                 since = times[rows] - times[rows[0]]
                 yield Stretch(since, moved[rows] - moved[rows[0]], commanded[rows], run)
 
@@ -122,9 +124,14 @@ def _reached(wanted: Floats, carry: Carry, side: Side) -> Floats:
     return np.array(found)
 
 
-Sent = Sequence[tuple[float, float | None]]
-"""For each packet of one direction when it was sent and when it arrived, on one clock [s]; None:
-it was lost."""
+@dataclass(frozen=True)
+class Sent:
+    """The packets of one direction."""
+
+    times_s: Sequence[tuple[float, float | None]]
+    """For each when it was sent and when it arrived, on one clock; None: it was lost."""
+    is_timed: bool
+    """Whether the delays count."""
 
 
 def packets_in(carry: Carry) -> list[Sent]:
@@ -132,11 +139,11 @@ def packets_in(carry: Carry) -> list[Sent]:
     found: dict[tuple[str, str], list[tuple[float, float | None]]] = {}
     for one in carry.message_log:
         found.setdefault((one.sender, one.receiver), []).append((one.sent_s, one.received_s))
-    return list(found.values())
+    return [Sent(one, is_timed=True) for one in found.values()]
 
 
 def packets_between(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> list[Sent]:
-    """All packets of each direction between programs that both have a log of the run."""
+    """All packets of each direction between programs that both have a log."""
     sent: dict[tuple[int, str, str], list[tuple[float, Stamp]]] = {}
     arrived: dict[Stamp, float] = {}
     for log, clock in zip(logs, clocks, strict=True):
@@ -144,7 +151,14 @@ def packets_between(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> list[
         arrived |= {stamp: clock.to_first(now) for stamp, now in one.received.items()}
         for stamp, now in one.sent.items():
             sent.setdefault((clock.run, *stamp[:2]), []).append((clock.to_first(now), stamp))
-    return [[(now, arrived.get(stamp)) for now, stamp in sorted(one)] for one in sent.values()]
+    return [
+        Sent(
+            [(now, arrived.get(stamp)) for now, stamp in sorted(one)],
+            # The station has a longer period than the robots, so its times are less exact.
+            is_timed={*link[1:]} == {*SIDES},
+        )
+        for link, one in sent.items()
+    ]
 
 
 def _packets(source: Source, sent: Sent, period_s: float) -> Packets | None:
@@ -155,15 +169,17 @@ def _packets(source: Source, sent: Sent, period_s: float) -> Packets | None:
     """
     arrived = sorted(
         (at, index, round(at - now, _DIGITS))
-        for index, (now, at) in enumerate(sent)
+        for index, (now, at) in enumerate(sent.times_s)
         if at is not None
     )
     if len(arrived) < LEAST_ARRIVED:
         return None
     _, index, delays = (np.array(column) for column in zip(*arrived, strict=True))
-    short, usual, long = np.quantile(np.diff([now for now, _ in sent]), (0.1, 0.5, 0.9))
+    short, usual, long = np.quantile(np.diff([now for now, _ in sent.times_s]), (0.1, 0.5, 0.9))
     interval_s = float(usual) if long < _IRREGULAR * short else None
-    if np.ptp(delays) > 0:
+    if not sent.is_timed:
+        delays = np.zeros(0)
+    elif np.ptp(delays) > 0:
         order = np.argsort(np.random.default_rng(0).random(len(delays)))
         delays = delays - period_s * (order + 0.5) / len(delays)
     return packets_of(source, index.astype(np.int64), interval_s, delays, "one-way delay")

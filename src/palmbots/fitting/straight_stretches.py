@@ -40,7 +40,7 @@ SPACING_S = 0.1
 the next is correlated, and no error of the robot."""
 
 _SAME_M_S = 1e-4  # difference of equal commands
-_SLOWEST_M_S = 0.02
+SLOWEST_M_S = 0.02
 _LEAST_ROWS = 10
 _GAP = 8.0  # a longer step than this many usual ones is a gap
 _WINDOW_S = 0.2  # over which the speed is measured
@@ -204,7 +204,7 @@ def stretches_of(
     """
     speed = commands["speed_m_s"]
     turn = commands["turn_rad_s"] if "turn_rad_s" in commands else np.zeros(len(speed))
-    fits = (np.abs(turn) < STRAIGHT_RAD_S) & (np.abs(speed) > _SLOWEST_M_S)
+    fits = (np.abs(turn) < STRAIGHT_RAD_S) & (np.abs(speed) > SLOWEST_M_S)
     changes = (np.abs(np.diff(speed)) > _SAME_M_S) | (fits[1:] != fits[:-1])
     edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [len(speed)]])
     times = commands.times_s + lag_s
