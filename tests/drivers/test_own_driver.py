@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A driver of somebody else that raises: the robot's program goes on, and names the place."""
+"""If a driver from another distribution raises, the robot's program goes on and names the place."""
 
 import re
 from dataclasses import replace
