@@ -229,8 +229,8 @@ def _rows(ticks: list[tuple[float, Any]], times: Any) -> list[Any]:
 
 
 def _trace(scene: Scene, times: Any, rows: dict[Side, list[Any]], is_measured: bool) -> Any:
-    """Without encoders the midpoint is where the commands would have moved it, and the separation is
-    unknown: NaN."""
+    """Without encoders the midpoint is where the commands would have moved it, and the separation
+    is NaN: unknown."""
     spec = to_spec(scene)
     drives = {side: drive_table(scene, side) for side in SIDES}
 
