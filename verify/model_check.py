@@ -28,7 +28,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 BUILD = ROOT / "build" / "verify"
 PINNED = HERE / "state_counts.csv"
-LETTERS = {"none": 0, "TiltUp": 1, "TiltDown": 2, "Ack": 3}
+MESSAGES = {"none": 0, "TiltUp": 1, "TiltDown": 2, "Ack": 3}
 
 # How a search is compiled, and called. The breadth-first one finds the shortest counterexample.
 SEARCHES = {
@@ -112,7 +112,7 @@ def runs() -> dict[str, Run]:
 def _number(value: int | str) -> int:
     if isinstance(value, int):
         return value
-    return LETTERS[value] if value in LETTERS else ord(value)
+    return MESSAGES[value] if value in MESSAGES else ord(value)
 
 
 @cache

@@ -77,9 +77,9 @@ def carry(engine: Engine, seed: int, controlled: bool = True) -> Result:
         for side in (0, 1) if controlled else ():
             sign = 1 if p[side] > ZONE else (-1 if p[side] < -ZONE else 0)
             due = inbox[side] and inbox[side][0][0] <= tick
-            letter = inbox[side][0][1] if due else None
+            message = inbox[side][0][1] if due else None
             turned = angle[side] == target[side]
-            out = controllers[side].step(pb.control.StepInput(sign, letter, turned))
+            out = controllers[side].step(pb.control.StepInput(sign, message, turned))
             if due and out.consume:
                 inbox[side].popleft()
             if out.send is not None:

@@ -28,7 +28,7 @@ inline wire::Bytes packet_of(const nb::bytes& bytes) {
   return packet;
 }
 
-using PacketTuple = std::tuple<int, nb::bytes, int>;  // receiver, bytes, word
+using PacketTuple = std::tuple<int, nb::bytes, int>;  // receiver, bytes, message
 // Palm, move, stop, packets, case, waits, awaits, rejected, late, assists.
 using Answer = std::tuple<int, int, bool, std::vector<PacketTuple>, int, bool, int, std::uint32_t,
                           std::uint32_t, bool>;

@@ -80,8 +80,8 @@ def messages_in(transcript: str) -> dict[str, list[str]]:
     """The messages of each robot in a transcript, in order; lost ones are marked."""
     table: dict[str, list[str]] = {"left": [], "right": []}
     pattern = r"^ +(left|right) sends (\w+)(, lost)?"
-    for sender, letter, lost in re.findall(pattern, transcript, re.MULTILINE):
-        table[sender].append(letter + lost)
+    for sender, name, lost in re.findall(pattern, transcript, re.MULTILINE):
+        table[sender].append(name + lost)
     return table
 
 
@@ -111,8 +111,8 @@ def test_robots_send_the_messages_of_the_counterexample(path: Path) -> None:
     """Message by message, up to the end of the transcript."""
     result = messages_in((KEPT / f"{path.stem}.txt").read_text())
     sent = messages_sent(pb.carry(str(path), "distributed"))
-    for robot, letters in result.items():
-        assert sent[robot][: len(letters)] == letters
+    for robot, messages in result.items():
+        assert sent[robot][: len(messages)] == messages
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)

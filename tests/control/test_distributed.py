@@ -56,18 +56,18 @@ def cycles(now: State, turn: int) -> Iterator[tuple[State, Sighting]]:
         for together in order:
             sent = []
             for s in together:
-                letter = inbox[s][0] if inbox[s] else NONE
-                step = distributed_table()[robots[s], (sign(now.p[s]), letter, turning[s] == 0)]
+                message = inbox[s][0] if inbox[s] else NONE
+                step = distributed_table()[robots[s], (sign(now.p[s]), message, turning[s] == 0)]
                 if step.read:
                     inbox[s].pop(0)
-                    stray = robots[s] == IDLE and letter != TILT_UP
+                    stray = robots[s] == IDLE and message != TILT_UP
                     confused |= stray or step.state == robots[s]
                 turning[s] = turn if step.palm != palms[s] else max(0, turning[s] - 1)
                 robots[s], palms[s], moves[s] = step.state, step.palm, step.move
                 sent.append((1 - s, step.send))
-            for to, letter in sent:
-                if letter != NONE:
-                    inbox[to].append(letter)
+            for to, message in sent:
+                if message != NONE:
+                    inbox[to].append(message)
         seen = Sighting((moves[0], moves[1]), confused)
         places = [now.p]
         if AWAY in moves or CLOSER in moves:
@@ -118,7 +118,7 @@ def explore(starts: list[Contacts], turn: int) -> Explored:
             for then, seen in cycles(state, turn):
                 assert set(seen.moves) != {AWAY, CLOSER}, f"away and closer: {state}"
                 assert not seen.confused, f"confused: {state}"
-                assert max(map(len, then.inbox)) <= 2, f"letters pile up: {state}"
+                assert max(map(len, then.inbox)) <= 2, f"messages pile up: {state}"
                 rises |= sum(map(abs, then.p)) > sum(map(abs, state.p))
                 after.append(then)
             put_off[state] = -1
@@ -190,4 +190,4 @@ def test_both_palms_shallow_only_in_states_of_the_paper() -> None:
             if then not in seen:
                 seen.add(then)
                 queue.append(then)
-                assert len(seen) < 10_000, "letters pile up"
+                assert len(seen) < 10_000, "messages pile up"

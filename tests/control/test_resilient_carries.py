@@ -72,9 +72,9 @@ def test_table_2_stalls_when_messages_are_lost(by_s: float) -> None:
     averaged over the carries. benchmarks/bench_loss.py does the same with 10 000."""
     n, q = 2000, 0.01
     until = {"task.timeout_s": by_s}
-    letters = many(until, "distributed", n)["messages"].astype(float)
+    messages = many(until, "distributed", n)["messages"].astype(float)
     lost = many(until | {"radio.loss": q}, "distributed", n)["messages_lost"]
-    expected = float(np.mean(1 - (1 - q) ** letters))
+    expected = float(np.mean(1 - (1 - q) ** messages))
     assert min(by_s, 25) / 100 < expected < 0.5
     low, high = wilson(int(np.count_nonzero(lost)), n, z=4)
     assert low < expected < high
@@ -85,7 +85,7 @@ def test_table_2_waits_forever_after_the_first_loss() -> None:
     seen = 0
     for seed in range(60):
         carry = carried({"radio.loss": 0.03}, "distributed", seed)
-        lost = [letter.sent_s for letter in carry.message_log if letter.received_s is None]
+        lost = [message.sent_s for message in carry.message_log if message.received_s is None]
         if not lost or carry.time_s - lost[0] < 1:
             continue
         seen += 1
@@ -176,7 +176,7 @@ def test_robot_resumes_after_a_fault(robot: str, kind: str, duration_s: float) -
     millimetre as palms turn, which causes more corrections: in one fault of 500."""
     at = (3.0, 9.0, 15.0)
     faults = [{"kind": kind, "robot": robot, "at_s": s, "duration_s": duration_s} for s in at]
-    turn, letter, brakes = 0.2, 0.05 + 0.01, 0.06
+    turn, message, brakes = 0.2, 0.05 + 0.01, 0.06
     starts = {"start.left_m": 0.002, "start.right_m": -0.001}
     for keys, speed, most in ((CALM | starts, 0.03, 3), ({}, 0.015, 5)):
         numbers = []
@@ -188,7 +188,7 @@ def test_robot_resumes_after_a_fault(robot: str, kind: str, duration_s: float) -
                 stood, off, corrections = back_at_work(carry, start + duration_s)
                 numbers.append(corrections)
                 bound = 2 * carry.bounds.shortest_lease_s + off / speed
-                assert stood <= bound + corrections * (2 * turn + 3 * letter + brakes), start
+                assert stood <= bound + corrections * (2 * turn + 3 * message + brakes), start
         assert sum(number > most for number in numbers) <= (0 if keys else 1)
 
 
@@ -262,7 +262,7 @@ def test_link_counts_add_up() -> None:
         sum(link.sent for link in carry.links.values()) == carry.messages == len(carry.message_log)
     )
     assert sum(link.lost for link in carry.links.values()) == carry.messages_lost
-    assert {letter.kind for letter in carry.message_log} <= {
+    assert {message.kind for message in carry.message_log} <= {
         "TiltUp", "TiltDown", "Ack", "Closing", "Raised",
     }  # fmt: skip
 

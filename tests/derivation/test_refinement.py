@@ -132,7 +132,7 @@ def test_smaller_policy_permits_fewer_motions(found: dict[str, Refinement]) -> N
     assert station.needs == "rules"
 
 
-# Table 2 from the transcript, letter by letter, in code of its own.
+# Table 2 from the transcript, step by step, in code of its own.
 
 
 @pytest.mark.parametrize("index", range(7))
@@ -146,9 +146,9 @@ def test_transcript_is_a_run_of_table_2(index: int, found: dict[str, Refinement]
         assert me is not None
         assert turn.p == p or turn.p in last, "contacts jump"
         p = turn.p
-        letter = inboxes[me][0] if inboxes[me] else NONE
-        step = distributed_table()[states[me], (sign(p[me]), letter, left[me] == 0)]
-        if step.read and letter:
+        message = inboxes[me][0] if inboxes[me] else NONE
+        step = distributed_table()[states[me], (sign(p[me]), message, left[me] == 0)]
+        if step.read and message:
             inboxes[me].pop(0)
         if step.send:
             inboxes[1 - me].append(step.send)
@@ -273,7 +273,7 @@ def test_only_unordered_rules_are_permitted_at_once() -> None:
     assert closing(0, (-1, 0), ("turning", "shallow")) is None, "its own palm is not up"
     assert closing(0, (-1, 0), up, direction="away") is None
     assert closing(0, (-1, 0), up, cases=("d", "c")) is None, "the other robot is in no rule"
-    assert closing(0, (-1, 0), up, cases=("d", "a")) is None, "letters order these"
+    assert closing(0, (-1, 0), up, cases=("d", "a")) is None, "messages order these"
     assert closing(0, (0, -1), up) == "begun"
     assert closing(0, (0, -1), up, begins=False) is None, "not its first cell"
     assert closing(0, (1, -1), up) is None, "beyond 0"

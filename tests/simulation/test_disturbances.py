@@ -189,12 +189,12 @@ def test_jitter_never_reorders_messages() -> None:
     for seed in range(10):
         carry = carried("distributed", seed=seed, radio__jitter_s=0.5, radio__latency_s=0.02)
         for receiver in ("left", "right"):
-            letters = [ltr for ltr in carry.message_log if ltr.receiver == receiver]
-            got = [ltr.received_s for ltr in letters if ltr.received_s is not None]
+            messages = [message for message in carry.message_log if message.receiver == receiver]
+            got = [message.received_s for message in messages if message.received_s is not None]
             assert got == sorted(got)
-            for letter in letters:
-                assert letter.received_s is not None
-                delay = letter.received_s - letter.sent_s
+            for message in messages:
+                assert message.received_s is not None
+                delay = message.received_s - message.sent_s
                 assert delay >= 0.02 - 1e-9
                 held_back += delay > 0.3
     assert held_back > 10
@@ -208,7 +208,7 @@ def test_lost_messages_leave_the_distributed_algorithm_waiting() -> None:
         assert carry.outcome in ("delivered", "dropped")
         assert carry.messages == carry.messages_lost > 0
         for column_, side in enumerate(SIDES):
-            sent = [ltr for ltr in carry.message_log if ltr.sender == side]
+            sent = [message for message in carry.message_log if message.sender == side]
             assert len(sent) <= 1  # no answer, no second message
             if sent:
                 waited = carry.time_s - sent[0].sent_s
@@ -266,14 +266,14 @@ def test_robot_that_waits_forever_gives_a_warning() -> None:
             sent = [m for m in carry.message_log if m.sender == side]
             if not sent:
                 continue
-            letter = sent[-1]
-            angle, what = waits.get((case, letter.kind), (None, ""))
+            message = sent[-1]
+            angle, what = waits.get((case, message.kind), (None, ""))
             nominal = column(carry, "commanded")[-2, k] == pytest.approx(0.06)
-            if palm == angle and nominal and carry.time_s - letter.sent_s > 2.1:
+            if palm == angle and nominal and carry.time_s - message.sent_s > 2.1:
                 seen.add((case, what))
                 hangs.append(
-                    f"the {side} robot has waited since {letter.sent_s:.1f} s for {what} that does "
-                    "not arrive (a message was lost)"
+                    f"the {side} robot has waited since {message.sent_s:.1f} s for {what} that "
+                    "does not arrive (a message was lost)"
                 )
         assert [w for w in carry.warnings if "does not arrive" in w] == hangs
         bare = pb.carry("paper", seed=seed, record=False, overrides={"radio.loss": 0.1})

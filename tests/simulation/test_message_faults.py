@@ -160,7 +160,7 @@ def test_damaged_packet_is_delivered_counted_and_ignored(controller: str) -> Non
     for link in damaged.links.values():
         assert link.rejected == link.delivered == link.sent
         assert (link.lost, link.duplicated, link.expired) == (0, 0, 0)
-    assert {letter.received_s for letter in damaged.message_log} <= {None}
+    assert {message.received_s for message in damaged.message_log} <= {None}
     assert damaged.trace_hash == lost.trace_hash
 
 
@@ -173,7 +173,7 @@ def test_packets_are_damaged_with_the_given_probability(controller: str) -> None
         low, high = wilson(link.rejected, link.sent, z=4)
         assert low < 0.1 < high
         assert link.delivered == link.sent
-    unread = sum(letter.received_s is None for letter in carry.message_log)
+    unread = sum(message.received_s is None for message in carry.message_log)
     if carry.message_log:
         assert unread == sum(link.rejected for link in carry.links.values())
 
@@ -184,7 +184,7 @@ def test_damaged_message_leaves_table_2_waiting_like_a_lost_one() -> None:
         carry = pb.carry("paper", seed=seed, overrides={"radio.corruption": 0.1})
         warned = [w for w in carry.warnings if "does not arrive (a message arrived damaged)" in w]
         damaged = sum(link.rejected for link in carry.links.values())
-        assert damaged == sum(letter.received_s is None for letter in carry.message_log)
+        assert damaged == sum(message.received_s is None for message in carry.message_log)
         assert bool(damaged) or not warned
         hung += bool(warned)
     assert hung > 6

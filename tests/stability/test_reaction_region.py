@@ -31,7 +31,7 @@ UNLIKE: dict[str, Any] = {
 
 
 def test_reaction_agrees_with_a_calculation_by_hand() -> None:
-    """Palms turn 10° at 20°/s; noise √(3² + 4²) = 5 mm/s; a letter takes 80 + 10 + 20 ms."""
+    """Palms turn 10° at 20°/s; noise √(3² + 4²) = 5 mm/s; a message takes 80 + 10 + 20 ms."""
     found = reaction(pb.load_scene("paper", UNLIKE), SHALLOW, STEEP)
     assert found.own_s == pytest.approx(0.02 + 0.5)
     assert found.asked_s == pytest.approx(0.02 + 2 * 0.11 + 0.5)

@@ -55,12 +55,12 @@ class MachineSearch:
                 sign = (p[robot] > 0) - (p[robot] < 0)
                 row = self.row(robot, names[robot], sign, heard, palms[robot][1] == 0)
                 name = names[robot] if row is None else row.next
-                box = [(word, min(age + 1, self.delay)) for word, age in mine]
+                unread = [(said, min(age + 1, self.delay)) for said, age in mine]
                 if row is not None and row.heard:
-                    box = box[1:]
+                    unread = unread[1:]
                 sent = [(row.send, 0)] if row is not None and row.send else []
                 both = [list(inboxes[0]), list(inboxes[1])]
-                both[robot] = box
+                both[robot] = unread
                 both[1 - robot] = both[1 - robot] + sent
                 output = self.outputs[robot][name]
                 angle, left = palms[robot]

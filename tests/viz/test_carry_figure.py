@@ -98,14 +98,14 @@ def test_carry_that_ends_in_the_first_tick_is_handled(overrides):
 
 @pytest.mark.parametrize("controller", registry.shipped_names())
 def test_every_controller_is_drawn(controller):
-    """With each kind of letter it says, and a mark for it in the key; repeated beacons are not."""
+    """With each kind of message it says, and a mark for it in the key; repeated beacons are not."""
     done = pb.carry("figure8", controller, overrides={"radio.loss": 0.02})
-    letters = {m.kind for m in done.message_log}
+    kinds = {m.kind for m in done.message_log}
     entry = registry.resolve(controller)
-    assert (len(letters) > 1) == (entry.team == "robots" and entry.uses_radio)
+    assert (len(kinds) > 1) == (entry.team == "robots" and entry.uses_radio)
     figure = figure8.draw_carry(done)
     keys = [axes.get_legend() for axes in figure.axes] + figure.legends
-    assert letters <= {t.get_text() for key in keys if key for t in key.get_texts()}
+    assert kinds <= {t.get_text() for key in keys if key for t in key.get_texts()}
     figure.canvas.draw()
     assert all(key.get_window_extent().x1 < figure.bbox.x1 for key in figure.legends)
     news = [m for m, new in message_news(done) if new]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The message-sequence chart: every letter and case of a carry is in it, where it belongs."""
+"""The message-sequence chart: every message and case of a carry is in it, where it belongs."""
 
 from itertools import pairwise
 from typing import Any

@@ -17,8 +17,8 @@ enum class Sign : std::int8_t { negative = -1, zero = 0, positive = 1 };
 // resilient algorithm adds two states that the partner must know: the sender corrects a negative
 // contact (closing), or its palm is up but not in answer to a request (raised). The others are the
 // messages of a controller that shares signs: the sender's sign, and whether its palm is shallow
-// where its sign is not zero. Last come the words of the table that lifts (control/lifting.hpp), which
-// no controller sends.
+// where its sign is not zero. Last come the messages of the table that lifts (control/lifting.hpp),
+// which no controller sends.
 enum class MessageKind : std::uint8_t {
   none,
   tilt_up,
@@ -46,8 +46,8 @@ enum class MessageKind : std::uint8_t {
   backing,
   holding,
 };
-inline constexpr int message_kinds = 11;  // that controllers send
-inline constexpr int word_count = 25;     // of all tables
+inline constexpr int message_kinds = 11;      // that controllers send
+inline constexpr int all_message_kinds = 25;  // of all tables
 
 constexpr bool is_sign(MessageKind kind) {
   return kind >= MessageKind::zero && kind <= MessageKind::minus_shallow;

@@ -305,20 +305,20 @@ struct TableMessages {
   }
   static constexpr int count = [] {
     int n = 0;
-    for (int kind = 0; kind < word_count; ++kind) n += includes(kind) ? 1 : 0;
+    for (int kind = 0; kind < all_message_kinds; ++kind) n += includes(kind) ? 1 : 0;
     return n;
   }();
   static constexpr std::array<MessageKind, count> list = [] {
     std::array<MessageKind, count> messages{};
     std::size_t n = 0;
-    for (int kind = 0; kind < word_count; ++kind) {
+    for (int kind = 0; kind < all_message_kinds; ++kind) {
       if (includes(kind)) messages[n++] = static_cast<MessageKind>(kind);
     }
     return messages;
   }();
   // The place of each message in the list.
-  static constexpr std::array<std::uint8_t, word_count> places = [] {
-    std::array<std::uint8_t, word_count> found{};
+  static constexpr std::array<std::uint8_t, all_message_kinds> places = [] {
+    std::array<std::uint8_t, all_message_kinds> found{};
     for (std::size_t i = 0; i < list.size(); ++i) {
       found[static_cast<std::size_t>(list[i])] = static_cast<std::uint8_t>(i);
     }

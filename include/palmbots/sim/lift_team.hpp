@@ -2,7 +2,7 @@
 // The team of a job that begins or ends on the floor: any team of a carry, with the table that lifts
 // (control/lifting.hpp) beside the controller of each robot.
 //
-// The words of the table travel by a radio of their own, with the properties of the scene's; what
+// The messages of the table travel by a radio of their own, with the properties of the scene's; what
 // both send at the same time does not collide. While the table drives a robot, the controller sees a
 // centred contact.
 #pragma once
@@ -94,15 +94,15 @@ class LiftTeam {
 
   void count_messages() {
     link_totals = inner_.link_totals;
-    const LinkTotals& words = phases_.link_totals;
-    link_totals.sent += words.sent;
-    link_totals.lost += words.lost;
+    const LinkTotals& own = phases_.link_totals;
+    link_totals.sent += own.sent;
+    link_totals.lost += own.lost;
     for (std::size_t i = 0; i < link_totals.links.size(); ++i) {
-      link_totals.links[i].sent += words.links[i].sent;
-      link_totals.links[i].lost += words.links[i].lost;
-      link_totals.links[i].duplicated += words.links[i].duplicated;
-      link_totals.links[i].late += words.links[i].late;
-      link_totals.links[i].rejected += words.links[i].rejected;
+      link_totals.links[i].sent += own.links[i].sent;
+      link_totals.links[i].lost += own.links[i].lost;
+      link_totals.links[i].duplicated += own.links[i].duplicated;
+      link_totals.links[i].late += own.links[i].late;
+      link_totals.links[i].rejected += own.links[i].rejected;
     }
   }
 

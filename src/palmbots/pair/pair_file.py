@@ -126,8 +126,8 @@ class LimitsTable(Section):
     """What happens if the partner falls silent: stop, or what the controller does then. With stop,
     robots repeat what they say all the time, also those of shared-sign."""
     station_limit_s: Limit = 1.0
-    """Silence of the station after which it counts as lost. Words that arrive late are as old as
-    the robot's own packet that they acknowledge."""
+    """Silence of the station after which it counts as lost. A packet that arrives late is as
+    old as the robot's own packet that it acknowledges."""
     order_age_s: OrderAge = 1.0
     """Greatest age at which a robot obeys an order to arm, start or release. It must exceed twice
     the time of a packet and its answer. Stops act at any age."""

@@ -116,9 +116,9 @@ void deaf() {
   }
 }
 
-// Phases that a partner has to distinguish have different words, and words of arms that go up or down
-// are those of the phases in which they may.
-void words() {
+// Phases that a partner has to distinguish have different messages, and messages of arms that go up or
+// down are those of the phases in which they may.
+void messages() {
   const Names same[] = {{"centre", "recentre"},
                         {"raise", "raise_hold"},
                         {"lower", "lower_hold"},
@@ -127,17 +127,17 @@ void words() {
                         {"back_off", "failed"}};
   for (int a = 0; a < Lifting::states; ++a) {
     const std::string_view one = Lifting::meanings[a].name;
-    const MessageKind word = Lifting::outputs[a].message;
+    const MessageKind message = Lifting::outputs[a].message;
     const bool goes_up = is_one_of(one, {"ready", "raise", "raise_hold", "up", "carry"});
-    CHECK(Lifting::rises.has(word) == goes_up);
+    CHECK(Lifting::rises.has(message) == goes_up);
     const bool may_be_up = stage(one) >= 4 || one == "held";
     CHECK(Lifting::assisting.has(static_cast<Lifting::State>(a)) == may_be_up);
-    CHECK(Lifting::sinks.has(word) == (stage(one) >= 7 || one == "stand_back"));
+    CHECK(Lifting::sinks.has(message) == (stage(one) >= 7 || one == "stand_back"));
     for (int b = 0; b < a; ++b) {
       const std::string_view other = Lifting::meanings[b].name;
       bool together = false;
       for (const Names& names : same) together |= is_one_of(one, names) && is_one_of(other, names);
-      CHECK((word == Lifting::outputs[b].message) == together);
+      CHECK((message == Lifting::outputs[b].message) == together);
     }
   }
 }
@@ -151,5 +151,5 @@ int main(int count, char** arguments) {
   knocked();
   glued();
   deaf();
-  words();
+  messages();
 }

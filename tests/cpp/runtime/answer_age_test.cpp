@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The age of the station's words is never taken for less than it is, and never for much more than a
+// The age of the station's packets is never taken for less than it is, and never for much more than a
 // round trip and the time since the last one.
 #include "palmbots/runtime/answer_age.hpp"
 
