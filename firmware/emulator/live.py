@@ -11,6 +11,7 @@ from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import palmbots._core as _core
 from emulator.board import Board, Image, PowerFailed
 from emulator.peripherals.radio import airtime_us
 from emulator.processor import CYCLES_PER_US
@@ -21,7 +22,7 @@ from palmbots.scene.scene import load_scene
 from palmbots.simulation.episode import Episode
 
 QUANTUM_US = 1000.0
-MODES = ("off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault")
+MODES = _core.wire.robot_modes
 FAULTS = ("none", "switches", "palm", "motor", "supply", "storage", "settings", "stranger", "late")
 Command = tuple[int, int, bool]
 """Palm, move and stop."""

@@ -121,7 +121,7 @@ function drawRobot(
   for (const share of [0.25, 0.75]) {
     const wx = near + out * body_size! * share;
     const radius = wheel_radius! * view.scale;
-    const turn = (side === 0 ? px : px) / wheel_radius!;
+    const turn = px / wheel_radius!;
     c.beginPath();
     c.arc(view.x(wx), view.y(level + wheel_radius!), radius, 0, 2 * Math.PI);
     c.fillStyle = p.background;

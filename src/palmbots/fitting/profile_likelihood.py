@@ -20,12 +20,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from palmbots._util.confidence_intervals import Z95
+
 Floats = NDArray[np.float64]
 Function = Callable[[Floats], Floats]
 """Sets of parameters, one in a row → the log-likelihood of each."""
-
-QUANTILE = 1.959963984540054
-"""Of the standard normal distribution, at 97.5 %: its square is the 95 % quantile of χ²."""
 
 _STEP = 0.1  # of differences, in standard deviations
 _ROUNDS = 60  # of Newton's method, at most
@@ -188,18 +187,18 @@ def _end(
         return math.sqrt(max(0.0, 2 * (best.value - found.value)))
 
     before, depth_before = centre, 0.0
-    value = centre + sense * min(QUANTILE * spread, abs(limit - centre))
+    value = centre + sense * min(Z95 * spread, abs(limit - centre))
     for _ in range(_SECANTS):
         found = depth(value)
-        if abs(found - QUANTILE) < 0.02:
+        if abs(found - Z95) < 0.02:
             return value
-        if value == limit and found < QUANTILE:
+        if value == limit and found < Z95:
             return limit
         rise = (found - depth_before) / (value - before) if value != before else 0.0
         if rise * sense <= 0:  # flat so far
             following = centre + 2 * (value - centre)
         else:
-            following = value + (QUANTILE - found) / rise
+            following = value + (Z95 - found) / rise
             following = centre + sense * min(
                 max(abs(following - centre), 0.3 * abs(value - centre)), 4 * abs(value - centre)
             )

@@ -229,17 +229,6 @@ class OneOrList:
         return tuple(self.one(item) for item in self.many(value))
 
 
-Angle = Annotated[float, BeforeValidator(Range("degrees", above=-80, below=80))]
-Fraction = Annotated[float, BeforeValidator(Range(least=0, most=1))]
 Switch = Annotated[bool, BeforeValidator(is_switch)]
-Index = Annotated[int, BeforeValidator(whole(0))]
-
 Size = Annotated[float, BeforeValidator(Range("m", least=0.001, most=10))]
 Extent = Annotated[float, BeforeValidator(Range("m", least=0, most=10))]
-Place = Annotated[float, BeforeValidator(Range("m", least=-10, most=10))]
-Shift = Annotated[float, BeforeValidator(Range("m", least=-1, most=1))]
-Mass = Annotated[float, BeforeValidator(Range("kg", least=0.001, most=1000))]
-Friction = Annotated[float, BeforeValidator(Range(least=0.001, most=100))]
-Moment = Annotated[float, BeforeValidator(Range("s", least=0, most=1_000_000))]
-Lasting = Annotated[float, BeforeValidator(Range("s", least=0.0001, most=1_000_000))]
-Duration = Annotated[float, BeforeValidator(Range("s", least=0.001, most=1_000_000))]
