@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a robot and a station run, as firmware would call it: functions without a system below.
 // Compiled by tests/cpp/test_programs.py, never run.
-#include "palmbots/control.hpp"
-#include "palmbots/runtime.hpp"
+#include "palmbots/control/external.hpp"
+#include "palmbots/control/lifting.hpp"
+#include "palmbots/control/machine_table.hpp"
+#include "palmbots/control/resilient_timing.hpp"
+#include "palmbots/control/row_policy.hpp"
+#include "palmbots/runtime/controller_registry.hpp"
+#include "palmbots/runtime/hand_controls.hpp"
+#include "palmbots/runtime/robot_runtime.hpp"
+#include "palmbots/runtime/station_runtime.hpp"
 #include "palmbots/wire.hpp"
 
 using DistributedRobot = palmbots::TableRobot<palmbots::Distributed>;
