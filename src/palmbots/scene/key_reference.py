@@ -171,9 +171,8 @@ def default_scene_toml() -> str:
     """The default scene as TOML, with the meaning and unit of each key as a comment."""
     head = [
         "# A scene for palmbots with the default of every key. A key that you remove",
-        "# keeps its default. palm.left.KEY, palm.right.KEY, robot.left.KEY and",
-        "# robot.right.KEY override one side. radio.left, radio.right and radio.station",
-        "# override latency_s, jitter_s and loss for what one sender transmits.",
+        "# keeps its default. Keys of one side or sender override those of all:",
+        *(f"# [{'], ['.join(f'{table}.{one}' for one in own)}]" for table, own in HOLDERS.items()),
         "# The keys of the paper's box are in comments. With an outline of your own",
         "# (vertices_m or box_m), the others of these keys follow from it.",
         "# Run it: palmbots carry FILE",

@@ -81,7 +81,7 @@ def objects() -> ObjectList:
 def keys(pattern: str = "") -> KeyList:
     """List the scene keys with default, unit and meaning.
 
-    palm.left.KEY, palm.right.KEY, robot.left.KEY and robot.right.KEY override one side.
+    palm.left.KEY and palm.right.KEY override one side, and so in the sections robot and arm.
 
     Args:
         pattern: part of a key, or a pattern such as 'radio.*_s'.

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from palmbots._util.confidence_intervals import Z95
 from palmbots._util.text import format_number, plural
-from palmbots._util.units import name_of
 from palmbots.errors import PalmbotsError
+from palmbots.scene.key_units import name_of
 from palmbots.studies.axes import Axis, Span
 from palmbots.studies.sobol import METRICS, SobolIndex, sobol_indices
 from palmbots.studies.study_runner import StudyResult

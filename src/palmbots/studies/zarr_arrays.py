@@ -21,7 +21,7 @@ import numpy as np
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots._util.optional_imports import require
-from palmbots._util.units import unit_of
+from palmbots.scene.key_units import unit_of
 from palmbots.studies.chunk_task import Block
 from palmbots.studies.chunking import Chunk, ChunkGrid
 from palmbots.studies.points import Points

@@ -15,8 +15,8 @@ import sys
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
-from palmbots._util.units import name_of, unit_of
 from palmbots.control.registry import controller_names, describe
+from palmbots.scene.key_units import name_of, unit_of
 
 _BLACK, _WHITE = "#000000", "#FFFFFF"
 _BLUE, _SKY, _GREEN, _YELLOW = "#0072B2", "#56B4E9", "#009E73", "#F0E442"
