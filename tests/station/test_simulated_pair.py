@@ -8,6 +8,9 @@ from typing import Any
 import pytest
 
 import palmbots as pb
+from palmbots._types import BySide
+from palmbots._util.plain_values import plain
+from palmbots.cli.json_schemas import schema_of
 from palmbots.control.registry import describe, shipped_names
 from palmbots.drivers.driver import Reading
 from palmbots.pair.launcher import UP
@@ -17,7 +20,9 @@ from palmbots.robot import live_robot, storage_thread
 from palmbots.station import station as station_module
 from palmbots.station.carry_script import carry_once
 from palmbots.station.simulated_pair import Air, SimulatedPair
+from palmbots.station.station_loop import StationEnd
 from palmbots.wire import Endpoint, Operate, State, decode
+from schema_refusals import assert_fits_exactly
 
 CARRYING = ("carrying", "holding")
 CONTROLLERS = shipped_names("robots")
@@ -35,6 +40,19 @@ def test_the_station_arms_starts_and_sees_the_end(controller: str, tmp_path: Pat
     before = pair.stage.midpoint
     pair.run(100)
     assert pair.stage.midpoint == before
+
+
+def test_what_programs_print_at_their_end_fits_the_schemas_exactly(tmp_path: Path) -> None:
+    pair = SimulatedPair(tmp_path, "shared-sign", Air(delay_ms=20), UP)
+    assert pair.carry()
+    modes = BySide[str | None].of(pair.modes())
+    station = StationEnd(True, modes, pair.lines, pair.station.links())
+    assert_fits_exactly(schema_of("station"), plain(station))
+    for side, other in (("left", "right"), ("right", "left")):
+        found = plain(pair.end_of(side))
+        assert_fits_exactly(schema_of("robot"), found)
+        assert found["link"][side] is None
+        assert found["link"][other]["received"] > 20
 
 
 @pytest.mark.parametrize("controller", ["resilient", "shared-sign"])

@@ -14,7 +14,6 @@ from types import GenericAlias, SimpleNamespace, UnionType
 from typing import (
     Annotated,
     Any,
-    NotRequired,
     TypeVar,
     Union,
     get_args,
@@ -73,8 +72,6 @@ def _json_type(hint: Any) -> Any:
         return _table(kind, inner)
     if is_typeddict(kind):
         types = {key: _json_type(one) for key, one in get_type_hints(kind).items()}
-        required = kind.__required_keys__
-        types |= {key: NotRequired[types[key]] for key in types if key not in required}
         return _closed(kind.__name__, types)
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return Annotated[Any, WithJsonSchema({"$ref": _OF_SCENE + kind.__name__})]

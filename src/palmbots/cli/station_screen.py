@@ -71,7 +71,7 @@ def run_screen(client: StationClient, restarts_within_s: float = 0.0) -> dict[st
     if client.end is not None:
         return ended(client.end)
     if client.role == "viewer":
-        return {"done": True, "modes": {}}
+        return {"done": True, "modes": {}, "links": None}
     raise PalmbotsError("station: its process is gone")
 
 

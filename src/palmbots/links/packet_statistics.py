@@ -18,8 +18,9 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, TypedDict
+from typing import Any, Literal
 
+from palmbots._types import MaybeNaN
 from palmbots._util import process_clock
 from palmbots.wire import Role, Status
 
@@ -47,26 +48,30 @@ def quantile(values: Iterable[float], fraction: float) -> float:
     return ordered[max(0, math.ceil(fraction * len(ordered)) - 1)]
 
 
-class EndTable(TypedDict):
-    """What was exchanged with one other end, as JSON has it; None: unknown."""
+@dataclass(frozen=True)
+class EndCounts:
+    """What was exchanged with one other end, as JSON has it."""
 
     sent: int
     received: int
     lost: int | None
+    """None: unknown."""
     copies: int
     overtaken: int
-    round_trip_median_s: float | None
-    round_trip_p99_s: float | None
-    round_trip_longest_s: float | None
+    round_trip_median_s: MaybeNaN
+    round_trip_p99_s: MaybeNaN
+    round_trip_longest_s: MaybeNaN
 
 
-class StatisticsTable(TypedDict, total=False):
-    """What was exchanged with each other end, and what the link says about itself."""
+@dataclass(frozen=True, kw_only=True)
+class LinkCounts:
+    """What was exchanged with each other end; None: it is this end."""
 
-    left: EndTable
-    right: EndTable
-    station: EndTable
+    left: EndCounts | None = None
+    right: EndCounts | None = None
+    station: EndCounts | None = None
     details: dict[str, Any]
+    """What the link says about itself."""
 
 
 @dataclass(frozen=True)
@@ -204,22 +209,18 @@ class EndStatistics:
         trips = [trip_s for at_s, trip_s in self._trips if now_s - at_s <= _RECENT_S]
         return quantile(trips, 0.5) if trips else None
 
-    def summary(self) -> EndTable:
-        """All statistics of this end as a table; what is not known is None."""
-
-        def known(trip_s: float) -> float | None:
-            return None if math.isnan(trip_s) else trip_s
-
-        return {
-            "sent": self.sent,
-            "received": self.received,
-            "lost": self.lost,
-            "copies": self.copies,
-            "overtaken": self.overtaken,
-            "round_trip_median_s": known(quantile(self.round_trips_s, 0.5)),
-            "round_trip_p99_s": known(quantile(self.round_trips_s, 0.99)),
-            "round_trip_longest_s": known(self.longest_s),
-        }
+    def counts(self) -> EndCounts:
+        """All that has been counted so far."""
+        return EndCounts(
+            self.sent,
+            self.received,
+            self.lost,
+            self.copies,
+            self.overtaken,
+            quantile(self.round_trips_s, 0.5),
+            quantile(self.round_trips_s, 0.99),
+            self.longest_s,
+        )
 
 
 class PacketStatistics:
@@ -246,14 +247,10 @@ class PacketStatistics:
         """An authentic packet has arrived (`EndStatistics.take`)."""
         return self.ends[sender].take(stamp, data, acknowledged, self._clock())
 
-    def summary(self, details: Mapping[str, Any]) -> StatisticsTable:
-        """All counts as a table, with what the link says about itself."""
-        found: StatisticsTable = {}
-        for end, one in self.ends.items():
-            found[end] = one.summary()
-        if details:
-            found["details"] = dict(details)
-        return found
+    def counts(self, details: Mapping[str, Any]) -> LinkCounts:
+        """All that has been counted so far, and what the link says about itself."""
+        ends = {end: one.counts() for end, one in self.ends.items()}
+        return LinkCounts(**ends, details=dict(details))
 
 
 class ReportedCounts:

@@ -20,7 +20,7 @@ from palmbots.clocks.control_clock import jitter_table
 from palmbots.drivers.driver import Drive, Driver, Reading, works
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import Link
-from palmbots.links.packet_statistics import PacketStatistics, StatisticsTable
+from palmbots.links.packet_statistics import LinkCounts, PacketStatistics
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.stored_state import StoredState
 from palmbots.robot.logged_steps import RobotLog
@@ -46,7 +46,7 @@ class RobotEnd:
     """Steps that were missed."""
     jitter: dict[str, int]
     """How many steps began late by how much."""
-    link: StatisticsTable
+    link: LinkCounts
     """What was exchanged with each other end (`palmbots.links.packet_statistics`)."""
     verdicts: dict[str, int]
     """Received packets by verdict."""
@@ -196,7 +196,7 @@ class RobotLoop:
             self._ticks,
             clock.overruns,
             jitter_table(clock.jitter),
-            self._statistics.summary(details),
+            self._statistics.counts(details),
             self.verdicts(),
         )
 

@@ -24,7 +24,7 @@ from palmbots.pair.stored_state import StoredState
 from palmbots.robot.live_robot import logged_program, ticks_in
 from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.reading_gauge import ReadingGauge
-from palmbots.robot.robot_loop import RobotLoop
+from palmbots.robot.robot_loop import RobotEnd, RobotLoop
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.simulation.live_world import Board
@@ -213,6 +213,10 @@ class SimulatedPair:
     def modes(self) -> tuple[RobotMode, ...]:
         """The modes of the robots that have power."""
         return tuple(loop.robot.mode for loop in self._loops.values())
+
+    def end_of(self, side: Side) -> RobotEnd:
+        """How the program of a robot has run so far."""
+        return self._loops[side].end({})
 
     def now_s(self) -> float:
         """The time since the start."""

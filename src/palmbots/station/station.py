@@ -9,14 +9,14 @@ not armed or started on its own. Only a stop stays in force.
 import contextlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from palmbots._types import SIDES, Side
+from palmbots._types import SIDES, BySide, Side
 from palmbots._util import process_clock
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import Link
-from palmbots.links.packet_statistics import PacketStatistics, ReportedCounts
+from palmbots.links.packet_statistics import LinkCounts, PacketStatistics, ReportedCounts
 from palmbots.pair.fault_words import fault_line
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState, read_state, write_state
@@ -49,6 +49,18 @@ _REACHED: dict[Operation, tuple[RobotMode, ...]] = {
 
 class OtherStation(PalmbotsError):
     """Another station operates the pair."""
+
+
+@dataclass(frozen=True)
+class StationLinks:
+    """What the three ends of the wire have sent and received, as the station knows it."""
+
+    station: LinkCounts
+    """What the station has exchanged with each robot."""
+    verdicts: dict[str, int]
+    """Packets that the station has received, by verdict."""
+    robots: BySide[dict[str, int]]
+    """What each robot has reported: packets sent, and packets received by verdict."""
 
 
 class Station:
@@ -152,11 +164,11 @@ class Station:
             if view.status is not None and view.is_heard(now)
         }
 
-    def links(self) -> dict[str, Any]:
+    def links(self) -> StationLinks:
         """What the link of the station has sent, received and lost, and what the robots report."""
-        own = self.statistics.summary(getattr(self._link, "details", {}))
-        reported = {side: counts.totals for side, counts in self.reported.items()}
-        return {"station": own, "verdicts": dict(self._end.counts), "robots": reported}
+        own = self.statistics.counts(getattr(self._link, "details", {}))
+        reported = BySide.of(self.reported[side].totals for side in SIDES)
+        return StationLinks(own, dict(self._end.counts), reported)
 
     def is_done(self) -> bool:
         """Both robots have carried out the wish."""

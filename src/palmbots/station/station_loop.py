@@ -14,14 +14,22 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 
+from palmbots._types import SIDES, BySide
 from palmbots._util.end_signal import ended_by_signal
+from palmbots._util.plain_values import plain
 from palmbots.clocks.control_clock import control_clock
 from palmbots.errors import PalmbotsError
 from palmbots.pair.live_ends import open_pair_link
 from palmbots.pair.pair_file import Pair, station_address
 from palmbots.pair.stored_state import CounterInUse, held
 from palmbots.station.carry_script import carry_once
-from palmbots.station.station import PERIOD_S, UNDER_WAY, OtherStation, Station
+from palmbots.station.station import (
+    PERIOD_S,
+    UNDER_WAY,
+    OtherStation,
+    Station,
+    StationLinks,
+)
 from palmbots.station.station_log import StationLog
 from palmbots.station.station_server import QUIT, SILENT_S, StationServer
 from palmbots.wire import Operation, RobotMode
@@ -36,12 +44,12 @@ class StationEnd:
 
     done: bool
     """With a script: both robots carried to the end. Otherwise an operator has ended it."""
-    modes: dict[str, str]
-    """The newest modes of the robots."""
+    modes: BySide[str | None]
+    """The newest modes of the robots; None: the robot was not heard."""
     lines: list[str]
     """Everything that was said."""
-    links: dict[str, Any]
-    """What was sent, received and lost (`Station.links`)."""
+    links: StationLinks | None
+    """What was sent, received and lost; None: this screen has ended before the station."""
 
 
 def run_station_loop(
@@ -97,10 +105,10 @@ def run_station_loop(
         except PalmbotsError as error:
             end = {"error": str(error)}
             raise
-        modes = {side: status.mode for side, status in station.status.items()}
-        links = station.links()
-        result = StationEnd(loop.done, cast(dict[str, str], modes), server.lines, links)
-        end = {"done": result.done, "modes": modes, "links": links}
+        status = station.status
+        modes = BySide.of(status[side].mode if side in status else None for side in SIDES)
+        result = StationEnd(loop.done, modes, server.lines, station.links())
+        end = {key: value for key, value in plain(result).items() if key != "lines"}
     return result
 
 

@@ -89,7 +89,7 @@ def station(
                 options += ["--no-log"] if no_log else []
                 with started_station(options, address) as client:
                     end = _show(client, **shown, reads_orders=not auto)
-        ended = StationEnd(end["done"], end["modes"], client.lines, end.get("links", {}))
+        ended = StationEnd(end["done"], end["modes"], client.lines, end.get("links"))
     if as_json:
         print_json(ended)
     return DONE if ended.done else FAILED
