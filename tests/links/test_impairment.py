@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 
 import palmbots as pb
-from palmbots.cli.commands.up_command import _radio_of
-from palmbots.links.impairment import Impairment, Proxy
+from palmbots.cli.commands.up_command import _IN_PROCESSES, _radio_of, not_simulated
+from palmbots.links.impairment import ImpairedPackets, Impairment, Proxy
+from palmbots.scene.core_keys import ROWS
 
 PACKETS = 20_000
 
@@ -71,6 +72,20 @@ def test_datagrams_go_to_the_end_they_are_meant_for() -> None:
             one.close()
 
 
+@pytest.mark.parametrize("reorder", [0, 1])
+def test_packets_overtake_each_other_only_where_they_may(reorder: float) -> None:
+    air = ImpairedPackets(Impairment(delay_ms=50, jitter_ms=50, duplicate=0.2, reorder=reorder))
+    for number in range(200):
+        air.send(0.01 * number, "left", "right", bytes([number]))
+        air.send(0.01 * number, "left", "station", bytes([number]))
+    arrived: dict[str, list[int]] = {"right": [], "station": []}
+    for receiver, data in air.due(10.0):
+        arrived[receiver].append(data[0])
+    for numbers in arrived.values():
+        assert len(numbers) > 220
+        assert (numbers == sorted(numbers)) == (not reorder)
+
+
 def test_packets_between_processes_have_the_delays_of_the_scene() -> None:
     """From the shortest to the longest: a scene adds its jitter to the latency."""
     keys = {"radio.latency_s": 0.03, "radio.jitter_s": 0.04, "radio.loss": 0.1}
@@ -82,3 +97,36 @@ def test_packets_between_processes_have_the_delays_of_the_scene() -> None:
     assert 0.03 <= min(delays) < 0.031 and 0.069 < max(delays) <= 0.07
     assert sum(not fate for fate in fates) / len(fates) == pytest.approx(0.1, abs=0.015)
     assert sum(len(fate) == 2 for fate in fates) / len(fates) == pytest.approx(0.27, abs=0.02)
+
+
+OTHER_LISTS = {
+    "radio.outages": [{"sender": "left", "start_s": 1.0, "end_s": 2.0}],
+    "radio.script": [{"sender": "left", "message": 1, "effect": "lost"}],
+    "faults.script": [{"kind": "reboot", "robot": "left", "at_s": 1.0, "duration_s": 0.5}],
+}
+
+
+def others() -> dict[str, Any]:
+    """Every key of radio and faults with another value than its default, from the core's table."""
+    found: dict[str, Any] = dict(OTHER_LISTS)
+    for name, row in ROWS.items():
+        if name.startswith(("radio.", "faults.")) and "[]" not in name:
+            values = {"flag": not row["default"], "whole": 1, "number": 0.25}
+            found[name] = values[row["kind"]]
+    return found | {f"radio.{end}.loss": 0.5 for end in ("left", "right", "station")}
+
+
+def test_keys_that_have_no_effect_in_real_time_are_named() -> None:
+    assert not not_simulated(pb.load_scene("paper"))
+    named = set()
+    for key, value in others().items():
+        line = not_simulated(pb.load_scene("paper", {key: value}))
+        assert bool(line) == (key not in _IN_PROCESSES), key
+        if line:
+            assert line == f"{key} of the scene has no effect in real time, only with --lockstep"
+            named.add(key)
+        with_link = not_simulated(pb.load_scene("paper", {key: value}), "loss=0.1")
+        assert bool(with_link) == key.startswith("faults."), key
+    assert {"radio.burst_fraction", "radio.airtime_s", "radio.outages", "radio.left.loss"} <= named
+    two = not_simulated(pb.load_scene("paper", {"radio.replay": 0.1, "radio.corruption": 0.1}))
+    assert two.startswith("radio.corruption, radio.replay of the scene have no effect")

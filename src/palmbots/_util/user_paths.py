@@ -22,3 +22,10 @@ def user_path(path: str | os.PathLike[str], folder: str | os.PathLike[str] = "")
     if re.match(r"[A-Za-z][\w+.-]+:/", name):
         raise PalmbotsError(f"{name}: is an address; allowed: a file or folder of this machine")
     return Path(folder, os.path.expanduser(name))
+
+
+def state_folder() -> Path:
+    """Where the user's programs keep what has no folder of its own, as others do; it may not
+    exist."""
+    home = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(home).absolute() / "palmbots"

@@ -33,10 +33,11 @@ class Impairment:
     delay_ms: float = 0.0
     """Mean delay."""
     jitter_ms: float = 0.0
-    """Half the width of the interval around the delay from which each delay is drawn. Packets may
-    overtake each other."""
+    """Half the width of the interval around the delay from which each delay is drawn."""
     duplicate: float = 0.0
     """Probability that it arrives twice, each with a delay of its own."""
+    reorder: float = 1.0
+    """Whether it may overtake an earlier one: 0 or 1."""
 
     @classmethod
     def parse(cls, text: str) -> Self:
@@ -67,6 +68,8 @@ class Impairment:
         for name in ("loss", "duplicate"):
             if not 0 <= getattr(self, name) <= 1:
                 raise PalmbotsError(f"link: {name} is {getattr(self, name):g}; allowed: 0 to 1")
+        if self.reorder not in (0, 1):
+            raise PalmbotsError(f"link: reorder is {self.reorder:g}; allowed: 0 or 1")
         if not 0 <= self.jitter_ms <= self.delay_ms <= 10_000:
             raise PalmbotsError(
                 f"link: delay_ms is {self.delay_ms:g} and jitter_ms is {self.jitter_ms:g}; "
@@ -95,6 +98,7 @@ class ImpairedPackets:
         self._number = 0
         self._cut: frozenset[tuple[str, str]] = frozenset()
         self._held: dict[str, float] = {}
+        self._last_s: dict[tuple[str, str], float] = {}  # when the newest one arrives
 
     def cut(self, *links: tuple[str, str]) -> None:
         """From now on lose everything on these links, each a sender and a receiver, and on no
@@ -111,9 +115,11 @@ class ImpairedPackets:
         for delay_s in self._impairment.delays_s(self._chance):
             if (sender, receiver) not in self._cut:
                 self._number += 1
-                delay_s += self._held.get(sender, 0.0)
-                packet = (now_s + delay_s, self._number, receiver, data)
-                heapq.heappush(self._under_way, packet)
+                at_s = now_s + delay_s + self._held.get(sender, 0.0)
+                if not self._impairment.reorder:
+                    at_s = max(at_s, self._last_s.get((sender, receiver), at_s))
+                self._last_s[sender, receiver] = at_s
+                heapq.heappush(self._under_way, (at_s, self._number, receiver, data))
 
     def due(self, now_s: float) -> Iterator[tuple[str, bytes]]:
         """Take the packets that have arrived by now, with their receivers, in order."""

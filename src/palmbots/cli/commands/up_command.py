@@ -2,7 +2,6 @@
 """The command `palmbots up`."""
 
 import contextlib
-import os
 import sys
 import tempfile
 import time
@@ -12,8 +11,10 @@ from typing import TYPE_CHECKING
 
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
+from palmbots._util.user_paths import state_folder
 from palmbots.cli._run import controller_of, interruption_line, load
 from palmbots.cli._streams import say
+from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
@@ -77,6 +78,8 @@ def up(
     check_precision(place, precision)
     remote(entry, lambda *_: [])
     prepare(chosen, entry, place)  # refuses a scene
+    if not lockstep and (idle := not_simulated(chosen, link)):
+        warn(idle)
     options = ["--world", world, "--seed", str(seed_of(seed))]
     options += ["--json"] if as_json else []
     given = {"rate": rate != 1.0, "link": link != "", "live": live, "log": log}
@@ -103,6 +106,7 @@ def up(
         require("foxglove", "station")
         place_of(live, "--live")
     logs = "" if no_log else _log_folder(log, scene)
+    print_held_warnings()
     end = "palmbots: interrupted; world, robots and station have ended"
     if logs:
         end += f", their logs are in {logs}"
@@ -124,6 +128,34 @@ def up(
     return status
 
 
+_IN_PROCESSES = {
+    *("radio.loss", "radio.latency_s", "radio.jitter_s", "radio.reorder", "radio.duplicate"),
+    *("radio.beacon_s", "radio.lease_s"),  # of the programs of robots
+}
+"""Keys of the radio that count between processes in real time; no fault of a scene does."""
+
+
+def not_simulated(scene: "Scene", link: str = "") -> str:
+    """A line about the keys of radio and faults that the scene sets and that have no effect in real
+    time; empty: there are none.
+
+    Args:
+        scene: the scene.
+        link: another radio than that of the scene; empty: none.
+    """
+    from palmbots.scene.overrides import leaves
+    from palmbots.scene.scene import Scene
+
+    found = []
+    for section in ("faults",) if link else ("radio", "faults"):
+        given, usual = (leaves(section, one.model_dump()[section]) for one in (scene, Scene()))
+        found += [key for key, value in given.items() if value != usual.get(key)]
+    if not (idle := [key for key in found if key not in _IN_PROCESSES]):
+        return ""
+    verb = "has" if len(idle) == 1 else "have"
+    return f"{', '.join(idle)} of the scene {verb} no effect in real time, only with --lockstep"
+
+
 def _radio_of(scene: "Scene") -> "Impairment":
     """What happens to packets between processes, as the scene's radio has it."""
     from palmbots.links.impairment import Impairment
@@ -134,17 +166,16 @@ def _radio_of(scene: "Scene") -> "Impairment":
         delay_ms=1e3 * (radio.latency_s + 0.5 * radio.jitter_s),
         jitter_ms=1e3 * 0.5 * radio.jitter_s,
         duplicate=radio.duplicate,
+        reorder=float(radio.reorder),
     )
 
 
 def _log_folder(log: Path | None, scene: str) -> str:
-    """Where the programs log. As other programs do, it keeps what has no folder of its own in the
-    user's folder for such states."""
+    """Where the programs log."""
     if log is not None:
         return str(log.absolute())
-    home = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
     name = f"{time.strftime('%Y-%m-%d-%H%M%S')}-{Path(scene).stem}"
-    return str(Path(home).absolute() / "palmbots" / "logs" / name)
+    return str(state_folder() / "logs" / name)
 
 
 def _say(line: str) -> None:
