@@ -43,6 +43,8 @@ modules["rfc3987_syntax"] = None
 if "PYTEST_XDIST_WORKER" not in os.environ:
     os.environ["PALMBOTS_CACHE"] = tempfile.mkdtemp(prefix="palmbots-cache-")
     atexit.register(shutil.rmtree, os.environ["PALMBOTS_CACHE"], ignore_errors=True)
+    # What a user's programs remember stands there, too.
+    os.environ["XDG_STATE_HOME"] = os.environ["PALMBOTS_CACHE"]
 
 # `make test` uses `ci`: the same examples on every run, and no limit on the time of an example.
 # `make soak` uses `soak`: random examples, and many more of them.

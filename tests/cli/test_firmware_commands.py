@@ -98,6 +98,10 @@ def test_an_image_is_flashed_once(image: Path, tmp_path: Path, here: Run) -> Non
     assert (target / "left.hex").read_text() == image.read_text()
     done = here("flash", str(image), "--drive", str(target))
     assert_refused(done, "has been flashed already")
+    copy = tmp_path / "copy.hex"
+    copy.write_text(image.read_text())
+    assert_refused(here("flash", str(copy), "--drive", str(target)), "itself or a copy of it")
+    assert not (target / "copy.hex").exists()
     assert here("flash", str(image), "--drive", str(target), "--again").returncode == 0
     dongle = image.with_name("dongle.hex")  # it counts no boots
     for _ in range(2):

@@ -12,9 +12,10 @@ import os
 from pathlib import Path
 
 from palmbots._types import SIDES
-from palmbots._util.atomic_files import write_whole
+from palmbots._util.atomic_files import folder, write_whole
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
+from palmbots._util.user_paths import state_folder
 from palmbots.boards.images import image_with
 from palmbots.boards.settings_page import PAGE_ADDRESS, PAGE_SIZE, role_in
 from palmbots.errors import PalmbotsError
@@ -44,8 +45,8 @@ def find_drives(places: tuple[str, ...] = _PLACES) -> list[Path]:
 def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Path:
     """Copy an image to a board that is connected by USB.
 
-    An image that has been flashed already is refused: a flashed board forgets how often it has
-    booted, and would accept old packets as new.
+    An image that this user has flashed already, itself or a copy of it, is refused: a flashed
+    board forgets how often it has booted, and would accept old packets as new.
 
     Args:
         image: a .hex of palmbots firmware.
@@ -62,20 +63,8 @@ def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Pat
     target = _only(find_drives()) if drive is None else drive
     if not (target / _MARK).exists():
         raise PalmbotsError(f"{target}: is no drive of a board; it has no file {_MARK}")
-    mark = image.with_name(f"{image.name}.flashed")
-    check = hashlib.sha256(text.encode()).hexdigest()
-    if (
-        counts_boots
-        and not again
-        and mark.exists()
-        and mark.read_text("ascii", "replace").strip() == check
-    ):
-        raise PalmbotsError(
-            f"{image}: has been flashed already; run: palmbots firmware, or flash it --again if no "
-            "board has run it"
-        )
     if counts_boots:
-        write_whole(mark, check + "\n")
+        _mark(image, hashlib.sha256(text.encode()).hexdigest(), again=again)
     copy = target / image.name
     try:
         with copy.open("w", encoding="ascii", newline="\n") as stream:
@@ -95,6 +84,26 @@ def flash(image: Path, drive: Path | None = None, *, again: bool = False) -> Pat
         reason = " ".join(failure.read_text("utf-8", "replace").split())
         raise PalmbotsError(f"{target}: the board reports: {reason}")
     return copy
+
+
+def _mark(image: Path, check: str, *, again: bool) -> None:
+    """Mark an image as flashed: beside it, and in the user's folder, where copies of it are found.
+
+    Raises:
+        PalmbotsError: it is marked already, and `again` is not set; or no mark can be written.
+    """
+    beside = image.with_name(f"{image.name}.flashed")
+    known = state_folder() / "flashed" / check
+    is_marked = beside.exists() and beside.read_text("ascii", "replace").strip() == check
+    if not again and (is_marked or known.exists()):
+        raise PalmbotsError(
+            f"{image}: has been flashed already, itself or a copy of it; run: palmbots firmware, "
+            "or flash it --again if no board has run it"
+        )
+    write_whole(beside, check + "\n")
+    with contextlib.suppress(OSError, PalmbotsError):  # a user without a home has the other mark
+        folder(known.parent)
+        known.touch()
 
 
 def _image_text(image: Path) -> tuple[str, bool]:
