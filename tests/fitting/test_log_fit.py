@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Logs of carries and of robots are fitted: hidden values are found again."""
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -171,6 +172,10 @@ def test_logs_of_robots_are_fitted(
     pair = LoggedPair(tmp_path, "shared-sign", air, UP, keys)
     pair.carry()
     folder = pair.written()
+    wanted = rf"is the log of one program .* take the folder .*, {re.escape(str(folder))}$"
+    for file in folder.glob("*.mcap"):
+        with pytest.raises(pb.PalmbotsError, match=wanted):
+            pb.fit([file])
     stretches = read_carry(folder, 0).stretches
     assert stretches
     for one in stretches:

@@ -27,6 +27,7 @@ from palmbots._version import __version__
 from palmbots.errors import PalmbotsError
 from palmbots.logs.channels import CorrectionEvent, MessageEvent, Variable, state_channels
 from palmbots.logs.mcap_writer import FORMAT, JSON_FACTS, RECORD, TEXT_FACTS
+from palmbots.logs.run_log_reader import is_run_log
 from palmbots.scene.file_kinds import LOG, refuse_other_kind
 from palmbots.scene.scene import load_scene
 from palmbots.simulation.result import Carry, Correction, Message
@@ -54,6 +55,11 @@ def read_log(path: str | os.PathLike[str]) -> Log:
         PalmbotsError: the file cannot be read, is no carry log of this format, or is damaged.
     """
     refuse_other_kind(path, LOG)
+    if is_run_log(path):
+        raise PalmbotsError(
+            f"{path}: is the log of one program of a pair; allowed: the log of a carry; commands "
+            f"take the folder with the logs of all programs, {user_path(path).parent}"
+        )
     try:
         with open(user_path(path), "rb") as stream:
             data = stream.read(len(_MAGIC))
