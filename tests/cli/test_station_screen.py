@@ -3,11 +3,13 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
+from palmbots._types import SIDES
 from palmbots.cli.station_text import plain_status
+from palmbots.wire import RobotMode
 
 pytest.importorskip("textual")
 
@@ -114,11 +116,24 @@ def test_nothing_is_drawn_while_the_screen_closes() -> None:
 
 def test_plain_lines_have_the_same_content() -> None:
     left, right, warning = plain_status(STATE)
-    assert left == (
-        "  12.30 s  left   carrying, sign +1, palm steep, 43 %, 3 % lost, 62 ms round trip, 11.8 V"
-    )
-    assert right.startswith("  12.30 s  right  holding, sign -1, palm shallow, turning, 43 %, –, –")
+    assert left == "  12.30 s  left   carrying, sign +1, palm steep, 43 %, 3 % lost, 62 ms, 11.8 V"
+    assert right.startswith("  12.30 s  right  holding, sign -1, turns to shallow, 43 %, –, –")
     assert warning == "  12.30 s  warning: left: 12 % of its packets are lost"
+
+
+@pytest.mark.parametrize("mode", get_args(RobotMode))
+@pytest.mark.parametrize(
+    "reason", ["", "partner_lost", "operator: e-stop", "script (right not heard for 10 s): stop"]
+)
+def test_plain_lines_of_robots_fit_80_columns(mode: str, reason: str) -> None:
+    widest = {
+        "mode": mode, "reason": reason, "sign": -1, "palm": "shallow", "palm_at_target": False,
+        "progress": 1.0, "loss": 0.234, "round_trip_s": 0.999, "battery_v": 11.8,
+    }  # fmt: skip
+    state = STATE | {"time_s": 3599.9, "robots": dict.fromkeys(SIDES, ROBOT | widest)}
+    for line in plain_status(state)[:2]:
+        assert len(line) <= 80
+        assert line[18:].startswith(f"{mode} ({reason}), sign -1" if reason else f"{mode}, sign -1")
 
 
 @pytest.mark.parametrize(

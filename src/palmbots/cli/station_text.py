@@ -15,6 +15,7 @@ _CASES = {
     "d": "(d) moves closer",
 }
 _BAR = 12
+_WIDTH = 80  # columns
 
 
 def sign_text(robot: dict[str, Any]) -> str:
@@ -32,11 +33,12 @@ def case_text(robot: dict[str, Any]) -> str:
     return _CASES.get(robot["case"], f"({robot['case']})")
 
 
-def link_text(robot: dict[str, Any]) -> str:
+def link_text(robot: dict[str, Any], *, in_words: bool = True) -> str:
     """Losses and round trip."""
     loss, trip = robot["loss"], robot["round_trip_s"]
     lost = UNKNOWN if loss is None else f"{100 * loss:.0f} % lost"
-    return f"{lost}, {UNKNOWN if trip is None else f'{1000 * trip:.0f} ms round trip'}"
+    what = " round trip" if in_words else ""
+    return f"{lost}, {UNKNOWN if trip is None else f'{1000 * trip:.0f} ms{what}'}"
 
 
 def battery_text(robot: dict[str, Any]) -> str:
@@ -55,10 +57,11 @@ def progress_text(robot: dict[str, Any]) -> str:
 
 
 def plain_status(state: dict[str, Any]) -> list[str]:
-    """One line for each robot, and one for each warning."""
-    lines = [
-        f"{state['time_s']:7.2f} s  {side:5}  {_line(state['robots'][side])}" for side in SIDES
-    ]
+    """One line for each robot, within 80 columns, and one for each warning."""
+    lines = []
+    for side in SIDES:
+        head = f"{state['time_s']:7.2f} s  {side:5}  "
+        lines.append(head + _line(state["robots"][side], _WIDTH - len(head)))
     absent = {side for side in SIDES if not (state["robots"][side] or {}).get("is_heard")}
     return lines + [
         f"{state['time_s']:7.2f} s  warning: {text}"
@@ -67,18 +70,22 @@ def plain_status(state: dict[str, Any]) -> list[str]:
     ]
 
 
-def _line(robot: dict[str, Any] | None) -> str:
+def _line(robot: dict[str, Any] | None, width: int) -> str:
+    """What matters most comes first; what follows a long reason is left out."""
     if robot is None:
         return "not heard yet"
     if not robot["is_heard"]:
         return f"not heard for {robot['silent_s']:.0f} s; was {robot['mode']}"
     part = robot["progress"]
     battery = [] if robot["battery_v"] is None else [battery_text(robot)]
-    return ", ".join([
+    parts = [
         robot["mode"] + (f" ({robot['reason']})" if robot["reason"] else ""),
         f"sign {robot['sign']:+d}" if robot["sign"] else "sign 0",
-        f"palm {palm_text(robot)}",
+        f"{'palm' if robot['palm_at_target'] else 'turns to'} {robot['palm']}",
         UNKNOWN if part is None else f"{100 * part:.0f} %",
-        link_text(robot),
+        link_text(robot, in_words=False),
         *battery,
-    ])  # fmt: skip
+    ]
+    while len(parts) > 1 and len(", ".join(parts)) > width:
+        parts.pop()
+    return ", ".join(parts)
