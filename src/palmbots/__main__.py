@@ -17,8 +17,7 @@ _ALLOCATIONS_PER_COLLECTION = 50_000
 def main() -> None:
     """Run the command line and exit with its status."""
     from palmbots._util.exit_status import INTERRUPTED
-    from palmbots.cli import INTERRUPTION_LINE
-    from palmbots.cli._streams import open_closed_streams, say
+    from palmbots.cli._streams import open_closed_streams, say_interrupted
 
     open_closed_streams()
     # Imports make many objects and little garbage: rarer collections save a fifth of the start.
@@ -28,7 +27,7 @@ def main() -> None:
     usual = signal.getsignal(signal.SIGINT)  # ignored, where a shell without job control says so
 
     def end(*_: Any) -> None:
-        say(INTERRUPTION_LINE)
+        say_interrupted()
         os._exit(INTERRUPTED)
 
     if usual is signal.default_int_handler:
@@ -40,7 +39,7 @@ def main() -> None:
         run_command()
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        say(INTERRUPTION_LINE)
+        say_interrupted()
         sys.exit(INTERRUPTED)
 
 

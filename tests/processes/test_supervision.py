@@ -60,6 +60,20 @@ def test_a_killed_robot_starts_again_and_a_killed_world_ends_everything(up: Up) 
     assert not any(map(is_there, started.values()))
 
 
+def test_ctrl_c_in_a_terminal_prints_one_line(tmp_path: Path) -> None:
+    """It reaches all processes of the terminal, and only `up` speaks."""
+    command = ["up", "--set", "task.distance_m=20", "--log", str(tmp_path / "logs")]
+    with started(command, start_new_session=True) as process:
+        all_of(process)
+        time.sleep(1.0)  # so that they hear it, and no import does
+        os.killpg(process.pid, signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    logs = tmp_path / "logs"
+    line = f"palmbots: interrupted; world, robots and station have ended, their logs are in {logs}"
+    assert errors.splitlines() == [line]
+
+
 def test_a_killed_world_ends_a_carry_in_lockstep() -> None:
     command = ["up", "--lockstep", "--set", "task.distance_m=500", "--set", "task.timeout_s=9999"]
     with started(command) as up:

@@ -58,6 +58,11 @@ def lifeline(pipe: int) -> dict[str, str]:
     return {_VARIABLE: str(pipe)}
 
 
+def has_starter(variables: Mapping[str, str]) -> bool:
+    """Whether a program with a lifeline has started this one, and speaks for it."""
+    return _VARIABLE in variables
+
+
 def end_with_starter(variables: Mapping[str, str]) -> None:
     """End this program when the one that started it is gone, if it was started with a lifeline."""
     text = variables.get(_VARIABLE, "")

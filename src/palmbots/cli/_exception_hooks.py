@@ -21,8 +21,7 @@ from types import FrameType, TracebackType
 from typing import Any
 
 from palmbots._util.end_signal import leave
-from palmbots.cli import INTERRUPTION_LINE
-from palmbots.cli._streams import say
+from palmbots.cli._streams import say_interrupted
 from palmbots.cli._warnings import warn
 
 
@@ -97,7 +96,7 @@ _SOON_S = 0.01
 def _send_again(number: int) -> None:
     if not threading.main_thread().is_alive():  # Python waits for the last threads, and continues
         if number == signal.SIGINT:
-            say(INTERRUPTION_LINE)
+            say_interrupted()
         return
     again = threading.Timer(_SOON_S, _thread.interrupt_main, (number,))
     again.daemon = True

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palmbots._util.plain_values import plain
-from palmbots.cli._streams import say
+from palmbots.cli._streams import say, say_interrupted
 from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.errors import PalmbotsError
 
@@ -39,7 +39,7 @@ def interruption_line(line: str) -> Iterator[None]:
     def print_line() -> None:
         nonlocal printed
         if not printed:
-            say(line)
+            say_interrupted(line)
         printed = True
 
     def handle(*_: object) -> None:

@@ -8,6 +8,9 @@ import contextlib
 import os
 import sys
 
+from palmbots._util.end_signal import has_starter
+from palmbots.cli import INTERRUPTION_LINE
+
 
 def open_closed_streams() -> None:
     """Let a closed stream, as in ``palmbots contact-modes >&-``, discard what is written to it.
@@ -27,6 +30,12 @@ def say(line: str) -> None:
     if sys.stderr is not None:  # print would take None for stdout
         with contextlib.suppress(OSError, ValueError):  # ValueError: closed by the user's code
             print(line, file=sys.stderr, flush=True)
+
+
+def say_interrupted(line: str = INTERRUPTION_LINE) -> None:
+    """Print the line about Ctrl-C, unless the program that has started this one prints one."""
+    if not has_starter(os.environ):
+        say(line)
 
 
 def discard_unwritable(*names: str) -> None:

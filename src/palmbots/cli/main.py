@@ -25,10 +25,9 @@ from typer.main import get_command
 from palmbots._util.end_signal import end_with_starter
 from palmbots._util.exit_status import BAD_INPUT, CLOSED_PIPE, DONE, INTERRUPTED
 from palmbots._util.exit_status import FAILED as FAILED
-from palmbots.cli import INTERRUPTION_LINE
 from palmbots.cli._exception_hooks import heard_signal, install_exception_hooks
 from palmbots.cli._run import Interrupted
-from palmbots.cli._streams import discard_unwritable, say
+from palmbots.cli._streams import discard_unwritable, say, say_interrupted
 from palmbots.cli._warnings import hold_warnings
 from palmbots.cli.declared_commands import commands_of, declared_commands, is_command
 from palmbots.cli.function_commands import typer_function
@@ -102,7 +101,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _interrupted() -> int:
-    say(INTERRUPTION_LINE)
+    say_interrupted()
     return INTERRUPTED
 
 
