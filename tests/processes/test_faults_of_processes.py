@@ -116,3 +116,4 @@ def test_an_avoidable_drop_is_named(tmp_path: Path) -> None:
         pair.run_until(lambda: pair.has_ended("world"), 60)
         world = read_json("world", pair.programs["world"].printed())
         assert (world["outcome"], world["avoidable"]) == ("dropped", True), pair.report()
+        assert world["reason"].startswith("off-palm: a contact left"), world

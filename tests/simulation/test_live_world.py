@@ -8,13 +8,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import palmbots as pb
 from palmbots.drivers.simulated import SimulatedDriver
 from palmbots.links.greeting import scene_number
 from palmbots.links.local_connection import connect, listen
-from palmbots.simulation.live_world import LiveCarry, run_live_world
+from palmbots.simulation.live_world import EventLines, LiveCarry, run_live_world
 
 RATE = 10.0
 SIDES: tuple[Any, ...] = ("left", "right")
@@ -28,11 +29,13 @@ class World:
         self.address = f"unix:{self.path}"
         self.door = listen(self.address)
         self.result: LiveCarry | None = None
+        self.events: list[str] = []
         self.thread = threading.Thread(target=self._run)
         self.thread.start()
 
     def _run(self) -> None:
-        self.result = run_live_world(pb.load_scene("paper"), self.door, rate=RATE)
+        scene = pb.load_scene("paper")
+        self.result = run_live_world(scene, self.door, rate=RATE, on_event=self.events.append)
 
     def robot(self, side: Any) -> SimulatedDriver:
         return SimulatedDriver(self.address, side, 1)
@@ -133,6 +136,41 @@ def test_the_time_is_that_of_the_motion(world: World) -> None:
     world.thread.join(60)
     assert world.result is not None and world.result.distance_m > 0.05
     assert world.result.time_s == pytest.approx(world.result.distance_m / 0.06, rel=0.3)
+
+
+def test_a_line_when_the_pair_moves_and_rests_and_when_programs_go(world: World) -> None:
+    robots = [world.robot(side) for side in SIDES]
+    for stands, lines in ((False, 1), (True, 2)):
+        give_up = time.monotonic() + 60
+        while len(world.events) < lines and time.monotonic() < give_up:
+            for robot in robots:
+                assert robot.read() is not None
+                robot._offer([0, 0, stands])
+            time.sleep(0.002)
+    for robot in robots:
+        robot.close()
+    world.thread.join(60)
+    assert world.result is not None and world.result.reason is None
+    begins, rests, *gone = world.events
+    assert begins == "the pair begins to move"
+    assert rests == f"the pair has come to rest, at {world.result.distance_m:.2f} m"
+    assert sorted(gone) == [f"the program of the {side} robot is gone" for side in SIDES]
+
+
+def test_a_pair_that_stands_for_a_correction_has_not_come_to_rest() -> None:
+    said: list[str] = []
+    lines = EventLines(said.append, period_s=0.01)
+    places = [*np.linspace(0, 0.3, 500), *[0.3] * 295, *np.linspace(0.3, 0.5, 300)]
+    for place in [*places, *[0.5 + 1e-4 * (k % 2) for k in range(400)]]:
+        lines.take(place, [])
+    lines.take(0.5, ["left"])
+    lines.take(0.5, [])
+    assert said == [
+        "the pair begins to move",
+        "the pair has come to rest, at 0.50 m",
+        "the program of the left robot is gone",
+        "the program of the left robot has come back",
+    ]
 
 
 def test_a_lockstep_world_is_named() -> None:

@@ -22,12 +22,16 @@ from palmbots.links.local_connection import Connection, ConnectionLost
 from palmbots.scene.scene import Scene
 from palmbots.simulation.entrance import Entrance
 from palmbots.simulation.imperfections import Imperfections
+from palmbots.simulation.reason_words import reason_text
 from palmbots.simulation.unavoidable_drops import left_palm_unavoidably
 from palmbots.simulation.world_stage import ImperfectStage, PerfectStage, Stage
 
 _ALONE_S = 3.0
 _REMEMBERED_S = 60.0
 _DELIVERED_SHARE = 0.95
+_RESTS_S = 3.0  # longer than robots stand within a carry
+_MOVES_M = 1e-3  # more than a world at rest trembles
+_COMES = {True: "is gone", False: "has come back"}
 
 
 @dataclass(frozen=True)
@@ -44,11 +48,46 @@ class LiveCarry:
     """Ticks that the world missed."""
     avoidable: bool | None = None
     """After a drop: whether a controller could have prevented it."""
+    reason: str | None = None
+    """Why the object was dropped."""
 
     def line(self) -> str:
         """The same in a line for people."""
         drop = {None: "", True: ", avoidable", False: ", unavoidable"}[self.avoidable]
-        return f"{self.outcome.upper()}{drop}  {self.distance_m:.2f} m in {self.time_s:.1f} s"
+        why = f"  {self.reason}" if self.reason else ""
+        return f"{self.outcome.upper()}{drop}  {self.distance_m:.2f} m in {self.time_s:.1f} s{why}"
+
+
+class EventLines:
+    """Prints a line when the pair begins to move or has come to rest, and when the program of a
+    robot is gone or has come back.
+
+    Args:
+        on_line: called with each line.
+        period_s: the control period.
+    """
+
+    def __init__(self, on_line: Callable[[str], None], period_s: float) -> None:
+        self._on_line = on_line
+        self._patience = round(_RESTS_S / period_s)
+        self._place, self._still, self._moves = 0.0, 0, False
+        self._missing: list[str] = []
+
+    def take(self, midpoint: float, missing: list[str]) -> None:
+        """After a tick: where the midpoint of the robots is [m], and the robots without a
+        program."""
+        for side in sorted({*missing} ^ {*self._missing}):
+            self._on_line(f"the program of the {side} robot {_COMES[side in missing]}")
+        self._missing = missing
+        self._still += 1
+        if abs(midpoint - self._place) > _MOVES_M:
+            self._place, self._still = midpoint, 0
+            if not self._moves:
+                self._on_line("the pair begins to move")
+            self._moves = True
+        elif self._moves and self._still == self._patience:
+            self._moves = False
+            self._on_line(f"the pair has come to rest, at {abs(midpoint):.2f} m")
 
 
 class Board:
@@ -161,6 +200,7 @@ def run_live_world(
     rate: float = 1.0,
     imperfections: Imperfections | None = None,
     on_line: Callable[[str], None] = lambda line: None,
+    on_event: Callable[[str], None] | None = None,
 ) -> LiveCarry:
     """Run a world until the programs of both robots have gone, or the object is dropped.
 
@@ -172,6 +212,7 @@ def run_live_world(
         rate: multiple of real time.
         imperfections: what the robots really are; None: they are as in the scene.
         on_line: called with a line that names the programs still missing after some seconds.
+        on_event: called with the lines of `EventLines`; None: there are none.
 
     Raises:
         PalmbotsError: a program does not connect in time, or is not a robot.
@@ -188,12 +229,15 @@ def run_live_world(
     ticks = first = last = 0  # so far; and before and after the pair moved
     contacts: deque[tuple[float, float]] = deque(maxlen=round(_REMEMBERED_S / period_s))
     alone_since = None
+    events = None if on_event is None else EventLines(on_event, period_s)
     while stage.outcome == "running":
         clock.wait()
         before = stage.midpoint
         robots.tick()
         contacts.append(stage.contacts)
         ticks += 1
+        if events is not None:
+            events.take(stage.midpoint, robots.missing())
         if stage.midpoint != before:
             first, last = first or ticks - 1, ticks
         if len(robots.missing()) == len(SIDES):
@@ -208,10 +252,12 @@ def run_live_world(
     outcome = "dropped" if stage.outcome == "dropped" else "stopped"
     if outcome == "stopped" and distance_m >= _DELIVERED_SHARE * scene.task.distance_m:
         outcome = "delivered"
-    avoidable = None
+    avoidable = reason = None
     if outcome == "dropped":
         avoidable = not _was_unavoidable(scene, stage, np.array(contacts))
-    return LiveCarry(outcome, distance_m, (last - first) * period_s, clock.overruns, avoidable)
+        reason = reason_text(stage.drop_reason() or "", world)
+    time_s = (last - first) * period_s
+    return LiveCarry(outcome, distance_m, time_s, clock.overruns, avoidable, reason)
 
 
 def _was_unavoidable(scene: Scene, stage: Stage, contacts: np.ndarray) -> bool:

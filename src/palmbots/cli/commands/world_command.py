@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `palmbots world`."""
 
+import os
 from typing import TYPE_CHECKING
 
 from palmbots._util.command import Option, command
+from palmbots._util.end_signal import has_starter
 from palmbots._util.exit_status import DONE, FAILED
 from palmbots.cli._run import controller_of, load, print_json, print_result, warn
 from palmbots.errors import PalmbotsError
@@ -114,7 +116,7 @@ def _live(
     *,
     as_json: bool,
 ) -> int:
-    """A world in real time."""
+    """A world in real time, which prints what happens; in `palmbots up` the station does so."""
     from palmbots.cli._streams import say
     from palmbots.control.dead_band import warnings_before
     from palmbots.links.local_connection import listen
@@ -125,10 +127,14 @@ def _live(
     if not as_json:
         for text in warnings_before(scene, "none"):
             say(f"palmbots: warning: {text}")
+
+    def on_line(line: str) -> None:
+        say(f"palmbots: world at {serve}: {line}")
+
     with listen(serve, "--serve") as door:
         result = run_live_world(
             scene, door, world=world, seed=seed, rate=rate, imperfections=imperfections,
-            on_line=lambda line: say(f"palmbots: world at {serve}: {line}"),
+            on_line=on_line, on_event=None if has_starter(os.environ) else on_line,
         )  # fmt: skip
     if as_json:
         print_json(result)
