@@ -8,5 +8,4 @@
 #include "palmbots/wire/payload.hpp"
 #include "palmbots/wire/robot_mode.hpp"
 #include "palmbots/wire/serial_frame.hpp"
-#include "palmbots/wire/session.hpp"
 #include "palmbots/wire/siphash.hpp"

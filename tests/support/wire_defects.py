@@ -23,12 +23,12 @@ DEFECTS = {
         "if (false) return {",
     ),
     "newest-packet-is-accepted-twice": (
-        "session.hpp",
+        "endpoint.hpp",
         "sent <= newest_",
         "sent < newest_",
     ),
     "packet-from-before-a-boot-is-accepted": (
-        "session.hpp",
+        "endpoint.hpp",
         "heard.epoch == next_.epoch",
         "true",
     ),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions over the simulated radio: the ends of a link stamp what they send and judge what arrives,
-// with the class that the endpoints of robots use (wire/session.hpp).
+// with the class that the endpoints of robots use (wire/endpoint.hpp).
 //
 // A packet is judged when it arrives, not when a controller reads it. Copies and packets that were
 // overtaken are stale. What a robot says before one round trip after its boot has no session. Such
@@ -12,7 +12,7 @@
 
 #include "palmbots/sim/faults.hpp"
 #include "palmbots/sim/radio.hpp"
-#include "palmbots/wire/session.hpp"
+#include "palmbots/wire/endpoint.hpp"
 
 namespace palmbots {
 
@@ -56,9 +56,9 @@ class SessionEnd {
   // True if the packet is to be acted upon.
   template <class Content>
   constexpr bool accepts(const Stamped<Content>& packet) {
-    const wire::Freshness freshness = session_.receive(packet.sent, packet.heard);
-    if (freshness == wire::Freshness::no_session) must_answer_ = true;
-    return freshness == wire::Freshness::accepted;
+    const wire::Verdict verdict = session_.receive(packet.sent, packet.heard);
+    if (verdict == wire::Verdict::no_session) must_answer_ = true;
+    return verdict == wire::Verdict::accepted;
   }
 
   // True if a packet without a session has come since this end last sent.

@@ -1,8 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// One end of the wire: its identity, a session with each other end (wire/session.hpp), and counts
-// of verdicts.
+// One end of the wire: its identity, a session with each other end, and counts of verdicts.
 //
-// An accepted packet was sent by the partner, to this end, after this end's boot. It is accepted
+// A SESSION is what one end remembers about another. It numbers the packets to that end and decides
+// which of its packets are acted upon: only those with stamps (wire/packet.hpp) higher than all
+// before. What it remembers is empty after every boot, so an attacker could replay packets from
+// before the boot. Each packet therefore names the newest packet that its sender had received from
+// the receiver, and a receiver acts only on packets that name one of its present epoch: these were
+// sent after this boot. Other new packets get the verdict `no_session`; they only update the newest
+// stamp of their sender. After a boot the first packet of each end is of that kind. The receiver
+// replies with any packet (hello if there is nothing else to send), and both ends have a session
+// after one round trip. The simulated radio, which passes messages on without encoding them, uses
+// the same class (sim/session_link.hpp).
+//
+// An accepted packet was thus sent by the partner, to this end, after this end's boot. It is accepted
 // once and in the order of sending. It was sent after the packet named in `heard`. A receiver that
 // stores when it sent that one can bound the age of the packet.
 //
@@ -16,9 +26,55 @@
 #include <span>
 
 #include "palmbots/wire/packet.hpp"
-#include "palmbots/wire/session.hpp"
 
 namespace palmbots::wire {
+
+// One end's memory of another.
+class Session {
+ public:
+  // To be called at a boot of this end, with the number of its boots.
+  constexpr explicit Session(std::uint32_t epoch = 0, std::uint32_t first = 1)
+      : next_{epoch, first} {}
+
+  // The stamp of the next packet to the other end. Its sequence is 0 once the numbers of this epoch
+  // are used up; such a packet must not be sent.
+  constexpr const SequenceNumber& next() const { return next_; }
+
+  // The next packet has been sent.
+  constexpr void advance() {
+    if (next_.sequence != 0) ++next_.sequence;
+  }
+
+  // Sequence numbers may be skipped, so that they can be another count, such as control ticks. The
+  // next packet gets this number, unless one as high has already been used.
+  constexpr void skip_to(std::uint32_t sequence) {
+    if (next_.sequence != 0 && sequence > next_.sequence) next_.sequence = sequence;
+  }
+
+  // Judges a packet that came from the other end, and remembers its stamp if it is new. `heard` is
+  // the newest packet of this end that its sender knew. Returns accepted, stale or no_session.
+  constexpr Verdict receive(const SequenceNumber& sent, const SequenceNumber& heard) {
+    if (sent <= newest_) return Verdict::stale;
+    newest_ = sent;
+    if (heard.epoch > claimed_epoch_) claimed_epoch_ = heard.epoch;
+    // Epoch 0 is no boot. An end that has not counted its boot must not act on packets whose sender
+    // had not received anything from it.
+    const bool answers = heard.epoch == next_.epoch && heard != SequenceNumber{};
+    return answers ? Verdict::accepted : Verdict::no_session;
+  }
+
+  // The newest stamp received from the other end since this end's boot.
+  constexpr const SequenceNumber& heard() const { return newest_; }
+
+  // The highest epoch of this end that the other end has named. If it exceeds the present one, this
+  // end's counter of boots is behind: it runs elsewhere too, or on another machine than before.
+  constexpr std::uint32_t claimed_epoch() const { return claimed_epoch_; }
+
+ private:
+  SequenceNumber next_;
+  SequenceNumber newest_;
+  std::uint32_t claimed_epoch_ = 0;
+};
 
 // The identity of an end: the key and number of its pair, and its role.
 struct Identity {
@@ -66,7 +122,11 @@ class Endpoint {
   // may have forgotten in a boot (runtime/robot_program.hpp, `hear`).
   constexpr Decoded receive(std::span<const std::uint8_t> bytes) {
     Decoded decoded = decode(bytes, identity_.key, identity_.pair, identity_.role);
-    if (decoded.verdict == Verdict::accepted) decoded.verdict = judge(decoded.packet);
+    if (decoded.verdict == Verdict::accepted) {
+      const Packet& packet = decoded.packet;
+      Session& session = sessions_[static_cast<std::size_t>(packet.sender)];
+      decoded.verdict = session.receive(packet.sent, packet.heard);
+    }
     ++counts_[static_cast<std::size_t>(decoded.verdict)];
     return decoded;
   }
@@ -85,16 +145,6 @@ class Endpoint {
   constexpr const Identity& identity() const { return identity_; }
 
  private:
-  constexpr Verdict judge(const Packet& packet) {
-    Session& session = sessions_[static_cast<std::size_t>(packet.sender)];
-    switch (session.receive(packet.sent, packet.heard)) {
-      case Freshness::stale: return Verdict::stale;
-      case Freshness::no_session: return Verdict::no_session;
-      case Freshness::accepted: break;
-    }
-    return Verdict::accepted;
-  }
-
   Identity identity_;
   std::array<Session, role_count> sessions_;
   std::array<std::uint32_t, verdict_count> counts_{};

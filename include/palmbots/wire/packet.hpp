@@ -103,7 +103,7 @@ enum class Verdict : std::uint8_t {
   wrong_receiver,  // meant for another receiver
   bad_tag,         // the tag is wrong
   malformed,       // the tag is right, but the content is invalid
-  stale,           // older than the newest, or a repetition of it (wire/session.hpp)
+  stale,           // older than the newest, or a repetition of it (wire/endpoint.hpp)
   no_session,      // not sent in answer to the receiver's present boot (wire/endpoint.hpp)
 };
 inline constexpr std::size_t verdict_count = 10;

@@ -3,7 +3,7 @@
 //
 // The robots step in turn; one step of each is a tick. In its turn a robot hears any packet that is
 // under way, or none; never an older one after a newer one, and none from before its own boot
-// (wire/session.hpp ensures both, and that a copy is not heard again). The operator, the hardware
+// (wire/endpoint.hpp ensures both, and that a copy is not heard again). The operator, the hardware
 // and the clock do what they like. Each step sends one packet, which may be lost.
 //
 // The names of the robots make no difference. A state therefore lists first the robot whose turn it

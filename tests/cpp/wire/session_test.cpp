@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is new: the order of stamps, and what a session takes.
-#include "palmbots/wire/session.hpp"
+#include "palmbots/wire/endpoint.hpp"
 
 #include <cstdint>
 
 #include "support/check.hpp"
 
-using palmbots::wire::Freshness;
 using palmbots::wire::SequenceNumber;
 using palmbots::wire::Session;
+using palmbots::wire::Verdict;
 
 namespace {
 
 bool takes(Session& session, const SequenceNumber& stamp) {
-  return session.receive(stamp, {}) != Freshness::stale;
+  return session.receive(stamp, {}) != Verdict::stale;
 }
 
 void test_a_session_takes_each_stamp_once_and_only_upwards() {
