@@ -10,7 +10,8 @@
 #include "palmbots/runtime/hand_controls.hpp"
 #include "palmbots/runtime/robot_runtime.hpp"
 #include "palmbots/runtime/station_runtime.hpp"
-#include "palmbots/wire.hpp"
+#include "palmbots/wire/device_frames.hpp"
+#include "palmbots/wire/serial_frame.hpp"
 
 using DistributedRobot = palmbots::TableRobot<palmbots::Distributed>;
 
