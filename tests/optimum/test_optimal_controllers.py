@@ -122,6 +122,26 @@ def noisy(scene: pb.Scene) -> pb.Scene:
 
 
 @pytest.mark.parametrize(
+    ("best", "exact", "estimating", "noise_m_s"),
+    [
+        ("optimal", "exact-p", "kalman", 0.045),
+        ("optimal-stopping", "exact-p-stopping", "kalman-stopping", 0.07),
+    ],
+)
+def test_full_information_is_used(
+    best: str, exact: str, estimating: str, noise_m_s: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Linear feedback of exact coordinates is no better, and that of estimates is worse: so it
+    would be noticed if it took the place of the best. Paired seeds, one-sided."""
+    on_grid(COARSE, monkeypatch)
+    scene = pb.load_scene("paper", {"robot.noise_m_s": noise_m_s, "task.distance_m": 0.6})
+    mine, linear, guessed = (drops(scene, name, 1500) for name in (best, exact, estimating))
+    assert more_drops(mine, linear) > 0.01
+    assert more_drops(guessed, mine) < 1e-3
+    assert more_drops(guessed, linear) < 1e-3
+
+
+@pytest.mark.parametrize(
     ("scenes", "carries", "grid"),
     [(1, 300, COARSE), pytest.param(40, 2000, FINE, marks=pytest.mark.soak)],
 )
