@@ -55,7 +55,7 @@ def limits_of(scene: pb.Scene, controller: str) -> tuple[str, ...]:
 
 
 def test_page_and_command_warn_alike(open_page: Open) -> None:
-    page = open_page("#carry?t=1")
+    page = open_page("#carry?t=1", width=1366, height=768)
     found = []
     for controller, seed, keys in CASES:
         overrides = {name.replace("__", "."): value for name, value in keys.items()}
@@ -69,6 +69,10 @@ def test_page_and_command_warn_alike(open_page: Open) -> None:
         )
         is_good = carried.outcome == "delivered" and not late
         expect(page.locator(".status strong")).to_have_class("good" if is_good else "bad")
+        page.evaluate("scrollTo(0, 0)")
+        for place in (".warnings", "#play", ".hands"):  # below the stage
+            if early or late or place != ".warnings":
+                expect(page.locator(place)).to_be_in_viewport(ratio=1)
         found += [*early, *late]
     for part in (
         "for an Ack",
