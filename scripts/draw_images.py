@@ -85,6 +85,13 @@ def noise(path: Path) -> None:
     draw_noise.draw(path)
 
 
+def recorded(path: Path) -> None:
+    """Drop rates with recorded robots and radios, from benchmarks/bench_recorded.py."""
+    import draw_recorded
+
+    draw_recorded.draw(path)
+
+
 def squeeze(path: Path) -> None:
     """The intervals of squeezes that the contacts allow."""
     import draw_squeeze
@@ -118,6 +125,7 @@ def design_law(path: Path) -> None:
 FUNCTIONS: Mapping[str, Callable[[Path], None]] = {
     "design-law.png": design_law,
     "noise.png": noise,
+    "recorded.png": recorded,
     "squeeze.png": squeeze,
     "task.png": task,
     "carry-3d.png": carry_3d,

@@ -4,6 +4,8 @@
 import csv
 from pathlib import Path
 
+from palmbots._util.confidence_intervals import rate_interval
+
 RESULT = Path(__file__).parents[2] / "benchmarks" / "results" / "robustness.csv"
 
 
@@ -127,6 +129,39 @@ def dynamic() -> str:
     return _table(head, [[f"`{name}`", *cells] for name, *cells in rows])
 
 
+def recorded() -> str:
+    """The drop rates with recorded robots and radios, with 95 % intervals."""
+    rows = _read("recorded.csv")
+    names = list(dict.fromkeys(row["controller"] for row in rows))
+    lines = []
+    for robots, radio in dict.fromkeys((row["robots"], row["radio"]) for row in rows):
+        of = {
+            row["controller"]: row
+            for row in rows
+            if (row["robots"], row["radio"]) == (robots, radio)
+        }
+        share = 100 * float(of[names[0]]["packets_lost"])
+        lines.append([robots, radio, f"{share:.2g}", *(_interval(of[name]) for name in names)])
+    head = ["robots", "radio", "packets lost [%]", *(f"`{name}`" for name in names)]
+    return _table(head, lines)
+
+
+def _interval(row: dict[str, str]) -> str:
+    if not row["carries"]:
+        return "refused"
+    dropped, carries = int(row["dropped"]), int(row["carries"])
+    low, high = rate_interval(dropped, carries)
+    if dropped == 0:
+        return f"< {100 * high:.2g}"
+    return f"{100 * dropped / carries:.3g} ({100 * low:.2g}–{100 * high:.2g})"
+
+
+def sources() -> str:
+    """The files of recordings, and their hashes."""
+    rows = _read("recorded-sources.csv")
+    return _table(["file", "SHA-256"], [[row["file"], f"`{row['sha256']}`"] for row in rows])
+
+
 def blocks() -> dict[str, str]:
     """The generated parts of the page, by the name of their markers."""
     return {
@@ -137,4 +172,6 @@ def blocks() -> dict[str, str]:
         "drops at 3 cm/s": overview("dropped_3_cm_s"),
         "dynamic": dynamic(),
         "details": details(),
+        "recorded": recorded(),
+        "recorded files": sources(),
     }

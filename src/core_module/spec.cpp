@@ -218,6 +218,52 @@ void bind_spec(nb::module_& m) {
           "may_go_limp", [](const Spec& s) { return may_go_limp(s); },
           "A palm may go limp: carries of this spec do not run side by side.")
       .def(
+          "replay_errors",
+          [](Spec& s, std::size_t side, const std::vector<std::uint32_t>& segments,
+             const std::vector<double>& times, const std::vector<double>& errors,
+             const std::vector<double>& gains) {
+            if (side > 1 || times.size() != segments.size() || errors.size() != times.size() ||
+                gains.size() != times.size()) {
+              throw std::invalid_argument("a side, and columns of one length");
+            }
+            s.robots[side].recorded =
+                keep(ErrorTrace::of({segments, times, errors, gains}, s.period));
+          },
+          nb::arg("side"), nb::arg("segments"), nb::arg("times"), nb::arg("errors"),
+          nb::arg("gains"),
+          "The robot of a side replays recorded displacement errors [m] at times [s]; ValueError: "
+          "no segment is as long as a tick.")
+      .def(
+          "replay_fates",
+          [](Spec& s, double interval, std::uint32_t kind, const std::vector<double>& delays) {
+            if (!(interval > 0) || kind > RadioTrace::whole || delays.empty()) {
+              throw std::invalid_argument("an interval, a kind of delays, and delays");
+            }
+            s.fates = keep(RadioTrace{interval, kind, delays});
+          },
+          nb::arg("interval"), nb::arg("kind"), nb::arg("delays"),
+          "The radio replays the fates of packets sent at this interval [s]: delays [s], negative "
+          "if lost. kind: 0 only losses, 1 in addition to the latency, 2 in place of all delays.")
+      .def(
+          "recorded_error",
+          [](const Spec& s, std::size_t side, std::uint64_t seed, std::uint32_t tick) {
+            if (side > 1) throw std::invalid_argument("a side");
+            PerSide<ErrorReplay> replays;
+            const double speed = SpeedErrors::recorded(s, seed, tick, replays)[side];
+            return std::pair(SpeedErrors::gain(s, seed, side), speed);
+          },
+          nb::arg("side"), nb::arg("seed"), nb::arg("tick"),
+          "The gain of a robot, and the speed that its recording adds in a tick, along the "
+          "direction "
+          "of travel [m/s].")
+      .def_prop_ro(
+          "is_replayed",
+          [](const Spec& s) {
+            return s.fates != nullptr || s.robots[left].recorded != nullptr ||
+                   s.robots[right].recorded != nullptr;
+          },
+          "Whether errors of a robot, or fates of packets, are recorded ones.")
+      .def(
           "to_bytes",
           [](const Spec& s) {
             std::vector<std::byte> bytes;

@@ -15,8 +15,8 @@ from scipy.stats import binom
 import palmbots as pb
 from commands import Run
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
-from palmbots.fitting.recorded_tables import read_recording
 from palmbots.fitting.straight_stretches import COMMANDS, POSITIONS, stretches_of
+from palmbots.scene.recorded_tables import read_recording
 from recordings import HIDDEN, LAG_S, recorded
 from stretches import coverage
 

@@ -19,7 +19,11 @@ NEEDED = {"palm.nose_m": {"palm.thickness_m": 0.1, "palm.bevel_m": 0.1}}
 KEYS = [
     name
     for name in ROWS
-    if (name.startswith(("palm.", "robot.", "arm.")) and name != "palm.friction_angle_deg")
+    if (
+        name.startswith(("palm.", "robot.", "arm."))
+        and name != "palm.friction_angle_deg"
+        and ROWS[name]["kind"] != "choice"
+    )
     or name in ("radio.latency_s", "radio.jitter_s", "radio.loss")
 ]
 

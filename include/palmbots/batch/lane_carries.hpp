@@ -135,7 +135,7 @@ class LaneCarries {
     pack.has_false_readings = (pack.has_false_readings & ~(1U << l)) | (one.reads_truly() ? 0U : 1U)
                                                                            << l;
     const bool jolts =
-        Bumps::any(one.spec_) || Pushes::any(one.spec_) || SpeedErrors::has_white(one.spec_);
+        Bumps::any(one.spec_) || Pushes::any(one.spec_) || SpeedErrors::vary(one.spec_);
     pack.is_jolted = (pack.is_jolted & ~(1U << l)) | (jolts ? 1U : 0U) << l;
     // The least Real that is not less than the distance.
     auto goal = Real(one.spec_.distance);

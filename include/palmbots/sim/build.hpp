@@ -146,11 +146,11 @@ Robots<Real> robots_of(const Spec& spec, std::uint64_t seed) {
   // The noise is stationary: its first value already has its long-term spread.
   const Words words = draw(seed, ~0U, Stream::noise);
   for (const std::size_t side : {left, right}) {
-    robots.wheels[side] =
-        wheels_of<Real>(spec.robots[side], spec.period, SpeedErrors::gain(spec, seed, side));
+    const RobotSpec robot = SpeedErrors::modelled(spec.robots[side]);
+    robots.wheels[side] = wheels_of<Real>(robot, spec.period, SpeedErrors::gain(spec, seed, side));
     robots.wrists[side] = wrist_of<Real>(spec.palms[side], spec.period);
     robots.wheels[side].noise =
-        Real(spec.robots[side].noise) * unit_noise<Real>(words[side == leader_of(spec) ? 0 : 1]);
+        Real(robot.noise) * unit_noise<Real>(words[side == leader_of(spec) ? 0 : 1]);
   }
   return robots;
 }
@@ -189,6 +189,8 @@ inline Channel channel_of(const Spec& spec) {
   }
   channel.replay_words = Channel::words_of(spec.replay);
   channel.replay_ticks = spec.replay_delay / spec.period;
+  channel.fates = spec.fates;
+  channel.period = spec.period;
   return channel;
 }
 

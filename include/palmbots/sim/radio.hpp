@@ -93,25 +93,34 @@ class Radio {
     ++link_totals.sent;
     ++counts.sent;
     if (plain_delay_ > 0 && link.has_room()) return link.put(tick + plain_delay_, payload);
-    if (channel_.has_directions) {
-      return post(link, tick, payload, sender, robot, collides, link_totals, channel_.from(sender));
+    if (channel_.has_directions || channel_.fates != nullptr) {
+      Channel own = channel_.from(sender);
+      if (own.fates != nullptr) {
+        const Words words = draw(seed_, 0, Stream::radio_trace, lane(sender, robot));
+        own = own.with_fate(link.fate(tick, *own.fates, own.period, words[0]));
+      }
+      return post(link, tick, payload, sender, robot, collides, link_totals, own);
     }
     return post(link, tick, payload, sender, robot, collides, link_totals, channel_);
   }
 
  private:
+  // The leading robot has the first lane, so that the mirrored carry draws the mirrored numbers.
+  std::uint32_t lane(std::size_t sender, std::size_t robot) const {
+    return (robot == leader_ ? 0U : 1U) + (sender == 2 ? 2U : 0U);
+  }
+
   // The same on the link of this sender, once the message is counted.
   template <class Payload>
   std::uint32_t post(Link<Payload>& link, std::uint32_t tick, const Payload& payload,
                      std::size_t sender, std::size_t robot, bool collides, LinkTotals& link_totals,
                      const Channel& channel) const {
     LinkCounts& counts = link_totals.links[robot + (sender == 2 ? 2 : 0)];
-    // The leading robot has the first lane, so that the mirrored carry draws the mirrored numbers.
-    const std::uint32_t lane = (robot == leader_ ? 0U : 1U) + (sender == 2 ? 2U : 0U);
+    const std::uint32_t own = lane(sender, robot);
     const Words words =
-        channel.is_random() ? draw(seed_, tick, Stream::radio, lane) : Words{~0U, 0, 0, ~0U};
+        channel.is_random() ? draw(seed_, tick, Stream::radio, own) : Words{~0U, 0, 0, ~0U};
     // The attacker hears every packet, whatever becomes of it on its way.
-    if (channel.replay_words > 0) replay(link, tick, payload, channel, lane, counts);
+    if (channel.replay_words > 0) replay(link, tick, payload, channel, own, counts);
     const MessageFault* message_fault =
         channel.message_fault(robot + (sender == 2 ? 2 : 0), counts.sent);
     const bool lost = message_fault != nullptr && message_fault->effect == MessageEffect::lost;
@@ -123,7 +132,7 @@ class Radio {
       return 0;
     }
     std::uint32_t received = 0;
-    if (channel.corrupt_words > 0 && damages(payload, tick, sender, robot, lane, counts.sent)) {
+    if (channel.corrupt_words > 0 && damages(payload, tick, sender, robot, own, counts.sent)) {
       ++counts.rejected;
     } else {
       received = link.put(late ? tick + message_fault->late : tick, payload, channel, words);

@@ -20,6 +20,7 @@
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/scalar.hpp"
+#include "palmbots/sim/recorded_traces.hpp"
 
 namespace palmbots {
 
@@ -74,6 +75,8 @@ struct Channel {
   std::array<Direction, 3> directions{};  // by sender, if has_directions
   std::uint64_t replay_words = 0;         // of 2³²
   double replay_ticks = 0;                // the longest time until a packet is sent again
+  const RadioTrace* fates = nullptr;      // a recording that is replayed, or null
+  double period = 0;                      // of a tick, for the recording [s]
 
   static constexpr Channel of(double latency_s, double jitter_s, double loss, double period_s) {
     Channel channel;
@@ -90,7 +93,7 @@ struct Channel {
 
   constexpr bool is_random() const {
     return loss_words > 0 || jitter_ticks > 0 || duplicate_words > 0 || burst_share > 0 ||
-           has_directions;
+           has_directions || fates != nullptr;
   }
   // True if every message arrives, undamaged and once, after the same delay.
   constexpr bool is_plain() const { return !is_random() && is_steady(); }
@@ -98,7 +101,8 @@ struct Channel {
   constexpr bool is_steady() const {
     const bool is_whole = corrupt_words == 0 && duplicate_words == 0;
     return is_whole && !(jitter_ticks > 0) && !(burst_share > 0) && !(airtime_ticks > 0) &&
-           outage_count == 0 && message_fault_count == 0 && !has_directions && replay_words == 0;
+           outage_count == 0 && message_fault_count == 0 && !has_directions && replay_words == 0 &&
+           fates == nullptr;
   }
   // True if no message arrives twice or after one that was sent later.
   constexpr bool keeps_order() const {
@@ -150,7 +154,20 @@ struct Channel {
     return own;
   }
 
-  // The longest possible delay [ticks].
+  // The link for a packet with a recorded fate: its delay [s], or RadioTrace::lost.
+  Channel with_fate(double delay) const {
+    Channel own = *this;
+    own.fates = nullptr;
+    own.burst_share = 0;
+    own.loss_words = delay < 0 ? words_of(1) : 0;
+    if (fates->kind == RadioTrace::none) return own;
+    own.jitter_ticks = 0;
+    if (fates->kind == RadioTrace::whole) own.latency_ticks = 0;
+    if (delay > 0) own.latency_ticks += delay / period;
+    return own;
+  }
+
+  // The longest possible delay [ticks]; recorded ones may be longer.
   constexpr std::uint32_t longest() const {
     if (!has_directions) return ticks(1.0);
     std::uint32_t longest = 0;
@@ -174,6 +191,7 @@ struct LinkState {
   std::uint32_t first_due_ = never;  // when the oldest arrives
   std::uint32_t last_due_ = 0;
   std::uint32_t seen_ = 0;  // the tick at which the burst process was last evaluated
+  std::uint32_t fate_ = 0;  // of the recorded packets, counted from where the recording begins
   bool observed_ = false;
   bool burst_ = false;
 };
@@ -202,6 +220,15 @@ class Link : LinkState {
   bool takes(std::uint32_t now, const Channel& channel, const Words& words) {
     if (channel.burst_share > 0 && in_burst(now, channel, words[2])) return false;
     return !channel.loses(words) && has_room();
+  }
+
+  // The recorded fate of a packet that is sent now: that of the packet which was sent as long after
+  // the first one, but never the same one twice. `word` draws where the recording begins.
+  double fate(std::uint32_t now, const RadioTrace& fates, double period, std::uint32_t word) {
+    const auto at = static_cast<std::uint32_t>(now * period / fates.interval + 1e-6);
+    fate_ = at > fate_ ? at : fate_;
+    const std::size_t count = fates.delays.size();
+    return fates.delays[(place_of(word, count) + std::size_t{fate_++}) % count];
   }
 
   bool has_room() const { return tail_ - head_ < capacity; }

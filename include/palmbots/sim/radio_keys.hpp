@@ -60,6 +60,8 @@ inline constexpr Key direction_keys[] = {
     LinkKeys<DirectionSpec>::loss,
 };
 
+struct RadioTrace;  // sim/recorded_traces.hpp
+
 struct RadioSpec {
   double latency = 0.05;
   double jitter = 0;
@@ -79,6 +81,8 @@ struct RadioSpec {
   std::size_t outage_count = 0;
   std::array<MessageFaultSpec, max_message_faults> message_faults{};
   std::size_t message_fault_count = 0;
+  // A recording that takes the place of losses and bursts, and of delays if it has them, or null.
+  const RadioTrace* fates = nullptr;
 };
 inline constexpr Key radio_keys[] = {
     LinkKeys<RadioSpec>::latency,

@@ -21,6 +21,8 @@ struct Stream {
     gain = 8,
     white_noise = 9,
     arm_height = 10,
+    error_trace = 11,
+    radio_trace = 12,
   };
 };
 

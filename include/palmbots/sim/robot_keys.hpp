@@ -57,6 +57,10 @@ inline constexpr Key palm_keys[] = {
     number<&PalmSpec::rate>("rate_deg_s", Unit::degrees_s, 0.1, 100000),
 };
 
+struct ErrorTrace;  // sim/recorded_traces.hpp
+
+inline constexpr Choices trace_gain_choices(0, "carry", "segment");
+
 struct RobotSpec {
   double speed = 0.06;
   double correction = 0.03;
@@ -69,8 +73,11 @@ struct RobotSpec {
   double standing_noise = 0;  // the part of the noise that a robot at rest keeps, as `noise`
   double white_noise = 0;     // standard deviation of the displacement after 1 s [m/√s]
   double bias = 0;
-  double clock_drift = 0;    // share by which its clock runs too fast
-  std::uint64_t stride = 1;  // ticks of the carry between two steps of its program
+  double clock_drift = 0;        // share by which its clock runs too fast
+  std::uint64_t stride = 1;      // ticks of the carry between two steps of its program
+  bool gain_by_segment = false;  // of the recording; otherwise it keeps the gain of the first one
+  // A recording that takes the place of gain, noise, white noise and bias, or null.
+  const ErrorTrace* recorded = nullptr;
 };
 inline constexpr Key robot_keys[] = {
     number<&RobotSpec::speed>("speed_m_s", Unit::m_s, 0, 10),
@@ -83,6 +90,7 @@ inline constexpr Key robot_keys[] = {
     number<&RobotSpec::noise_tau>("noise_tau_s", Unit::s, 0.001, 1000),
     number<&RobotSpec::standing_noise>("standing_noise_m_s", Unit::m_s, 0, 1),
     number<&RobotSpec::white_noise>("white_noise_m_per_sqrt_s", Unit::m_per_sqrt_s, 0, 1),
+    choice<&RobotSpec::gain_by_segment>("trace_gain", trace_gain_choices),
     number<&RobotSpec::bias>("bias_m_s", Unit::m_s, -1, 1),
     number<&RobotSpec::clock_drift>("clock_ppm", Unit::parts_per_million, -100000, 100000),
     source_number("period_s", Unit::s, 0.0001, 1),

@@ -113,14 +113,16 @@ class RobotPair {
   }
 
   // The calibration error of both robots' wheels in a tick, with what pushes them and the white part
-  // of the noise, along the direction of travel [m/s].
-  PerSide<Real> biases(std::uint32_t tick) const {
+  // of the noise, or with what was recorded, along the direction of travel [m/s]. Ticks must not
+  // decrease.
+  PerSide<Real> biases(std::uint32_t tick) {
     const PerSide<double> white = SpeedErrors::white(spec_, seed_, tick);
+    const PerSide<double> recorded = SpeedErrors::recorded(spec_, seed_, tick, replays_);
     PerSide<Real> found{};
     for (const std::size_t side : {left, right}) {
       const Real added = outward<Real>(side) * Real(Pushes::speed(spec_, tick, side));
-      found[side] =
-          Real(spec_.robots[side].bias) + robots_.travel_sense * added + Real(white[side]);
+      found[side] = Real(SpeedErrors::modelled(spec_.robots[side]).bias) +
+                    robots_.travel_sense * added + Real(white[side] + recorded[side]);
     }
     return found;
   }
@@ -186,7 +188,7 @@ class RobotPair {
  private:
   // The first tick from `tick` on in which a bias may change.
   std::uint32_t next_bias_change(std::uint32_t tick) const {
-    return SpeedErrors::has_white(spec_) ? tick : Pushes::next_change(spec_, tick);
+    return SpeedErrors::vary(spec_) ? tick : Pushes::next_change(spec_, tick);
   }
 
   // Out of line, so that a tick does not wait for the controllers: commands seldom change, and the
@@ -222,6 +224,7 @@ class RobotPair {
   Faults faults_;
   AnyTeam team_;
   Robots<Real> robots_{};
+  PerSide<ErrorReplay> replays_{};
   TactileSensor<Real> tactile_;
   PerSide<RobotObservation> sensed_{};
   std::uint32_t next_decision_tick_ =

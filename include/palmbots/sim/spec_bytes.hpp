@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A spec as bytes: every member that the table of keys names, as a little-endian double, one after
-// the other. Equal specs have equal bytes, on every machine.
+// the other, and then the recordings that it replays. Equal specs have equal bytes, on every machine.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "palmbots/sim/recorded_traces.hpp"
 #include "palmbots/sim/spec.hpp"
 
 namespace palmbots {
@@ -41,6 +42,50 @@ void for_each_member(Spec& spec, Visit&& visit, List&& list) {
   }
 }
 
+// Visits the numbers of a recording, or 0 where there is none. `number(value)` may change the value;
+// `count(size)` returns how many follow.
+template <class Number, class Count>
+void for_each_recorded(ErrorTrace& trace, Number&& number, Count&& count) {
+  trace.segments.resize(count(trace.segments.size()));
+  if (trace.segments.empty()) return;
+  std::uint32_t first = 0;
+  for (ErrorSegment& segment : trace.segments) {
+    double ticks = segment.ticks;
+    number(ticks);
+    number(segment.gain);
+    segment.first = first;
+    segment.ticks = static_cast<std::uint32_t>(ticks);
+    first += segment.ticks;
+  }
+  trace.speeds.resize(count(trace.speeds.size()));
+  for (double& speed : trace.speeds) number(speed);
+}
+template <class Number, class Count>
+void for_each_recorded(RadioTrace& trace, Number&& number, Count&& count) {
+  trace.delays.resize(count(trace.delays.size()));
+  if (trace.delays.empty()) return;
+  double kind = trace.kind;
+  number(kind);
+  number(trace.interval);
+  trace.kind = static_cast<std::uint32_t>(kind);
+  for (double& delay : trace.delays) number(delay);
+}
+
+// Visits the recordings of a spec; returns those that the visits made.
+template <class Trace, class Number, class Count>
+const Trace* visit_recording(const Trace* trace, Number&& number, Count&& count) {
+  Trace copy = trace == nullptr ? Trace{} : *trace;
+  for_each_recorded(copy, number, count);
+  return copy == Trace{} ? nullptr : keep(std::move(copy));
+}
+template <class Number, class Count>
+void for_each_recorded(Spec& spec, Number&& number, Count&& count) {
+  for (RobotSpec& robot : spec.robots) {
+    robot.recorded = visit_recording(robot.recorded, number, count);
+  }
+  spec.fates = visit_recording(spec.fates, number, count);
+}
+
 }  // namespace detail
 
 // Appends the bytes of a spec.
@@ -55,6 +100,12 @@ inline void append_bytes(const Spec& spec, std::vector<std::byte>& bytes) {
       [&](const RecordList& list, const void* owner) {
         append(double(list.count(owner)));
         return list.count(owner);
+      });
+  detail::for_each_recorded(
+      copy, [&](double& value) { append(value); },
+      [&](std::size_t size) {
+        append(double(size));
+        return size;
       });
 }
 
@@ -79,6 +130,13 @@ inline std::optional<Spec> take_spec(std::span<const std::byte>& bytes) {
         is_whole = is_whole && count >= 0 && count <= double(list.most);
         if (is_whole) list.resize(owner, static_cast<std::size_t>(count));
         return list.count(owner);
+      });
+  detail::for_each_recorded(
+      spec, [&](double& value) { value = take(); },
+      [&](std::size_t) -> std::size_t {
+        const double count = take();
+        is_whole = is_whole && count >= 0 && count <= double(bytes.size()) / 8;
+        return is_whole ? static_cast<std::size_t>(count) : 0;
       });
   if (!is_whole) return std::nullopt;
   return spec;

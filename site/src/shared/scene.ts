@@ -124,6 +124,13 @@ export function checkPage(scene: Scene, facts: SceneFacts): void {
       "a straight path here, or palmbots carry scene.toml --world mujoco on your computer",
     );
   }
+  for (const [key, value] of leaves(scene)) {
+    if (!key.endsWith("trace")) continue;
+    refuse(
+      key, value, "is a recording, but the page reads no files",
+      "no recording here, or palmbots carry scene.toml on your computer",
+    );
+  }
   const most = facts.longestTimeout;
   if (most === 0) return;
   const onPage = `the page carries for at most ${short(most)} s`;

@@ -64,7 +64,7 @@ def load(source: str, changes: list[str] | None) -> "Scene":
     prints its warnings."""
     from palmbots.scene.files import read_table
     from palmbots.scene.overrides import parse_overrides
-    from palmbots.scene.scene import SCENE_FILE, empty_tables, load_scene
+    from palmbots.scene.scene import SCENE_FILE, beside, empty_tables, load_scene
 
     files = [one for one in changes or () if "=" not in one and one.endswith(".toml")]
     overrides = parse_overrides(one for one in changes or () if one not in files)
@@ -74,7 +74,7 @@ def load(source: str, changes: list[str] | None) -> "Scene":
         empty = empty_tables(part)
         for place in empty if len(empty) < len(part) else [""]:
             warn(f"{file}: {place and f'[{place}] '}sets nothing")
-        scene = load_scene(scene, part, called=f"{file}:")
+        scene = load_scene(scene, beside(file, part), called=f"{file}:")
     if files:
         scene = load_scene(scene, overrides, called="--set")
     scene = scene.model_copy()

@@ -17,6 +17,7 @@ from palmbots.fitting.log_fit import LogFit, fit_logs
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
 from palmbots.fitting.radio_fit import RadioFit, fit_radio
 from palmbots.fitting.recorded_logs import are_logs
+from palmbots.fitting.replay_files import write_replay
 
 
 @command(
@@ -70,7 +71,8 @@ def fit(
 def write_fit(
     result: MotionFit | RadioFit | LogFit, path: str | os.PathLike[str]
 ) -> list[Path | Item]:
-    """Write a part of a scene with the fitted keys, and a figure, of robots, radio or both.
+    """Write a part of a scene with the fitted keys, a figure, and the recording for carries that
+    replay it, of robots, radio or both.
 
     Args:
         result: the fit.
@@ -85,9 +87,18 @@ def write_fit(
     else:
         parts = {"robot" if isinstance(result, MotionFit) else "radio": result}
     files: list[Path] = []
+    options = ""
+    replays = ""
     for name, part in parts.items():
-        files.append(write_fragment(fragment(part.estimates, part.sources, ()), path, name))
+        text = fragment(part.estimates, part.sources, [part.replay.remark])
+        files.append(write_fragment(text, path, name))
+        options += f" --with {shlex.quote(str(files[-1]))}"
         files.append(folder(Path(path)) / f"{name}.png")
         part.save_figure(files[-1])
-    options = " ".join(f"--with {shlex.quote(str(file))}" for file in files[::2])
-    return [*files, Line(f"carry with it: palmbots carry SCENE {options}", is_whole=True)]
+        if not part.replay.reason:
+            files.append(write_replay(part.replay, part.sources, path))
+            replays += f" --set {part.replay.key}={shlex.quote(str(files[-1]))}"
+    notes = [Line(f"carry with it: palmbots carry SCENE{options}", is_whole=True)]
+    if replays:
+        notes.append(Line(f"replay it: palmbots carry SCENE{options}{replays}", is_whole=True))
+    return [*files, *notes]

@@ -53,6 +53,8 @@ class FittedStretches:
 
     estimates: tuple[Estimate, ...]
     data: Displacements
+    parameters: Floats
+    """Of the greatest likelihood, as in `PARAMETERS`."""
 
 
 def fit_stretches(
@@ -99,6 +101,7 @@ def fit_stretches(
             *(Estimate(key, None, None, None, reason) for key, reason in not_fitted),
         ),
         _displacements(stretches, arrays, best.place, plain.place),
+        best.place,
     )
 
 

@@ -23,7 +23,7 @@ from palmbots.fitting.fitted_values import (
 )
 from palmbots.fitting.motion_estimates import LEAST_STRETCHES, Displacements, fit_stretches
 from palmbots.fitting.motion_likelihood import Stretch
-from palmbots.fitting.recorded_tables import read_recording
+from palmbots.fitting.replay_files import Replay, error_replay
 from palmbots.fitting.straight_stretches import (
     COMMANDS,
     ENDS_S,
@@ -35,6 +35,7 @@ from palmbots.fitting.straight_stretches import (
     check_units,
     stretches_of,
 )
+from palmbots.scene.recorded_tables import read_recording
 
 Floats = NDArray[np.float64]
 
@@ -81,6 +82,8 @@ class MotionFit(Result):
     misfit_without_white: float
     """The same of a model without the white part."""
     data: Displacements = field(metadata=NOT_IN_JSON)
+    replay: Replay = field(metadata=NOT_IN_JSON)
+    """The recording for carries that replay it."""
 
     @property
     def keys(self) -> dict[str, float | bool]:
@@ -212,7 +215,13 @@ def fit_recorded(
         misfit=_misfit(fitted.data.model_m, fitted.data),
         misfit_without_white=_misfit(fitted.data.without_white_m, fitted.data),
         data=fitted.data,
+        replay=error_replay(stretches, fitted.parameters, _why_no_model(fitted.estimates)),
     )
+
+
+def _why_no_model(estimates: Sequence[Estimate]) -> str:
+    """Why the noise is not known well enough to remove that of the positions; empty: it is."""
+    return next((one.reason for one in estimates if one.key == "robot.noise_m_s"), "")
 
 
 def _misfit(model_m: Floats, data: Displacements) -> float:

@@ -25,6 +25,7 @@ from palmbots.fitting.fitted_values import (
 )
 from palmbots.fitting.loss_likelihood import LossFit
 from palmbots.fitting.recorded_packets import DelayKind, Packets, read_packets
+from palmbots.fitting.replay_files import Replay, fate_replay
 
 Floats = NDArray[np.float64]
 
@@ -81,6 +82,8 @@ class RadioFit(Result):
     estimates: tuple[Estimate, ...]
     """Scene keys, and quantiles of the delay."""
     data: PacketData = field(metadata=NOT_IN_JSON)
+    replay: Replay = field(metadata=NOT_IN_JSON)
+    """The recording for carries that replay it."""
 
     @property
     def keys(self) -> dict[str, float | bool]:
@@ -176,6 +179,7 @@ def fit_packets(runs: Sequence[Packets], sources: Sequence[Source] = ()) -> Radi
         delay_kind=runs[0].delay_kind,
         estimates=(*keys, *(one for one in (*estimates, *of_delays) if not one.is_key)),
         data=_shown_data(gaps, losses, fate, delays, model),
+        replay=fate_replay(runs),
     )
 
 

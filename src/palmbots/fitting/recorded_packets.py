@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import Source
-from palmbots.fitting.recorded_tables import Recording, read_recording
+from palmbots.scene.recorded_tables import Recording, read_recording
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +27,7 @@ DelayKind = Literal["round trip", "one-way delay", "delay behind the fastest"]
 
 COLUMNS = ("index", "time_s", "sent_s", "round_trip_s")
 _RESTART = 1000  # a greater fall of the index is no reordering
+_MOST_LOST = 20.0  # packets for each that arrived
 _IRREGULAR = 5.0  # a median delay of more intervals than this: the sender paused
 
 
@@ -48,6 +49,8 @@ class Packets:
     """Empty: unknown."""
     delay_kind: DelayKind
     why_no_delays: str
+    fates_s: Floats
+    """The delay of each packet in the order of sending, −1 if it was lost; empty: unknown."""
 
 
 def read_packets(path: str | os.PathLike[str]) -> Packets:
@@ -63,7 +66,7 @@ def read_packets(path: str | os.PathLike[str]) -> Packets:
         _check_trips(table.name, trips)
     if "index" not in table:
         none = np.zeros(0, np.int64)
-        return Packets(source, none, len(trips), 0, 0, None, trips, "round trip", "")
+        return Packets(source, none, len(trips), 0, 0, None, trips, "round trip", "", trips)
     index = _whole(table)
     spacing = int(np.gcd.reduce(np.diff(np.unique(index))))
     if spacing > 1:
@@ -120,6 +123,7 @@ def packets_of(
         delays_s=delays_s,
         delay_kind=delay_kind,
         why_no_delays=why_no_delays,
+        fates_s=fates_of(index, delays_s),
     )
 
 
@@ -170,6 +174,23 @@ def _one_way(
             "the fastest; record sent_s"
         )
     return delays, ""
+
+
+def fates_of(index: NDArray[np.int64], delays_s: Floats) -> Floats:
+    """What became of each packet, in the order of sending: its delay [s], or −1 if it was lost.
+    Empty: too many numbers are missing to be losses, or delays do not belong to packets.
+
+    Args:
+        index: of the packets that arrived.
+        delays_s: theirs, or empty.
+    """
+    ordered, first = np.unique(index, return_index=True)
+    size = int(ordered[-1] - ordered[0]) + 1
+    if size > _MOST_LOST * len(ordered) or delays_s.size not in (0, len(index)):
+        return np.zeros(0)
+    fates = np.full(size, -1.0)
+    fates[ordered - ordered[0]] = delays_s[first] if delays_s.size else 0.0
+    return fates
 
 
 def above_line(x: Floats, y: Floats) -> Floats:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.motion_likelihood import Stretch
-from palmbots.fitting.recorded_tables import Recording
+from palmbots.scene.recorded_tables import Recording
 
 Floats = NDArray[np.float64]
 

@@ -31,6 +31,7 @@ from palmbots._core import opening_problem as _opening_problem
 from palmbots._core import solve_opening as _solve_opening
 from palmbots._util.arguments import one_of
 from palmbots.errors import SceneError
+from palmbots.scene.recorded_traces import refuse_traces
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import refuse_low_noses, refuse_rounded_contacts
 
@@ -77,6 +78,7 @@ def refuse_unfit(scene: Scene) -> None:
             "faults: a robot that reboots or freezes may stand, and the bound covers only "
             "robots that drive; allowed: other faults"
         )
+    refuse_traces(scene, "the bound does")
     left, right = scene.robot_of("left"), scene.robot_of("right")
     for key, usual in (("gain", 1.0), ("gain_sd", 0.0), ("white_noise_m_per_sqrt_s", 0.0)):
         for robot in (left, right):

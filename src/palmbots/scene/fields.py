@@ -10,6 +10,7 @@ Numbers become plain floats, so that equal scenes print alike.
 
 import math
 import numbers
+import os
 from dataclasses import dataclass
 from datetime import date, datetime, time
 from typing import Annotated, Any
@@ -18,6 +19,8 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from palmbots._util.arguments import show
+from palmbots._util.user_paths import user_path
+from palmbots.errors import PalmbotsError
 
 KINDS = {
     "boolean": "a boolean",
@@ -60,6 +63,23 @@ def field_error(value: object, problem: str, allowed: str, key: str = "") -> Pyd
         "allowed": allowed,
     }
     return PydanticCustomError("scene", "{value} {problem}; allowed: {allowed}", context)
+
+
+def file_name(value: object) -> str:
+    """The name of a file, which means the same in every folder."""
+    allowed = "the name of a file"
+    if not isinstance(value, str):
+        raise _wrong_kind(value, "string", allowed)
+    if not value or "\0" in value:
+        raise field_error(value, "is no name", allowed)
+    try:
+        return os.path.abspath(user_path(value))
+    except PalmbotsError:
+        raise field_error(value, "is an address", "a file of this machine") from None
+
+
+FileName = Annotated[str, BeforeValidator(file_name)]
+"""The name of a file; a scene has it as an absolute path."""
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 
 from palmbots._types import Side
 from palmbots.scene.core_keys import key, records
+from palmbots.scene.fields import FileName
 from palmbots.scene.section import Section, override_of
 
 
@@ -61,6 +62,11 @@ class RadioParameters(Section):
     script: tuple[MessageFault, ...] = records("radio.script")
     """What happens to single messages in every carry: a list of tables {sender, message, effect,
     delay_s}. If the sender is the station, receiver is required, too."""
+    trace: FileName | None = None
+    """A file with recorded packets, which were lost or arrived late (docs/guide/fit.md). They
+    replace losses and bursts, and latency and jitter as far as delays were recorded. Each link
+    begins at a random place. Time limits still use latency_s and jitter_s. The name is relative to
+    the scene file."""
     replay: float = key("radio.replay")
     """Probability that an attacker records a packet, and sends it again after `replay_within_s` at
     the latest."""

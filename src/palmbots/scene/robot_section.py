@@ -5,6 +5,7 @@ from typing import Any
 
 from palmbots._types import Side
 from palmbots.scene.core_keys import key, records
+from palmbots.scene.fields import FileName
 from palmbots.scene.section import Section, override_of, values_of_side
 
 
@@ -40,6 +41,14 @@ class RobotParameters(Section):
     in 1 s; in t seconds it is √t times that."""
     bias_m_s: float = key("robot.bias_m_s")
     """Constant speed error, as from wrong calibration. > 0: faster in the direction of travel."""
+    error_trace: FileName | None = None
+    """A file with recorded displacement errors of a robot, which replace its gain, bias and noise
+    (docs/guide/fit.md). Each carry and robot begins at a random place, and continues with random
+    segments. Time limits and forecasts still use the replaced keys. The name is relative to the
+    scene file."""
+    trace_gain: str = key("robot.trace_gain")
+    """With error_trace: whether a robot keeps the gain of its first segment during the carry, or
+    has the gain of each segment, then at the nominal speed."""
     clock_ppm: float = key("robot.clock_ppm")
     """Rate error of the robot's clock, > 0 if it runs fast. Controllers that measure no time ignore
     it: centralized and distributed."""

@@ -199,7 +199,7 @@ def load_scene(
         scene = _validated("scene:", data)
     elif isinstance(source, str | os.PathLike):
         name, data = read_scene(source)
-        data = _beside(name, data)
+        data = beside(name, data)
         scene = _validated(f"{name}:", data)
     else:
         raise SceneError(
@@ -233,16 +233,27 @@ def _lines_of_empty(data: Mapping[str, Any]) -> list[str]:
     return [f"[{key}] sets nothing; it has the values of the scene paper" for key in empty]
 
 
-def _beside(name: str, data: dict[str, Any]) -> dict[str, Any]:
-    """A scene whose files (`object`, `task.path.file`) are looked for beside the scene file."""
+FILES = (
+    ("task", "path", "file"),
+    ("robot", "error_trace"),
+    *(("robot", side, "error_trace") for side in SIDES),
+    ("radio", "trace"),
+)
+"""The keys whose values are names of files, besides `object`."""
+
+
+def beside(name: str, data: dict[str, Any]) -> dict[str, Any]:
+    """A scene, or a part of one, whose files are looked for beside the file `name`."""
     folder = os.path.dirname(name)
     given = data.get("object")
     if isinstance(given, str) and is_object_file(given):
         data["object"] = os.path.join(folder, os.path.expanduser(given))
-    task: Any = data.get("task")
-    path = task.get("path") if isinstance(task, dict) else None
-    if isinstance(path, dict) and isinstance(path.get("file"), str):
-        path["file"] = os.path.join(folder, os.path.expanduser(path["file"]))
+    for *tables, key in FILES:
+        table: Any = data
+        for step in tables:
+            table = table.get(step) if isinstance(table, dict) else None
+        if isinstance(table, dict) and isinstance(table.get(key), str):
+            table[key] = os.path.join(folder, os.path.expanduser(table[key]))
     return data
 
 

@@ -13,6 +13,7 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError
+from palmbots.scene.recorded_traces import put_traces
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import as_given
 
@@ -89,11 +90,13 @@ def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:
     """The core's description of a scene; left is index 0, right index 1.
 
     The core is planar. With `unrolled` a curved path is replaced by a straight one of its length;
-    without it, a curved path raises `SceneError`.
+    without it, a curved path raises `SceneError`. So does a recording that cannot be read.
     """
     if not unrolled:
         refuse_curved(scene)
-    return _core.spec_of_scene(as_given(scene))
+    spec = _core.spec_of_scene(as_given(scene))
+    put_traces(spec, scene)
+    return spec
 
 
 def _spec_from_bytes(data: bytes) -> _core.Spec:

@@ -60,6 +60,7 @@ def read_recording(
     instead: str = "",
     least_rows: int = 100,
     most_apart_s: float = 2.0,
+    has_segments: bool = False,
 ) -> Recording:
     """Read a file of numbers.
 
@@ -70,6 +71,7 @@ def read_recording(
         instead: a column that suffices alone.
         least_rows: fewest rows.
         most_apart_s: largest usual time between rows; a larger one is taken for another unit.
+        has_segments: times begin anew with each segment.
 
     Raises:
         PalmbotsError: it cannot be read, or is no such recording.
@@ -99,7 +101,7 @@ def read_recording(
         )
     table = _table(name, lines, names, needed, expected)
     found = {key: table[:, names.index(key)] for key in columns if key in names[: table.shape[1]]}
-    if "time_s" in found:
+    if "time_s" in found and not has_segments:
         _check_times(name, found["time_s"], [number for number, _ in lines], most_apart_s)
     return Recording(name, hashlib.sha256(data).hexdigest(), found)
 
