@@ -49,7 +49,7 @@ Keys = dict[str, Any]
 
 def robots_in(data: Path, work: Path) -> list[Keys]:
     """The fitted keys and the errors of each recorded robot, from its two runs."""
-    found = []
+    found: list[Keys] = []
     for robot in range(1, 6):
         files = [
             data / "robot-motion" / f"mrclam{run}-robot{robot}-{what}.dat.xz"
@@ -66,8 +66,8 @@ def robots_in(data: Path, work: Path) -> list[Keys]:
             continue
         write_fit(fit, work / f"robot{robot}")
         trace = str(work / f"robot{robot}" / "robot-errors.csv")
-        found.append({key.partition(".")[2]: value for key, value in fit.keys.items()})
-        found[-1]["error_trace"] = trace
+        keys: Keys = {key.partition(".")[2]: value for key, value in fit.keys.items()}
+        found.append(keys | {"error_trace": trace})
         print(f"robot {robot}: {fit.stretches} stretches, {found[-1]}", flush=True)
     return found
 

@@ -226,8 +226,10 @@ void bind_spec(nb::module_& m) {
                 gains.size() != times.size()) {
               throw std::invalid_argument("a side, and columns of one length");
             }
-            s.robots[side].recorded =
-                keep(ErrorTrace::of({segments, times, errors, gains}, s.period));
+            ErrorTrace trace = ErrorTrace::of({segments, times, errors, gains}, s.period);
+            if (trace.segments.empty())
+              throw std::invalid_argument("no segment is as long as control.period_s");
+            s.robots[side].recorded = keep(std::move(trace));
           },
           nb::arg("side"), nb::arg("segments"), nb::arg("times"), nb::arg("errors"),
           nb::arg("gains"),

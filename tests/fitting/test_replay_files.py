@@ -7,6 +7,7 @@ are those that were lost.
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,15 +26,15 @@ MODEL = {
 PARTS = np.array([MODEL[name] for name in PARAMETERS])
 
 
-def made(seed: int, speed_m_s: float = 0.06) -> tuple[Stretch, np.ndarray, float]:
+def made(seed: int, speed_m_s: float = 0.06) -> tuple[Stretch, Any, float]:
     """A stretch, its true displacement error beyond its gain, and this gain."""
     rng = np.random.default_rng(seed)
     (error,) = wandering(1, 20.0, 0.006, 0.5, seed, 0.01)
     error = error[::10]
-    times = 0.1 * np.arange(len(error))
-    gain = 1.04 + 0.03 * rng.standard_normal()
+    times: Any = 0.1 * np.arange(len(error))
+    gain = 1.04 + 0.03 * float(rng.standard_normal())
     error = error + 0.002 * times
-    places = gain * speed_m_s * times + error + 0.004 * rng.standard_normal(len(times))
+    places: Any = gain * speed_m_s * times + error + 0.004 * rng.standard_normal(len(times))
     return Stretch(times, places, speed_m_s * times, 0), error, gain
 
 

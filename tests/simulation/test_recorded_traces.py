@@ -30,6 +30,12 @@ def dropped(overrides: dict[str, Any], controller: str, carries: int = 1500) -> 
     return share, max(1 / carries, np.sqrt(share * (1 - share) / carries))
 
 
+def speeds_of(carry: pb.Carry) -> Any:
+    """The speeds of both robots in each tick [m/s]."""
+    assert carry.trace is not None
+    return carry.trace["speed"].values
+
+
 @pytest.mark.parametrize("world", ["quasistatic", "mujoco"])
 @pytest.mark.parametrize("gain", ["carry", "segment"])
 def test_a_recording_of_zeros_is_no_noise(world: str, gain: str, tmp_path: Path) -> None:
@@ -94,12 +100,12 @@ def test_each_robot_has_a_place_of_its_own(tmp_path: Path) -> None:
     file = error_trace(tmp_path / "errors.csv", wandering(40, 4.0, 0.02, 0.5, 3), 0.01)
     given = {"robot.error_trace": file}
     carries = [pb.carry("paper", "none", overrides=given, seed=seed) for seed in (0, 1)]
-    speeds = [carry.trace["speed"].values[:150] for carry in carries]
+    speeds = [speeds_of(carry)[:150] for carry in carries]
     pairs = [speeds[0][:, 0], speeds[0][:, 1], speeds[1][:, 0], speeds[1][:, 1]]
     assert len({one.tobytes() for one in pairs}) == 4
     alone = pb.carry("paper", "none", overrides={"robot.left.error_trace": file})
-    modelled = pb.carry("paper", "none").trace["speed"].values
-    found = alone.trace["speed"].values[:150]
+    modelled = speeds_of(pb.carry("paper", "none"))
+    found = speeds_of(alone)[:150]
     assert (found[:, 0] == speeds[0][:, 0]).all()
     assert (found[:, 1] == modelled[:150, 1]).all()
 
@@ -113,7 +119,7 @@ def test_displacements_are_those_recorded(tmp_path: Path) -> None:
     for gain in ("carry", "segment"):
         given = {"robot.error_trace": file, "robot.trace_gain": gain}
         carry = pb.carry("paper", "none", overrides=given, seed=4)
-        found = carry.trace["speed"].values[30:-1, 0]
+        found = speeds_of(carry)[30:-1, 0]
         own = [[0.06 * g + slope for slope in slopes] for g in (1.0, 1.1, 1.2)]
         wanted = (
             [own[k][k] for k in range(3)]

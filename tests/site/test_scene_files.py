@@ -20,8 +20,9 @@ BAD = [
     for text, line in tomllib.loads(REFUSALS.read_text("utf-8"))["scenes"]["rows"]
 ]
 ON_FLOOR = ('[task]\nfrom = "floor"', '[task]\nto = "floor"')  # for the page only
+RECORDED = ('[robot.left]\nerror_trace = "e.csv"', '[radio]\ntrace = "t.csv"')
 MORE_BAD = (
-    *ON_FLOOR,
+    *ON_FLOOR, *RECORDED,
     "[palm]\nlength_m = 150", '[palm]\nlength_m = "15 cm"', "[palm]\nfriction = true",
     "[radio]\nloss = nan", "[robot.left]\nspeed_m_s = -inf", "[palm.right]\nlength_m = -0.15",
     "[palm]\nsteep_deg = 80", '[task]\ndirection = "left"', "[task]\ninertia = 1",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-def error_trace(file: Path, segments: list[Floats], step_s: float, gains: Any = None) -> str:
+def error_trace(file: Path, segments: list[Any], step_s: float, gains: Any = None) -> str:
     """Write displacement errors at equal times, one array for each segment."""
     lines = ["segment,time_s,error_m,gain"]
     for number, errors in enumerate(segments):

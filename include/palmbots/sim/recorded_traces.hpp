@@ -2,17 +2,13 @@
 // Recordings that a carry replays: the speed errors of a real robot, and what became of the packets
 // of a real radio.
 //
-// A spec points to its recordings. They are kept for as long as the program runs, each only once,
-// so that a spec remains plain numbers.
+// A spec points to its recordings, so that it remains plain numbers (`keep`, sim/spec_bytes.hpp).
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <list>
-#include <mutex>
 #include <span>
-#include <stdexcept>
 #include <vector>
 
 #include "palmbots/base/philox.hpp"
@@ -54,7 +50,6 @@ struct ErrorTrace {
       trace.add(rows, start, i, period);
       start = i;
     }
-    if (trace.segments.empty()) throw std::invalid_argument("no segment is as long as a tick");
     return trace;
   }
 
@@ -152,17 +147,5 @@ class ErrorReplay {
   std::uint32_t since_ = 0;  // the tick from which on the segment is replayed
   std::uint32_t until_ = 0;  // and until before which
 };
-
-// The recording with this content, kept for good.
-template <class Trace>
-const Trace* keep(Trace trace) {
-  static std::mutex mutex;
-  static std::list<Trace> kept;
-  const std::scoped_lock lock(mutex);
-  for (const Trace& one : kept) {
-    if (one == trace) return &one;
-  }
-  return &kept.emplace_back(std::move(trace));
-}
 
 }  // namespace palmbots

@@ -8,14 +8,29 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <list>
+#include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "palmbots/sim/recorded_traces.hpp"
 #include "palmbots/sim/spec.hpp"
 
 namespace palmbots {
+
+// The recording with this content, kept for as long as the program runs.
+template <class Trace>
+const Trace* keep(Trace trace) {
+  static std::mutex mutex;
+  static std::list<Trace> kept;
+  const std::scoped_lock lock(mutex);
+  for (const Trace& one : kept) {
+    if (one == trace) return &one;
+  }
+  return &kept.emplace_back(std::move(trace));
+}
 
 namespace detail {
 

@@ -69,17 +69,9 @@ def traces_of(scene: Scene) -> dict[str, str]:
     return {key: name for key, name in found.items() if name is not None}
 
 
-def refuse_traces(scene: Scene, what: str, keys: str = "") -> None:
-    """Raise `SceneError` for a scene that replays a recording, which `what` does not.
-
-    Args:
-        scene: the scene.
-        what: who does not replay it, with a verb.
-        keys: beginning of the keys that count.
-    """
+def refuse_traces(scene: Scene, what: str) -> None:
+    """Raise `SceneError` for a scene that replays a recording, which `what` does not."""
     for key, name in traces_of(scene).items():
-        if not key.startswith(keys):
-            continue
         raise SceneError(
             f'{key}: "{name}" is a recording, and {what} not replay it; allowed: no recording, or '
             "palmbots carry"

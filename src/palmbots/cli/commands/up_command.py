@@ -159,10 +159,8 @@ def not_simulated(scene: "Scene", link: str = "") -> str:
 def _radio_of(scene: "Scene") -> "Impairment":
     """What happens to packets between processes, as the scene's radio has it."""
     from palmbots.links.impairment import Impairment
-    from palmbots.scene.recorded_traces import refuse_traces
 
     radio = scene.radio
-    refuse_traces(scene, "processes in real time do", "radio.")
     return Impairment(
         loss=radio.loss,
         delay_ms=1e3 * (radio.latency_s + 0.5 * radio.jitter_s),
