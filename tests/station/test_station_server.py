@@ -41,6 +41,7 @@ class Place:
         thread.start()
         wait_until(lambda: (self.step(), opened)[1])
         thread.join()
+        self.step()  # takes in what it wants to be
         self.clients += opened
         return opened[0]
 
