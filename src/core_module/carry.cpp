@@ -35,15 +35,7 @@ template <class Team>
 Run run_lift(const Spec& spec, std::uint64_t seed, bool record, Team team) {
   LiftCarry<Team> carry(spec, seed, std::move(team), record);
   carry.run();
-  Run run = run_of(carry);
-  run.hash = carry.recorder().hash();
-  run.rows = carry.recorder().take_rows();
-  run.sent_messages = carry.recorder().take_sent_messages();
-  run.pivot_heights = carry.take_heights();
-  run.phases = carry.phases();
-  run.moved = carry.moved();
-  run.stalled = carry.stalled_ticks();
-  return run;
+  return run_of_lift(carry);
 }
 
 bool is_single(const std::string& precision) {

@@ -91,4 +91,18 @@ Run run_of(const Carry& carry) {
   return run;
 }
 
+// The same of a job that begins or ends on the floor, with all that was recorded.
+template <class Job>
+Run run_of_lift(Job& job) {
+  Run run = run_of(job);
+  run.hash = job.recorder().hash();
+  run.rows = job.recorder().take_rows();
+  run.sent_messages = job.recorder().take_sent_messages();
+  run.pivot_heights = job.take_heights();
+  run.phases = job.phases();
+  run.moved = job.moved();
+  run.stalled = job.stalled_ticks();
+  return run;
+}
+
 }  // namespace palmbots::bindings

@@ -2,6 +2,8 @@
 // Both robots without their world, tick by tick.
 #include "palmbots/sim/cosimulation.hpp"
 
+#include "palmbots/sim/lift_cosimulation.hpp"
+
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -23,6 +25,9 @@ class AnyCoSimulation {
   virtual void observe(const WorldObservation& observation) = 0;
   virtual bool done() const = 0;
   virtual const PerSide<double>& speeds() const = 0;
+  // Where the arms are at the end of the tick [m], and whether they follow the floor.
+  virtual PerSide<double> heights() const { return {}; }
+  virtual PerSide<bool> are_low() const { return {}; }
   virtual Run run() = 0;
 };
 
@@ -48,11 +53,33 @@ class CoSimulationOf : public AnyCoSimulation {
   CoSimulation<Team> cosimulation_;
 };
 
+// The same of a job that begins or ends on the floor.
+template <class Team>
+class LiftCoSimulationOf : public AnyCoSimulation {
+ public:
+  LiftCoSimulationOf(const Spec& spec, std::uint64_t seed, Team team, double slack,
+                     const WorldObservation& first)
+      : job_(spec, seed, std::move(team), slack, first) {}
+  Actuation<double> step_controllers() override { return job_.step_controllers(); }
+  void observe(const WorldObservation& observation) override { job_.observe(observation); }
+  bool done() const override { return job_.done(); }
+  const PerSide<double>& speeds() const override { return job_.speeds(); }
+  PerSide<double> heights() const override { return job_.heights(); }
+  PerSide<bool> are_low() const override { return {job_.is_low(left), job_.is_low(right)}; }
+  Run run() override { return run_of_lift(job_); }
+
+ private:
+  LiftCoSimulation<Team> job_;
+};
+
 std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::object& controller,
                                                    std::uint64_t seed, double slack,
                                                    const WorldObservation& first) {
   return with_given_team(
       controller, spec, seed, [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
+        if (uses_floor(spec))
+          return std::make_unique<LiftCoSimulationOf<Team>>(spec, seed, std::move(team), slack,
+                                                            first);
         return std::make_unique<CoSimulationOf<Team>>(spec, seed, std::move(team), slack, first);
       });
 }
@@ -90,19 +117,24 @@ void bind_cosimulation(nb::module_& m) {
           [](WorldObservation* self, Two contacts, Two lift, Two touched,
              std::pair<bool, bool> pressed, Two palms, Two wrists, double separation,
              double midpoint, double rise, std::pair<int, int> motion, const std::string& reason,
-             double fraction) {
+             double fraction, Two heights, Two rolled, double moved, double object_sine,
+             bool stands, bool stalls) {
             const DropReason why = reason_of(reason);
             for (const int one : {motion.first, motion.second}) {
               if (one < -1 || one > 1) throw std::out_of_range("motion is -1, 0 or 1");
             }
-            new (self) WorldObservation{sides(contacts), sides(lift),  sides(touched),
-                                        sides(pressed),  sides(palms), sides(wrists),
-                                        separation,      midpoint,     rise,
-                                        sides(motion),   why,          fraction};
+            new (self) WorldObservation{sides(contacts), sides(lift),   sides(touched),
+                                        sides(pressed),  sides(palms),  sides(wrists),
+                                        separation,      midpoint,      rise,
+                                        sides(motion),   why,           fraction,
+                                        sides(heights),  sides(rolled), moved,
+                                        object_sine,     stands,        stalls};
           },
           nb::arg("contacts"), nb::arg("lift"), nb::arg("touched"), nb::arg("pressed"),
           nb::arg("palms"), nb::arg("wrists"), nb::arg("separation"), nb::arg("midpoint"),
-          nb::arg("rise"), nb::arg("motion"), nb::arg("reason") = "", nb::arg("fraction") = 1.0)
+          nb::arg("rise"), nb::arg("motion"), nb::arg("reason") = "", nb::arg("fraction") = 1.0,
+          nb::arg("heights") = Two{}, nb::arg("rolled") = Two{}, nb::arg("moved") = 0.0,
+          nb::arg("object_sine") = 0.0, nb::arg("stands") = false, nb::arg("stalls") = false)
       .def_prop_ro("contacts", [](const WorldObservation& s) { return pair_of(s.contacts); })
       .def_prop_ro("lift", [](const WorldObservation& s) { return pair_of(s.lift); })
       .def_prop_ro("palms", [](const WorldObservation& s) { return pair_of(s.palms); })
@@ -110,6 +142,19 @@ void bind_cosimulation(nb::module_& m) {
       .def_ro("separation", &WorldObservation::separation)
       .def_ro("midpoint", &WorldObservation::midpoint)
       .def_ro("rise", &WorldObservation::rise);
+
+  m.def(
+      "standing_start",
+      [](const Spec& spec) {
+        const StandingStart start = StandingStart::of(spec);
+        const auto two = [](Vec v) { return Two{v.x, v.y}; };
+        return std::pair(std::pair(two(start.pivots[left]), two(start.pivots[right])),
+                         two(start.com));
+      },
+      nb::arg("spec"),
+      "Where a job begins whose object stands on the floor: ((x, height) of both pivots, (x, "
+      "height) "
+      "of the COM) [m].");
 
   nb::class_<CoSimulationHandle>(
       m, "CoSimulation", "Both robots without their world: step_controllers, move, observe.")
@@ -136,6 +181,15 @@ void bind_cosimulation(nb::module_& m) {
           },
           "Decides: (speeds [m/s] towards +x, palm angles [rad] at the end of the tick, change of "
           "the separation [m], push [1], travel of the midpoint [m]).")
+      .def_prop_ro(
+          "arms",
+          [](const CoSimulationHandle& c) {
+            return std::pair(pair_of(c.cosimulation->heights()),
+                             pair_of(c.cosimulation->are_low()));
+          },
+          "Of a job on the floor, after step_controllers(): (heights of the pivots [m] at the end "
+          "of "
+          "the tick, whether each arm follows the floor).")
       .def(
           "observe",
           [](CoSimulationHandle& c, const WorldObservation& observation) {

@@ -33,6 +33,13 @@ struct WorldObservation {
   PerSide<int> motion{};  // over the tick: contacts slide down −1, stick 0, slide up +1
   DropReason reason = DropReason::none;
   double fraction = 1;  // share of the tick after which the carry ended
+  // Of a job that begins or ends on the floor.
+  PerSide<double> heights{};  // of the pivots over the floor [m]
+  PerSide<double> rolled{};   // by the wheels towards +x, since any start [m]
+  double moved = 0;           // of the COM towards +x since the start [m]
+  double object_sine = 0;     // of the angle of the object over the floor
+  bool stands = false;        // the object is on the floor alone
+  bool stalls = false;        // wheels stalled in the tick
 };
 
 // The observation, with the interface of a world for the recorder.

@@ -4,7 +4,7 @@
 `WORLD` is the entry of this world in the registry (`palmbots.simulation.worlds`).
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,12 +15,15 @@ from palmbots._types import SIDES
 from palmbots.errors import SceneError
 from palmbots.mujoco.curved_world import world_of
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
+from palmbots.mujoco.lift_world import LiftWorld
 from palmbots.mujoco.trace_columns import COLUMNS, Measured
 from palmbots.mujoco.world import SLACK, MujocoWorld
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import refuse_floor
 from palmbots.simulation.driven_world import Pair
 from palmbots.simulation.episode import Episode
 from palmbots.simulation.prepare import Prepared
+from palmbots.simulation.trace import HEIGHTS, heights_of
 from palmbots.simulation.worlds import WorldEntry, WorldRun
 
 _PROGRESS_TICKS = 20  # between two calls of `on_progress`
@@ -68,6 +71,8 @@ def run(
     distance = scene.task.distance_m
     while not crew.done:
         speeds, angles, *_ = crew.step_controllers()
+        if isinstance(world, LiftWorld):
+            world.arms = crew.arms
         world.move(speeds, angles)
         crew.observe(carried.sight())
         if on_tick is not None:
@@ -89,6 +94,7 @@ class CarriedWorld:
         self.world = world
         self.move: Callable[[Pair, Pair], None] = world.move
         self._engine, self._record = engine, record
+        self._carries = not isinstance(world, LiftWorld)  # from palms to palms
         self._measured: list[Measured] = []
         self._states = [world.state()] if record else []
 
@@ -105,18 +111,19 @@ class CarriedWorld:
         world = self.world
         return WorldRun(
             measured,
-            contact_events=world.contact_events(measured.time_s),
+            contact_events=world.contact_events(measured.time_s) if self._carries else (),
             warnings=(*world.warnings, *traction_warnings(world.scene, measured, world.wheel_slip)),
             lateral_peak_m=world.lateral_peak,
             wheel_slip_m=world.wheel_slip,
-            trace=self._columns() if self._record else {},
+            trace=self._columns(measured) if self._record else {},
             recording=MujocoRecord(np.array(self._states), self._engine) if self._record else None,
         )
 
-    def _columns(self) -> dict[str, tuple[np.ndarray, dict[str, str]]]:
+    def _columns(self, measured: Any) -> dict[str, tuple[np.ndarray, Mapping[str, str]]]:
         """The variables of the trace. A row is the start of its tick; the last one is repeated."""
         rows = [*self._measured, self._measured[-1] if self._measured else self.world.measured]
-        return {
+        floor = {} if self._carries else heights_of(measured)
+        return floor | {
             name: (np.array([getattr(row, name) for row in rows]), attrs)
             for name, attrs in COLUMNS.items()
         }
@@ -150,8 +157,9 @@ def driven(scene: Scene, pivot_heights_m: Pair = (0.0, 0.0)) -> MujocoWorld:
     differ drives a curve.
 
     Raises:
-        SceneError: the path is curved.
+        SceneError: the path is curved, or the job begins or ends on the floor.
     """
+    refuse_floor(scene, "robots that are driven from outside do")
     if scene.task.path.is_curved:
         raise SceneError(
             "task.path.kind: robots that nobody steers cannot follow a curved path; "
@@ -169,7 +177,8 @@ WORLD = WorldEntry(
     episode=episode,
     driven=driven,
     supports_curved=True,
+    supports_floor=True,
     is_stepped=True,
-    trace_variables=COLUMNS,
+    trace_variables=HEIGHTS | COLUMNS,
     extra="mujoco",
 )

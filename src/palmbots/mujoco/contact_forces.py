@@ -24,6 +24,8 @@ class PalmLoads:
     """Force on each palm along it, outward [N]; 0 unless it was requested."""
     further: list[ExtraContact]
     """The contacts that carry load besides the contact vertices."""
+    heel: tuple[float, float]
+    """Force on each heel [N]."""
 
     @property
     def force(self) -> tuple[float, float]:
@@ -43,7 +45,7 @@ class PalmContacts:
         for pair in zip(m.pair_geom1.tolist(), m.pair_geom2.tolist(), strict=True):
             of_object = [k for k in pair if m.geom_bodyid[k] == thing]
             of_palm = [k for k in pair if self._is_palm[k]]
-            if not of_object or any("_lip_" in m.geom(k).name for k in pair):
+            if not of_object or not of_palm or any("_lip_" in m.geom(k).name for k in pair):
                 continue  # lips hold the object laterally; no switch feels them
             side = SIDES.index(m.geom(of_palm[0]).name.split("_")[0])
             name = m.geom(of_object[0]).name
@@ -71,7 +73,7 @@ class PalmContacts:
             with_friction: compute the friction forces too, which takes time.
         """
         sums = [[[0.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 0.0]]]
-        friction = [0.0, 0.0]
+        friction, heel = [0.0, 0.0], [0.0, 0.0]
         further: list[ExtraContact] = []
         contact, forces = data.contact, data.efc_force
         places, frames = contact.pos, contact.frame
@@ -86,6 +88,7 @@ class PalmContacts:
             if extra is not None and push > 0:
                 further.append(extra)
             if extra is not None and extra.on_heel:
+                heel[k] += push
                 continue  # the force of a heel acts along the palm
             sums[k][extra is None][0] += push
             sums[k][extra is None][1] += push * to_palm(k, places[i].tolist())[0]
@@ -97,4 +100,4 @@ class PalmContacts:
             fx, fy, fz = (one * float(frame[3 + i]) + other * float(frame[6 + i]) for i in range(3))
             along = fx * float(mat[0]) + fy * float(mat[3]) + fz * float(mat[6])
             friction[k] += sign * _OUT[k] * along
-        return PalmLoads(sums, (friction[0], friction[1]), further)
+        return PalmLoads(sums, (friction[0], friction[1]), further, (heel[0], heel[1]))

@@ -17,8 +17,10 @@ from palmbots._types import SIDES
 from palmbots.errors import SceneError
 from palmbots.mujoco.edge_contacts import fit_edges
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
+from palmbots.mujoco.lift_world import LiftWorld
 from palmbots.mujoco.mjcf import layout
 from palmbots.mujoco.path_curve import LEAD_M, Curve, Spot, curve_of
+from palmbots.mujoco.robot_mjcf import lifts
 from palmbots.mujoco.world import MujocoWorld, Point
 from palmbots.scene.chassis import axle_out, chassis
 from palmbots.scene.scene import Scene
@@ -29,8 +31,8 @@ _OUT = (-1.0, 1.0)
 
 
 def world_of(scene: Scene, engine: Engine = DEFAULT, measures: bool = True) -> MujocoWorld:
-    """The world of a scene, on a straight or a curved path."""
-    kind = CurvedWorld if scene.task.path.is_curved else MujocoWorld
+    """The world of a scene: on a straight or a curved path, or with arms."""
+    kind = LiftWorld if lifts(scene) else CurvedWorld if scene.task.path.is_curved else MujocoWorld
     return kind(scene, engine, measures)
 
 

@@ -16,11 +16,19 @@ class Contact:
     solimp: tuple[float, float, float]
 
 
+PALM = Contact((0.02, 1.0), (0.8, 0.8, 0.001))
+FLOOR = Contact((0.02, 1.0), (0.95, 0.95, 0.001))
+LIFTING = Contact((0.01, 1.0), (0.9, 0.9, 0.001))
+
+
 @dataclass(frozen=True)
 class Engine:
     """MuJoCo's solver options, and the contacts between palms and object."""
 
     palm: Contact
+    lifting: Contact = LIFTING
+    """In a job on the floor: those between palms and object, and those of the floor with object and
+    noses. Penetration has to be small compared with the thickness of a nose."""
     cone: str = "elliptic"
     impratio: float = 150.0
     integrator: str = "Euler"
@@ -28,8 +36,6 @@ class Engine:
     noslip: int = 0
 
 
-PALM = Contact((0.02, 1.0), (0.8, 0.8, 0.001))
-FLOOR = Contact((0.02, 1.0), (0.95, 0.95, 0.001))
 DEFAULT = Engine(palm=PALM)
 
 
@@ -53,4 +59,6 @@ class Servo:
 WHEEL = Servo(kp=50.0**2, kv=2 * 50.0, armature=2e-3)
 SHOULDER = Servo(kp=300.0, kv=6.4, armature=0.03)
 WRIST = Servo(kp=100.0, kv=2.1, armature=0.01)
+# An arm that rises and sinks [N/m, N s/m, kg]; the armature is that of a geared lead screw.
+MAST = Servo(kp=2e4, kv=230.0, armature=1.0)
 ARM = 0.012  # m, thickness of the arm, from which its inertia follows

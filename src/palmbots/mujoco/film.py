@@ -23,7 +23,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curved_world import Line, line_of
 from palmbots.mujoco.edge_contacts import edges_of, fit_edges
 from palmbots.mujoco.engine import check_offscreen, mujoco, offscreen
-from palmbots.mujoco.mjcf import layout, mjcf
+from palmbots.mujoco.mjcf import camera_height, mjcf
 from palmbots.mujoco.overlay import Overlay
 from palmbots.viz.style import BACKGROUND, DROP, HUE, INK, ZERO
 from palmbots.viz.video_files import check_video, write_video
@@ -58,7 +58,7 @@ class VideoRenderer:
         self._data: Any = self._mj.MjData(self._model)
         self._kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
         self._palms = [self._model.body(f"{side}_palm").id for side in SIDES]
-        self._height = layout(carry.scene).height
+        self._height = camera_height(carry.scene)
         self._times = trace["time"].to_numpy()
         self._motion, self._sign, self._case = (
             trace[name].transpose("time", "side").to_numpy() for name in ("motion", "sign", "case")
@@ -98,7 +98,7 @@ class VideoRenderer:
         fit_edges(m, d, self._edges)
         self._mj.mj_forward(m, d)
         one, two = (d.xpos[palm] for palm in self._palms)
-        self._camera.lookat[:] = (0.5 * (one[0] + two[0]), 0.0, self._height - 0.04)
+        self._camera.lookat[:] = (0.5 * (one[0] + two[0]), 0.0, self._height)
         if self._line is not None:
             self._camera.lookat[1] = 0.5 * (one[1] + two[1])
             heading = math.atan2(two[1] - one[1], two[0] - one[0])

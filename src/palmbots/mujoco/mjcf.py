@@ -22,7 +22,7 @@ from palmbots._core import turn
 from palmbots._types import SIDES, Side
 from palmbots._util.xml_attributes import numbers, rgb, rgba
 from palmbots.mujoco.engine_settings import DEFAULT, FLOOR, Contact, Engine
-from palmbots.mujoco.robot_mjcf import TIP, add_robot
+from palmbots.mujoco.robot_mjcf import TIP, add_robot, lifts, undersides
 from palmbots.scene.extrusion import gyration
 from palmbots.scene.placement import floor_level
 from palmbots.scene.scene import Scene
@@ -60,7 +60,11 @@ def layout(scene: Scene, pivot_heights_m: tuple[float, float] = (0.0, 0.0)) -> L
     `pivot_heights_m`: of the pivots over where the scene has them.
     """
     spec = to_spec(scene, unrolled=True)
+    if getattr(scene.task, "from") == "floor":
+        return _standing(spec)
     height = -floor_level(spec)
+    if lifts(scene):
+        height = sum(scene.arm.of(side).carry_height_m for side in SIDES) / len(SIDES)
     tilted = to_spec(scene, unrolled=True)
     tilt = raise_right_pivot(tilted, pivot_heights_m[1] - pivot_heights_m[0])
     world = _core.World(tilted)
@@ -72,6 +76,20 @@ def layout(scene: Scene, pivot_heights_m: tuple[float, float] = (0.0, 0.0)) -> L
     z = height + pivot_heights_m[0] + p * sin + above * cos
     dx, dy = world.contact_vector
     return Layout(spec, height, pivot_heights_m, (-half, half), (x, z), math.atan2(dy, dx) + tilt)
+
+
+def _standing(spec: _core.Spec) -> Layout:
+    """The start of a job whose object stands on the floor."""
+    ((left, height), (right, other)), (x, z) = _core.standing_start(spec)
+    vertex = x - spec.com_left, z - spec.com_height
+    return Layout(spec, height, (0.0, other - height), (left, right), vertex, 0.0)
+
+
+def camera_height(scene: Scene) -> float:
+    """Height at which cameras look at the pair [m]."""
+    if lifts(scene):
+        return 0.6 * max(scene.arm.of(side).carry_height_m for side in SIDES)
+    return layout(scene).height - 0.04
 
 
 def steps_per_tick(scene: Scene) -> int:
@@ -140,7 +158,7 @@ def mjcf(
     actuators = ET.Element("actuator")
     for k, side in enumerate(SIDES):
         add_robot(world, actuators, scene, side, at.pivots[k], at.height + at.raised[k])
-    balls, slabs = _object(world, scene, at)
+    balls, slabs, stands = _object(world, scene, at)
     contact = ET.SubElement(root, "contact")
     _floor_pairs(contact, scene, ["floor", *ridges])
     lips: dict[Side, tuple[str, ...]] = {
@@ -148,7 +166,9 @@ def mjcf(
         for side in SIDES
         if scene.palm_of(side).lip_height_m > 0
     }
-    _palm_pairs(contact, at, balls, slabs, lips, engine.palm)
+    _palm_pairs(contact, at, balls, slabs, lips, engine.lifting if lifts(scene) else engine.palm)
+    if lifts(scene):
+        _standing_pairs(contact, scene, stands, engine.lifting)
     root.append(actuators)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
@@ -194,10 +214,13 @@ class _Slab:
     faces_down: bool  # so that the end of a palm can touch it; else only a heel can
 
 
-def _object(world: ET.Element, scene: Scene, at: Layout) -> tuple[list[_Ball], list[_Slab]]:
+def _object(
+    world: ET.Element, scene: Scene, at: Layout
+) -> tuple[list[_Ball], list[_Slab], list[str]]:
     """The object, its frame at the left contact vertex; returns its contact shapes.
 
-    A corner is a ball at each end of the palms: of the radius of its arc, or almost a point.
+    A corner is a ball at each end of the palms: of the radius of its arc, or almost a point. On the
+    floor it is a capsule across the depth of the object; its name is in the last list.
     """
     thing = scene.object
     body = ET.SubElement(
@@ -217,7 +240,7 @@ def _object(world: ET.Element, scene: Scene, at: Layout) -> tuple[list[_Ball], l
     widest = max(scene.palm_of(side).width_m for side in SIDES)
     across = 0.49 * min(thing.depth_m, widest)
     reach = max(scene.palm_of(side).length_m for side in SIDES)
-    balls, slabs = [], []
+    balls, slabs, stands = [], [], []
     outline = [(x, z) for x, _, z, _ in at.spec.outline]
     arcs = at.spec.corners
     heel = max(scene.palm_of(side).heel_m for side in SIDES)
@@ -231,6 +254,14 @@ def _object(world: ET.Element, scene: Scene, at: Layout) -> tuple[list[_Ball], l
             ET.SubElement(
                 body, "geom", {"class": "touch"}, name=balls[-1].name, type="sphere",
                 size=numbers(radius + TIP), pos=numbers(x, y, z),
+            )  # fmt: skip
+        if lifts(scene):
+            round_m = max(radius, TIP)
+            stands.append(f"stand_{k}")
+            ET.SubElement(
+                body, "geom", {"class": "touch"}, name=stands[-1], type="capsule",
+                size=numbers(round_m, thing.depth_m / 2 - round_m), pos=numbers(x, 0.0, z),
+                euler=numbers(math.pi / 2, 0.0, 0.0),
             )  # fmt: skip
     for k, n in enumerate(following):
         (ax, az), (bx, bz) = _straight_part(outline[k], outline[n], arcs[k], arcs[n])
@@ -248,7 +279,7 @@ def _object(world: ET.Element, scene: Scene, at: Layout) -> tuple[list[_Ball], l
             pos=numbers((ax + bx) / 2 + inx, 0.0, (az + bz) / 2 + inz),
             euler=numbers(0.0, -math.atan2(bz - az, bx - ax), 0.0),
         )  # fmt: skip
-    return balls, slabs
+    return balls, slabs, stands
 
 
 def _straight_part(a: Xz, b: Xz, before: Arc, after: Arc) -> tuple[Xz, Xz]:
@@ -275,6 +306,16 @@ def _floor_pairs(parent: ET.Element, scene: Scene, floors: list[str]) -> None:
             for wheel in ("port", "starboard"):
                 _pair(parent, floor, f"{side}_{wheel}", 3, scene.mujoco.floor_friction, FLOOR)
             _pair(parent, floor, f"{side}_caster", 1, 0.0, FLOOR)
+
+
+def _standing_pairs(parent: ET.Element, scene: Scene, stands: list[str], contact: Contact) -> None:
+    """The contact pairs of the floor with the object and with the noses, which slide freely."""
+    for stand in stands:
+        _pair(parent, "floor", stand, 3, scene.floor.friction, contact)
+    for side in SIDES:
+        for name, *_ in undersides(scene.palm_of(side)):
+            for end in ("near", "far"):
+                _pair(parent, "floor", f"{side}_{name}_{end}", 1, 0.0, contact)
 
 
 def _palm_pairs(

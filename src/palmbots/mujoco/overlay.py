@@ -30,6 +30,7 @@ class Overlay:
         self._mj, self._model, self._data = mujoco(), model, data
         self._friction = [math.atan(scene.palm_of(side).friction) for side in SIDES]
         self._palms = [model.body(f"{side}_palm").id for side in SIDES]
+        self._object = model.body("object").id
         palm = max(scene.palm_of(side).width_m for side in SIDES)
         self._near = -0.5 * max(palm, scene.object.depth_m) - 0.01
 
@@ -61,7 +62,7 @@ class Overlay:
         for i in range(d.ncon):
             contact = d.contact[i]
             bodies = [int(m.geom_bodyid[g]) for g in contact.geom]
-            if self._palms[k] not in bodies or contact.efc_address < 0:
+            if set(bodies) != {self._palms[k], self._object} or contact.efc_address < 0:
                 continue
             if any("_lip_" in m.geom(int(g)).name for g in contact.geom):
                 continue

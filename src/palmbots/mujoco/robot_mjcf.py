@@ -8,11 +8,13 @@
 import math
 import xml.etree.ElementTree as ET
 
+import palmbots._core as _core
 from palmbots._types import Side
 from palmbots._util.xml_attributes import numbers, rgba
-from palmbots.mujoco.engine_settings import ARM, SHOULDER, WHEEL, WRIST, Servo
+from palmbots.mujoco.engine_settings import ARM, MAST, SHOULDER, WHEEL, WRIST, Servo
 from palmbots.scene.chassis import Chassis, axle_out, chassis, wheel_kg
 from palmbots.scene.mujoco_section import PALM_TORQUE
+from palmbots.scene.palm_section import PalmParameters
 from palmbots.scene.robot_dimensions import (
     BODY_SIZE,
     CASTER_RADIUS,
@@ -24,6 +26,8 @@ from palmbots.viz.style import HUE, INK, QUIET
 
 LIP = 0.004  # m, thickness of the lips along the sides of a palm
 TIP = 1e-4  # m, radius of the contact balls: almost a point
+_SPARE = 0.01  # m, of an arm beyond its greatest height
+STRONGEST_N = 1e4  # of the motor of an arm
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
@@ -39,6 +43,16 @@ def wrist_servo(scene: Scene) -> Servo:
     """Gains of the motor of a palm: as stiff as the torque that it holds demands."""
     strength = scene.mujoco.palm_torque_n_m / PALM_TORQUE
     return Servo(WRIST.kp * strength, WRIST.kv * math.sqrt(strength), WRIST.armature)
+
+
+def arm_weight(scene: Scene) -> float:
+    """The weight that an arm carries without the object [N]."""
+    return (scene.mujoco.arm_kg + scene.mujoco.palm_kg) * _core.standard_gravity
+
+
+def lifts(scene: Scene) -> bool:
+    """Whether the arms of a scene rise and sink: its job begins or ends on the floor."""
+    return "floor" in (getattr(scene.task, "from"), scene.task.to)
 
 
 def box_inertia(mass: float, x: float, y: float, z: float) -> tuple[float, float, float]:
@@ -126,10 +140,26 @@ def _arm(
         name=f"{side}_arm",
         pos=numbers(out * frame.shoulder[0], 0.0, frame.shoulder[1]),
     )
-    ET.SubElement(
-        arm, "joint", name=f"{side}_shoulder", type="hinge", axis=numbers(0.0, -out, 0.0),
-        armature=numbers(SHOULDER.armature),
-    )  # fmt: skip
+    if lifts(scene):
+        # The whole arm slides. It could sink until its pivot is on the floor.
+        top = scene.arm.of(side).carry_height_m + scene.arm.of(side).height_error_m
+        ET.SubElement(
+            arm, "joint", name=f"{side}_arm", type="slide", axis="0 0 1",
+            armature=numbers(MAST.armature),
+            range=numbers(-frame.pivot[1], top - frame.pivot[1] + _SPARE),
+        )  # fmt: skip
+        _mast(body, out * frame.shoulder[0], frame.shoulder[1] + top - frame.pivot[1])
+        height = _drive(actuators, f"{side}_arm", MAST, arm_weight(scene))
+        height.set("forcerange", numbers(-STRONGEST_N, STRONGEST_N))
+    else:
+        ET.SubElement(
+            arm, "joint", name=f"{side}_shoulder", type="hinge", axis=numbers(0.0, -out, 0.0),
+            armature=numbers(SHOULDER.armature),
+        )  # fmt: skip
+        ET.SubElement(
+            actuators, "position", name=f"{side}_shoulder", joint=f"{side}_shoulder",
+            kp=numbers(SHOULDER.kp), kv=numbers(SHOULDER.kv),
+        )  # fmt: skip
     lean, long = math.atan2(z, out * x), math.hypot(x, z)
     ET.SubElement(
         arm, "inertial", pos=numbers(out * x / 2, 0.0, z / 2), mass=numbers(mass),
@@ -138,11 +168,15 @@ def _arm(
     begins_x, begins_z = solids.shoulder(side, -frame.pivot[1])
     for bar in solids.arm(side, -frame.pivot[1]):
         _draw(arm, bar, (begins_x, 0.0, begins_z))
-    ET.SubElement(
-        actuators, "position", name=f"{side}_shoulder", joint=f"{side}_shoulder",
-        kp=numbers(SHOULDER.kp), kv=numbers(SHOULDER.kv),
-    )  # fmt: skip
     return arm
+
+
+def _mast(body: ET.Element, x: float, top: float) -> None:
+    """Draw the bar along which an arm slides."""
+    ET.SubElement(
+        body, "geom", type="box", rgba=rgba(QUIET), size=numbers(ARM / 2, ARM / 2, top / 2),
+        pos=numbers(x, 0.0, top / 2),
+    )  # fmt: skip
 
 
 def _palm(
@@ -184,6 +218,13 @@ def _palm(
                 body, "geom", {"class": "touch"}, name=f"{side}_{end}_{name}", type="sphere",
                 size=numbers(TIP), pos=numbers(x, y, offset - TIP),
             )  # fmt: skip
+    if lifts(scene):
+        for name, along, below in undersides(palm):
+            for end, y in (("near", -0.98 * wide), ("far", 0.98 * wide)):
+                ET.SubElement(
+                    body, "geom", {"class": "touch"}, name=f"{side}_{name}_{end}", type="sphere",
+                    size=numbers(TIP), pos=numbers(out * along, y, offset - below + TIP),
+                )  # fmt: skip
     if palm.heel_m > 0:
         high = palm.heel_m / 2
         ET.SubElement(
@@ -203,13 +244,26 @@ def _palm(
     _drive(actuators, f"{side}_wrist", wrist_servo(scene))
 
 
-def _drive(actuators: ET.Element, joint: str, servo: Servo) -> None:
-    """A motor that follows a speed command and holds its integral: two actuators, one command."""
-    ET.SubElement(
+def undersides(palm: PalmParameters) -> list[tuple[str, float, float]]:
+    """Where the lower side of a plate can touch the floor: its inner end, and the outer edge of its
+    bevel. Name, place outward of the foot of the pivot and distance below the surface [m]."""
+    tip = palm.thickness_m if palm.nose_m is None else min(palm.nose_m, palm.thickness_m)
+    half = palm.length_m / 2
+    bevel = [("bevel", palm.bevel_m - half, palm.thickness_m)] if palm.bevel_m > 0 else []
+    return [("nose", -half, tip), *bevel]
+
+
+def _drive(actuators: ET.Element, joint: str, servo: Servo, constant: float = 0.0) -> ET.Element:
+    """A motor that follows a speed command and holds its integral: two actuators, one command.
+
+    `constant`: a force that it exerts always. Returns the first of them.
+    """
+    held = ET.SubElement(
         actuators, "general", name=f"{joint}_angle", joint=joint, dyntype="integrator",
-        gainprm=numbers(servo.kp), biastype="affine", biasprm=numbers(0.0, -servo.kp, 0.0),
+        gainprm=numbers(servo.kp), biastype="affine", biasprm=numbers(constant, -servo.kp, 0.0),
     )  # fmt: skip
     ET.SubElement(actuators, "velocity", name=f"{joint}_speed", joint=joint, kv=numbers(servo.kv))
+    return held
 
 
 def _draw(body: ET.Element, solid: solids.Solid, origin: solids.Vector, name: str = "") -> None:

@@ -16,6 +16,7 @@ from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curved_world import CurvedWorld
 from palmbots.mujoco.engine import mujoco
+from palmbots.mujoco.mjcf import camera_height
 from palmbots.mujoco.overlay import Overlay
 from palmbots.mujoco.world import MujocoWorld
 
@@ -85,7 +86,7 @@ class Viewer:
             self._overlay = Overlay(world.model, world.data, world.scene)
         one, two = (world.data.body(f"{side}_palm").xpos for side in SIDES)
         middle = 0.5 * (one + two)
-        middle[2] = world.layout.height - 0.04
+        middle[2] = camera_height(world.scene)
         self._window.cam.lookat[:] = middle
         ahead = (two - one) * np.array([1.0, 1.0, 0.0])
         into = self._window.user_scn

@@ -32,7 +32,7 @@ _HEADING = 5.0  # 1/s, gain with which a robot steers back to its heading
 _STICKS = 5e-4  # m/s; a contact that moves more slowly along its palm sticks
 _LET_GO_S = 0.25  # without load on a palm for this long, the object is no longer held
 _PITCHED = math.radians(10)  # a robot that pitches by more than the floor and this has tipped
-_TURNED = math.radians(60)  # an object turned further has tipped over
+TURNED = math.radians(60)  # an object turned further has tipped over
 _OUT = (-1.0, 1.0)
 
 
@@ -166,6 +166,7 @@ class MujocoWorld:
             rise=vertices[1][2] - vertices[0][2],
             motion=self.motion,
             reason=self.end,
+            **self._floor_state(),
         )
 
     def state(self) -> np.ndarray:
@@ -268,8 +269,6 @@ class MujocoWorld:
             [int(m.joint(f"{side}_{wheel}").qposadr[0]) for wheel in ("port", "starboard")]
             for side in SIDES
         ]
-        self._shoulder_at = [int(m.joint(f"{side}_shoulder").qposadr[0]) for side in SIDES]
-        self._shoulders = [m.actuator(f"{side}_shoulder").id for side in SIDES]
         bodies = {name: m.body(name).id for s in SIDES for name in (f"{s}_palm", f"{s}_body")}
         object_body = m.body("object").id
         d = self.data
@@ -309,10 +308,19 @@ class MujocoWorld:
         for tick in range(ticks):
             self.move((0.0, 0.0), self._steep)
             if 3 * tick < 2 * ticks:
-                for at, shoulder in zip(self._shoulder_at, self._shoulders, strict=True):
-                    self.data.ctrl[shoulder] -= 0.3 * float(self.data.qpos[at])
+                self._adjust_arms()
         # MuJoCo's own clock runs on: `move` detects a divergence by a step back of that clock.
         self._ticks, self.time_s = 0, 0.0
+
+    def _adjust_arms(self) -> None:
+        for side in SIDES:
+            at = int(self.model.joint(f"{side}_shoulder").qposadr[0])
+            shoulder = self.model.actuator(f"{side}_shoulder").id
+            self.data.ctrl[shoulder] -= 0.3 * float(self.data.qpos[at])
+
+    def _floor_state(self) -> dict[str, Any]:
+        """What is observed of a job on the floor only."""
+        return {}
 
     def _turning(self, k: int, speed: float) -> float:
         """The turning rate with which a robot steers to its heading, anticlockwise seen from
@@ -399,11 +407,15 @@ class MujocoWorld:
             self.time_s,
             [(w.side, w.kind(self._palm_mat[w.side], self._object_mat)) for w in loads.further],
         )
-        for switches, sums in zip(self._switches, loads.sums, strict=True):
+        for switches, sums in zip(self._switches, self._pressing(p, loads), strict=True):
             switches.update(self.time_s, sums)
         one, other = self._switches
         pressed = one.place if one.closed else p[0], other.place if other.closed else p[1]
         return pressed, (one.closed, other.closed), loads
+
+    def _pressing(self, p: tuple[float, float], loads: PalmLoads) -> list[list[list[float]]]:
+        """What may close switches, by palm: forces [N] and their moments [N m]."""
+        return loads.sums
 
     def _end(self, p: tuple[float, float], loaded: tuple[bool, bool]) -> str:
         """Why the object is no longer held; empty if it is held. `loaded`: each palm carries some
@@ -414,7 +426,7 @@ class MujocoWorld:
             return "off-palm"
         if any(abs(y) > half for y, half in zip(self.lateral, self._half_width, strict=True)):
             return "off-palm"
-        if float(self._object_mat[8]) < math.cos(_TURNED):
+        if float(self._object_mat[8]) < math.cos(TURNED):
             return "tipping"
         for k in (0, 1):
             self._unloaded_s[k] = 0.0 if loaded[k] else self._unloaded_s[k] + self._period

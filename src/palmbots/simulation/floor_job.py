@@ -29,6 +29,8 @@ MISSED = {phase: goal for goal, phases in _GOALS.items() for phase in phases}
 """What a job did not achieve that ends in a phase."""
 STAGES = {phase: phases[0].partition("_")[0] for phases in _GOALS.values() for phase in phases}
 """The stage to which a phase belongs, dock, centre, raise, carry, lower, leave or held."""
+_ENDS = {"tipping": "toppled", "jammed": "jammed", "robot tipped": "a robot tipped"}
+"""What happened, by the reason of a drop; otherwise the object fell."""
 _RETRIES = ("back_off", "stand_back", "failed")  # after an attempt that failed
 
 
@@ -84,18 +86,18 @@ def floor_job(scene: Scene, measured: Any) -> FloorJob:
     moved = sense * measured.moved_m
     return FloorJob(
         phases=tuple(phases),
-        failure=_failure(measured.outcome, phases),
+        failure=_failure(measured.outcome, measured.reason, phases),
         moved_m=moved,
         missed_m=moved - scene.task.distance_m,
         stalled_s=measured.stalled_s,
     )
 
 
-def _failure(outcome: str, phases: list[JobPhase]) -> str | None:
+def _failure(outcome: str, reason: str | None, phases: list[JobPhase]) -> str | None:
     """In words: from the last phase, of an attempt, of the robot that is less far."""
     if outcome == "delivered":
         return None
     last = {phase.robot: phase.phase for phase in phases if phase.phase not in _RETRIES}
     order = list(MISSED)
     behind = min(last.values(), key=order.index)
-    return ("fell: " if outcome == "dropped" else "") + MISSED[behind]
+    return (f"{_ENDS.get(reason or '', 'fell')}: " if outcome == "dropped" else "") + MISSED[behind]

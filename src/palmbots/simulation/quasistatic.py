@@ -9,6 +9,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.simulation.driven_world import QuasistaticWorld
 from palmbots.simulation.episode import Episode
 from palmbots.simulation.prepare import Prepared
+from palmbots.simulation.trace import HEIGHTS, heights_of
 from palmbots.simulation.worlds import PRECISIONS, WorldEntry, WorldRun
 
 
@@ -28,17 +29,7 @@ def run(
     if uses_floor:
         _refuse_on_floor(precision, forks)
     measured = _core.run(prepared.spec, core, seed, precision, record, list(forks))
-    more = {name: (measured.pivot_heights_m, attrs) for name, attrs in _HEIGHTS.items()}
-    return WorldRun(measured, trace=more if uses_floor and record else {})
-
-
-_HEIGHTS = {
-    "pivot_height": {
-        "units": "m",
-        "long_name": "height of the pivot above the floor, in a job on the floor",
-        "log_field": "pivot_height_m",
-    }
-}
+    return WorldRun(measured, trace=heights_of(measured) if uses_floor and record else {})
 
 
 def _refuse_on_floor(precision: str, forks: Sequence[tuple[float, int]]) -> None:
@@ -58,7 +49,7 @@ WORLD = WorldEntry(
     precisions=PRECISIONS,
     supports_bumps=True,
     supports_floor=True,
-    trace_variables=_HEIGHTS,
+    trace_variables=HEIGHTS,
     supports_forks=True,
     supports_references=True,
 )

@@ -35,6 +35,18 @@ VARIABLES = {
 }
 """Attributes of the variables that every world records."""
 
+HEIGHTS = {
+    "pivot_height": _attrs(
+        "m", "height of the pivot above the floor, in a job on the floor", "pivot_height_m"
+    )
+}
+"""Attributes of the variables that every world adds in a job that begins or ends on the floor."""
+
+
+def heights_of(measured: Any) -> dict[str, "tuple[np.ndarray, Mapping[str, str]]"]:
+    """Their values in such a job, of the core's record."""
+    return {name: (measured.pivot_heights_m, attrs) for name, attrs in HEIGHTS.items()}
+
 
 def trace_dataset(
     trace: Mapping[str, "np.ndarray"],

@@ -41,7 +41,7 @@ from palmbots.viz.style import (
 )
 from palmbots.viz.timeline import add_timeline, message_key
 
-_TOUCHES_M = 1e-5  # a vertex no farther from its palm touches it
+_TOUCHES_M = 1e-4  # a vertex no farther above its palm touches it; soft contacts are compressed
 _NOTE: dict[str, Any] = {
     "xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"
 }  # fmt: skip
@@ -255,7 +255,7 @@ def _contact(view: _View, side: Side) -> np.ndarray:
     if view.carry.floor_job is None:
         return p
     half = 0.5 * view.carry.scene.palm_of(side).length_m
-    on_palm = (np.abs(p) <= half) & (np.abs(view.series("vertex_height", side)) < _TOUCHES_M)
+    on_palm = (np.abs(p) <= half) & (view.series("vertex_height", side) < _TOUCHES_M)
     return np.where(on_palm, p, np.nan)
 
 

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// The robots of a job that begins or ends on the floor, whatever moves the object: robots, radio and
+// controllers as in any carry (sim/robot_pair.hpp), with arms beside wheels and wrists, and phases.
+//
+// ARMS. An arm that follows the floor is compliant: the nose rests on the floor, however fast the palm
+// turns. Otherwise the height of the pivot changes at the arm's rate at most. An arm that rises stops
+// at its height with an error that is constant in a job.
+//
+// SWITCHES. A palm's switches feel what lies on its top side, and what presses the heel as the outer
+// end. They do not feel what touches the nose. Where nothing presses, a robot reads −.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "palmbots/sim/lift_team.hpp"
+#include "palmbots/sim/object_frame.hpp"
+#include "palmbots/sim/random_streams.hpp"
+#include "palmbots/sim/recorder.hpp"
+#include "palmbots/sim/robot_pair.hpp"
+
+namespace palmbots {
+
+// Distance between the object and the noses at the start [m].
+inline constexpr double approach_distance = 0.03;
+
+// A phase of one robot, which lasts until its next one [ticks].
+struct LiftPhase {
+  std::size_t side;
+  Lifting::State state;
+  std::uint32_t start;
+};
+inline constexpr std::size_t most_lift_phases = 128;
+
+// Where a job begins whose object stands on the floor: palms steep, their noses on the floor beside
+// the object, whose COM is above x = 0; the floor is y = 0 [m].
+struct StandingStart {
+  PerSide<Vec> pivots{};
+  Vec com{};
+
+  static StandingStart of(const Spec& spec) {
+    StandingStart start;
+    PerSide<double> end{};
+    const PerSide<double> radius = contact_radii(spec.outline);
+    for (const Vec& point : silhouette(spec)) {
+      end[left] = larger(end[left], -(point.x - spec.com_left));
+      end[right] = larger(end[right], point.x - spec.com_left);
+    }
+    for (const std::size_t side : {left, right}) {
+      const PalmSpec& palm = spec.palms[side];
+      const SinCos<double> at = sin_cos(palm.steep);
+      const double arm = 0.5 * palm.length * at.cos + palm.offset * at.sin;
+      start.pivots[side] = {outward<double>(side) * (end[side] + approach_distance + arm),
+                            palm.lowest_pivot(at)};
+    }
+    start.com = {0.0, spec.com_height + larger(radius[left], radius[right])};
+    return start;
+  }
+};
+
+template <class Inner>
+class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
+  using Base = RobotPair<double, LiftTeam<Inner>>;
+
+ public:
+  using State = Lifting::State;
+
+  LiftRobots(const Spec& spec, std::uint64_t seed, Inner inner, bool records)
+      : Base(spec, seed, LiftTeam<Inner>(spec, seed, std::move(inner))),
+        recorder_(records),
+        records_(records) {
+    const Words words = draw(seed, 0, Stream::arm_height);
+    for (const std::size_t side : {left, right}) {
+      constexpr double whole = 4294967296.0;
+      const double share = 2 * ((words[rank(side)] + 0.5) / whole) - 1;
+      carry_height_[side] = spec.arms[side].carry_height + share * spec.arms[side].height_error;
+      height_[side] = spec.palms[side].lowest_pivot(sin_cos(spec.palms[side].steep));
+    }
+  }
+
+  TraceRecorder& recorder() { return recorder_; }
+  std::vector<PerSide<double>> take_heights() { return std::move(heights_); }
+  const std::vector<LiftPhase>& phases() const { return phases_; }
+  std::uint32_t stalled_ticks() const { return stalled_; }
+  // Whether an arm follows the floor.
+  bool is_low(std::size_t side) const { return team_.arm(side) == ArmMove::follow; }
+
+ protected:
+  using Base::close, Base::metrics_, Base::rank, Base::read, Base::robots_, Base::seed_;
+  using Base::spec_, Base::statistics_, Base::team_, Base::tick_;
+
+  bool is_airborne() const { return !is_low(left) && !is_low(right); }
+
+  // The arms hold the object already, at one height: whatever their errors are.
+  void hold_at(double level) {
+    for (const std::size_t side : {left, right}) carry_height_[side] = height_[side] = level;
+  }
+  double carry_level() const { return 0.5 * (carry_height_[left] + carry_height_[right]); }
+
+  // The observations, where each palm is pressed [m], if anything presses it, and has this angle by
+  // its own measurement. A palm counts as turned within `slack` [rad].
+  PerSide<RobotObservation> observe(const PerSide<bool>& pressed, PerSide<double> places,
+                                    const PerSide<double>& wrists, double slack) {
+    PerSide<LiftSenses> senses{};
+    for (const std::size_t side : {left, right}) {
+      const double half = 0.5 * spec_.palms[side].length;
+      senses[side].touches = pressed[side];
+      senses[side].arm_there = arm_there_[side];
+      senses[side].far_enough = travelled_[side] >= spec_.distance;
+      // Nothing presses: no false reading either.
+      felt_[side] = pressed[side] ? places[side] : 0.0;
+      if (!pressed[side]) places[side] = -half;
+    }
+    PerSide<Sign> signs = read(places);
+    PerSide<RobotObservation> sensed{};
+    for (const std::size_t side : {left, right}) {
+      if (!senses[side].touches) signs[side] = Sign::negative;
+      const double off = wrists[side] - robots_.goal_angle[side];
+      sensed[side] = {signs[side], off <= slack && off >= -slack};
+    }
+    team_.feel(senses);
+    return sensed;
+  }
+
+  // What presses the palms counts while both are off the floor.
+  void add_statistics() { statistics_.add(is_airborne() ? felt_ : PerSide<double>{}); }
+
+  // The rise of a pivot in this tick, whose palm is at this angle at its end [m].
+  double rise(std::size_t side, double angle) {
+    const double floor = spec_.palms[side].lowest_pivot(sin_cos(angle));
+    const double most = spec_.arms[side].rate * spec_.period;
+    double goal = larger(height_[side], floor);
+    arm_there_[side] = true;
+    switch (team_.arm(side)) {
+      case ArmMove::follow: goal = floor; break;
+      case ArmMove::hold: break;
+      case ArmMove::rise:
+        goal = larger(smaller(height_[side] + most, carry_height_[side]), floor);
+        arm_there_[side] = goal >= carry_height_[side];
+        break;
+      case ArmMove::sink:
+        goal = larger(height_[side] - most, floor);
+        arm_there_[side] = goal <= floor;
+        break;
+    }
+    return goal - height_[side];
+  }
+
+  // The wheels of a robot have rolled so far towards +x in this tick [m].
+  void count_travel(std::size_t side, double by) {
+    if (team_.state(side) == State::carry) travelled_[side] += spec_.direction * by;
+  }
+
+  // `stands`: the object is on the floor alone.
+  void end_tick(DropReason reason, double fraction, bool stands) {
+    if (reason != DropReason::none) {
+      metrics_.reason = reason;
+      end(Outcome::dropped, fraction);
+    } else if (is_done(stands)) {
+      end(Outcome::delivered, 1.0);
+    } else if (tick_ + 1 >= spec_.timeout_ticks || both(State::failed)) {
+      end(Outcome::stalled, 1.0);
+    }
+    ++tick_;
+    if (this->done()) close();
+  }
+
+  void note_phases() {
+    for (const std::size_t side : {left, right}) {
+      const State now = team_.state(side);
+      if (known_[side] && now == noted_[side]) continue;
+      known_[side] = true;
+      noted_[side] = now;
+      if (phases_.size() < most_lift_phases) phases_.push_back({side, now, tick_});
+    }
+  }
+
+  void record(const PerSide<double>& heights) {
+    if (records_) heights_.push_back(heights);
+  }
+
+  // The words of a tick as `Carry` draws them.
+  PerSide<double> noise() const {
+    const Words words = draw(seed_, tick_ - tick_ % 2, Stream::noise);
+    const std::size_t first = 2 * (tick_ % 2);
+    return {unit_noise<double>(words[first + rank(left)]),
+            unit_noise<double>(words[first + rank(right)])};
+  }
+
+  TraceRecorder recorder_;
+  PerSide<double> height_{};   // of the pivots, as commanded [m]
+  std::uint32_t stalled_ = 0;  // ticks in which wheels stalled
+
+ private:
+  void end(Outcome outcome, double fraction) {
+    metrics_.outcome = outcome;
+    metrics_.time_ticks = double(tick_) + fraction;
+  }
+  bool both(State state) const { return team_.state(left) == state && team_.state(right) == state; }
+  bool is_done(bool stands) const {
+    if (spec_.ends_on == StandsOn::floor) return both(State::done) && stands;
+    return both(State::arrived) || both(State::lower);
+  }
+
+  bool records_;
+  PerSide<double> carry_height_{};  // at which each arm stops rising [m]
+  PerSide<double> travelled_{};     // while carrying, in the direction of travel [m]
+  PerSide<double> felt_{};          // where each palm is pressed; 0: nowhere [m]
+  PerSide<bool> arm_there_{};
+  PerSide<State> noted_{};
+  PerSide<bool> known_{};
+  std::vector<LiftPhase> phases_;
+  std::vector<PerSide<double>> heights_;  // of the pivots in each row [m]
+};
+
+}  // namespace palmbots

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scene in MuJoCo for a job that begins or ends on the floor: robots whose arms rise and sink.
+
+An arm is a vertical slide. While it follows the floor, its motor aims at the height at which the
+nose of its palm just touches the floor, and presses it down with `_PRESS_N` at most. Otherwise it
+holds the height that is commanded. An arm that only pressed would leave the weight of the object to
+the nose, and wrists of the default strength could not hold their angles. Noses slide on the floor
+without friction.
+
+Switches feel what lies on the upper side of the palm, and what presses its heel as the outer end.
+They do not feel what touches the nose.
+"""
+
+import math
+from typing import Any
+
+from palmbots._types import SIDES
+from palmbots.mujoco.contact_forces import PalmLoads
+from palmbots.mujoco.engine_settings import DEFAULT, Engine
+from palmbots.mujoco.robot_mjcf import STRONGEST_N, arm_weight
+from palmbots.mujoco.world import TURNED, MujocoWorld
+from palmbots.scene.scene import Scene
+
+_PRESS_N = 2.0  # by which an arm presses its nose on the floor, at most; assumed
+_SLOW = 0.5  # of the commanded speed
+_MOVES_M_S = 0.005  # a robot that is commanded to move more slowly stands
+_STALLS_S = 0.05  # wheels of a robot that is too slow for longer stall
+
+Pair = tuple[float, float]
+
+
+class LiftWorld(MujocoWorld):
+    """A scene in MuJoCo whose object stands on the floor before or after the job."""
+
+    arms: tuple[Pair, tuple[bool, bool]]
+    """Heights to which the pivots rise or sink in the next `move` [m], at constant rates, and
+    whether each arm follows the floor."""
+
+    def __init__(self, scene: Scene, engine: Engine = DEFAULT, measures: bool = True) -> None:
+        """At its start."""
+        self._stands = self._begins_low = getattr(scene.task, "from") == "floor"
+        self._slow_s = [0.0, 0.0]
+        self._weight = arm_weight(scene)
+        self._halves = [0.5 * scene.palm_of(side).length_m for side in SIDES]
+        self._first_x = 0.0
+        super().__init__(scene, engine, measures)
+        self._first_x = self._com_x()
+
+    def move(self, speeds: Pair, angles: Pair) -> None:
+        """Simulate one control period, with the arms as well."""
+        heights, low = self.arms
+        for k in (0, 1):
+            motor = self._motors[k]
+            weakest = self._weight - _PRESS_N if low[k] else -STRONGEST_N
+            self.model.actuator_forcerange[motor[0], 0] = weakest
+            self.data.ctrl[motor] = (heights[k] - self._heights[k]) / self._period
+            self._heights[k] = heights[k]
+        before = self._distances()
+        super().move(speeds, angles)
+        for k, (now, then) in enumerate(zip(self._distances(), before, strict=True)):
+            is_slow = (
+                low[k]
+                and abs(speeds[k]) > _MOVES_M_S
+                and (now - then) / speeds[k] < _SLOW * self._period
+            )
+            self._slow_s[k] = self._slow_s[k] + self._period if is_slow else 0.0
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about the start."""
+        return [] if self._begins_low else super().warnings
+
+    # --- inside ---------------------------------------------------------------------------------
+
+    def _find(self) -> None:
+        super()._find()
+        m = self.model
+        self._motors = [
+            [m.actuator(f"{side}_arm_{part}").id for part in ("angle", "speed")] for side in SIDES
+        ]
+        self._heights = [self.layout.height + raised for raised in self.layout.raised]
+        left, right = self._heights
+        self.arms = (left, right), (self._begins_low, self._begins_low)
+
+    def _adjust_arms(self) -> None:
+        """Slides hold the weights where they are."""
+
+    def _com_x(self) -> float:
+        spec, at, mat = self.layout.spec, self._object_pos, self._object_mat
+        return float(at[0] + mat[0] * spec.com_left + mat[2] * spec.com_height)
+
+    def _floor_state(self) -> dict[str, Any]:
+        (a, b), (c, d) = self.rolled()
+        return {
+            "heights": (float(self._palm_pos[0][2]), float(self._palm_pos[1][2])),
+            "rolled": (0.5 * (a + b), 0.5 * (c + d)),
+            "moved": self._com_x() - self._first_x,
+            "object_sine": max(-1.0, min(1.0, float(self._object_mat[6]))),
+            "stands": self._stands,
+            "stalls": max(self._slow_s) > _STALLS_S,
+        }
+
+    def _pressing(self, p: Pair, loads: PalmLoads) -> list[list[list[float]]]:
+        self._stands = not any((*loads.force, *loads.heel))
+        return [
+            [further, vertex if at >= -half else [0.0, 0.0], [heel, heel * half]]
+            for (further, vertex), heel, at, half in zip(
+                loads.sums, loads.heel, p, self._halves, strict=True
+            )
+        ]
+
+    def _end(self, p: Pair, loaded: tuple[bool, bool]) -> str:
+        """With a nose on the floor the object may be anywhere, but not turned over."""
+        if not any(self.arms[1]):
+            return super()._end(p, loaded)
+        self._unloaded_s = [0.0, 0.0]
+        if max(map(abs, self._pitches())) > self._tipped:
+            return "robot tipped"
+        return "tipping" if float(self._object_mat[8]) < math.cos(TURNED) else ""
