@@ -30,7 +30,7 @@ def figure() -> Figure:
     names = [name for name in dict.fromkeys(row["controller"] for row in rows) if name != "none"]
     looks = controller_looks(names)
     with styled():
-        drawn = Figure(figsize=(7.2, 5.4), layout="constrained")
+        drawn = Figure(figsize=(7.2, 8.2), layout="constrained")
         panels = drawn.subplots(1, 2, sharey=True)
         for axes, robots in zip(panels, TITLES, strict=True):
             for shift, name in enumerate(names):

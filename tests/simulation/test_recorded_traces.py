@@ -16,6 +16,7 @@ from palmbots.control.registry import shipped_names
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DROPPED, run_seeds
+from palmbots.simulation.result import Carry
 from traces import error_trace, radio_trace, wandering
 
 STILL = {"robot.noise_m_s": 0.0}
@@ -30,7 +31,7 @@ def dropped(overrides: dict[str, Any], controller: str, carries: int = 1500) -> 
     return share, max(1 / carries, np.sqrt(share * (1 - share) / carries))
 
 
-def speeds_of(carry: pb.Carry) -> Any:
+def speeds_of(carry: Carry) -> Any:
     """The speeds of both robots in each tick [m/s]."""
     assert carry.trace is not None
     return carry.trace["speed"].values
