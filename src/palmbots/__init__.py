@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from palmbots import wire as wire
     from palmbots._version import __version__ as __version__
     from palmbots.assessment.assess import assess as assess
+    from palmbots.assessment.carry_command import carry_and_report as carry_and_report
     from palmbots.control.controller_list import controllers as controllers
     from palmbots.derivation.deriving import derive_policy as derive_policy
     from palmbots.errors import PalmbotsError as PalmbotsError

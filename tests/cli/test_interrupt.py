@@ -35,7 +35,7 @@ WORK: dict[str, tuple[str, str, list[str]]] = {
         )
         for one in FUNCTIONS
     },
-    "carry": ("palmbots.simulation.single", "carry", []),
+    "carry": ("palmbots.assessment.carry_command", "carry", []),
     "schema": ("palmbots.cli.json_schemas", "schema_of", ["scene"]),
     "up": ("palmbots.pair.launcher", "run_live", []),
     "world": ("palmbots.simulation.live_world", "run_live_world", ["--serve", "127.0.0.1:0"]),

@@ -67,7 +67,7 @@ def test_time_left_is_not_claimed_where_nothing_moves() -> None:
 
 @pytest.mark.parametrize("quiet", [True, False])
 def test_short_work_prints_nothing(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
-    with progress("carrying", quiet, simulated_s=3.0) as report:
+    with progress("carrying", quiet) as report:
         for k in range(100):
             report(k / 100)
     with staged_progress(quiet) as report_stage:

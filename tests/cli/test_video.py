@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`palmbots carry --video` without ffmpeg: a GIF instead, announced before the work."""
 
-import importlib
 import os
 from pathlib import Path
 
@@ -48,7 +47,7 @@ def test_missing_ffmpeg_is_announced_before_the_carry(
     def stop(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(importlib.import_module("palmbots.simulation.single"), "carry", stop)
+    monkeypatch.setattr("palmbots.assessment.carry_command.carry", stop)
     result = here(*COMMAND, "--out", str(tmp_path / "out"))
     assert result.returncode == 130
     assert "carry-3d.gif" in result.stderr.splitlines()[0]

@@ -156,4 +156,6 @@ def test_drop_rate_agrees_with_plain_carries() -> None:
 def test_a_policy_that_fails_runs_only_unproved() -> None:
     with pytest.raises(PalmbotsError, match="fails S1"):
         pb.carry("paper", MIXED)
-    assert pb.carry("paper", resolve(MIXED, unproved=True)).outcome == "delivered"
+    entry = resolve(MIXED, unproved=True)
+    assert pb.carry("paper", entry).outcome == "delivered"
+    assert entry.spelled == f"{MIXED} --unproved"

@@ -183,6 +183,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "Bounds": lambda folder: bounds_of(Scene()),
     "DriftBudget": lambda folder: DRIFT,
     "Carry": lambda folder: pb.carry("paper", overrides=SHORT),
+    "Carried": lambda folder: pb.carry_and_report("paper", overrides=SHORT),
     "Certificate": lambda folder: certificate(),
     "CheckResult": checked,
     "Clearance": lambda folder: analysis().clearance,

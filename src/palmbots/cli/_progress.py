@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import TextIO
 
 from palmbots.cli._warnings import print_held_warnings
@@ -99,22 +100,7 @@ def _display(quiet: bool) -> Iterator[StageReport]:
 
 
 @contextmanager
-def progress(
-    stage: str, quiet: bool = False, simulated_s: float = 0.0
-) -> Iterator[Callable[[float], None]]:
-    """Show the progress of one stage; yields the function to call with the fraction.
-
-    `simulated_s` is about how long the simulated process lasts. If it is above 0, the bar shows the
-    ratio of simulated to real time.
-    """
-    start = time.monotonic()
+def progress(stage: str, quiet: bool = False) -> Iterator[Callable[[float], None]]:
+    """Show the progress of one stage; yields the function to call with the fraction."""
     with staged_progress(quiet) as report:
-
-        def report_fraction(fraction: float) -> None:
-            note = ""
-            if simulated_s > 0:
-                ratio = fraction * simulated_s / max(1e-3, time.monotonic() - start)
-                note = f", {ratio:.1f} × real time"
-            report(stage, fraction, note)
-
-        yield report_fraction
+        yield partial(report, stage)

@@ -21,6 +21,7 @@ import palmbots
 from palmbots._util.command import Option, command, writes
 from palmbots.cli import commands
 
+_ROOT = os.path.dirname(str(palmbots.__file__))
 _MARK, _QUOTES = re.compile(r"^@(?:command|writes)\(", re.MULTILINE), '"""'
 _MARKS = (b"\n@command(", b"\n@writes(")
 _NAME = re.compile(r'@\w+\(\s*"([^"]+)"')
@@ -178,20 +179,18 @@ def declared_commands() -> dict[str, Declared]:
 
 def is_command(name: str) -> bool:
     """Whether there is a command or group of this name."""
-    return os.path.exists(_own_file(name)) or name in declared_commands()
+    return bool(_own_file(name)) or name in declared_commands()
 
 
 def commands_of(name: str) -> list[Declared]:
     """The command of this name, or those of this group."""
-    own = _own_file(name)  # no search then
-    found = _in_file(own) if os.path.exists(own) else _declarations()
-    return [one for one in _commands(found) if one.group == name]
+    return [one for one in _commands(_found_for(name)) if one.group == name]
 
 
 def writer_of(one: Declared) -> Declared | None:
     """What writes the result of a command; None: nothing does."""
-    found = (other for other in _declarations() if other.order is None and other.name == one.name)
-    return next(found, None)
+    found = _found_for(one.group)
+    return next((other for other in found if other.order is None and other.name == one.name), None)
 
 
 def results_of(one: Declared) -> list[Any]:
@@ -213,14 +212,23 @@ def _commands(found: Iterable[Declared]) -> list[Declared]:
     return [one for one in found if one.order is not None]
 
 
-def _own_file(name: str) -> str:
-    """The file of a command with code of its own, which is named like it."""
-    return os.path.join(commands.__path__[0], f"{name.replace('-', '_')}_command.py")
+def _own_file(name: str) -> str | None:
+    """The file that is named like a command, and has all of it; None: there is none."""
+    rooms = (entry.path for entry in os.scandir(_ROOT) if entry.is_dir())
+    file = f"{name.replace('-', '_')}_command.py"
+    places = (os.path.join(room, file) for room in (commands.__path__[0], *rooms))
+    return next(filter(os.path.exists, places), None)
+
+
+def _found_for(name: str) -> Iterable[Declared]:
+    """The declarations among which those of a command are, without a search where it has a file."""
+    own = _own_file(name)
+    return _declarations() if own is None else _in_file(own)
 
 
 @cache
 def _declarations() -> tuple[Declared, ...]:
-    folders = os.walk(os.path.dirname(str(palmbots.__file__)))
+    folders = os.walk(_ROOT)
     return tuple(
         one
         for folder, _, files in folders
@@ -236,8 +244,7 @@ def _in_file(path: str) -> Iterator[Declared]:
     if not any(mark in data for mark in _MARKS):
         return
     text = data.decode()
-    root = os.path.dirname(os.path.dirname(str(palmbots.__file__)))
-    module = os.path.relpath(path, root).removesuffix(".py").replace(os.sep, ".")
+    module = os.path.relpath(path, os.path.dirname(_ROOT)).removesuffix(".py").replace(os.sep, ".")
     for mark in _MARK.finditer(text):
         opened = text.index(_QUOTES, mark.start())
         end = text.index(_QUOTES, opened + 3) + 3

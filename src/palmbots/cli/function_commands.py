@@ -193,6 +193,8 @@ def _callbacks(one: Declared, quiet: bool) -> Iterator[dict[str, Any]]:
             found["on_warning"] = warn
         if "on_line" in one.parameters and not quiet:
             found["on_line"] = _say_at_once
+        if "on_item" in one.parameters and not quiet:
+            found["on_item"] = _print_at_once
         if "on_stage" in one.parameters:
             found["on_stage"] = stack.enter_context(staged_progress(quiet))
         elif one.declaration.progress:
@@ -205,6 +207,13 @@ def _say_at_once(text: str) -> None:
     """Print a line on stderr: a part of the result that is known already."""
     print_held_warnings()
     say(text)
+
+
+def _print_at_once(item: Any) -> None:
+    """Print a part of the report that is known already."""
+    from palmbots.cli.console import print_report
+
+    print_report([item])
 
 
 def _arguments(given: dict[str, Given], chosen: dict[str, Any]) -> dict[str, Any]:

@@ -134,6 +134,8 @@ def _kind(hint: Any, option: Option, name: str) -> _Kind:
         if len(kinds) > 1:
             return _Kind(str, partial(_interval_or_word, name, words))
         return _Kind(str, partial(_word, name, words))
+    if last == list[tuple[float, int]]:
+        return _Kind(list[str], partial(_timed, name))
     if get_origin(last) is Sequence:
         (item,) = get_args(last)
         of_item = _kind(item, option, name)
@@ -196,6 +198,20 @@ def _numbers(option: str, text: str) -> list[float]:
         raise PalmbotsError(
             f"{option}: value is {show(text)}; allowed: numbers separated by commas, as in 0.1,0.2"
         ) from None
+
+
+def _timed(option: str, texts: list[str]) -> list[tuple[float, int]]:
+    """A repeated option that is a time and a seed, as in ``--fork 1.5:3``."""
+    found = []
+    for text in texts:
+        at_s, _, seed = text.partition(":")
+        try:
+            found.append((float(at_s), int(seed)))
+        except ValueError:
+            raise PalmbotsError(
+                f"{option}: value is {text}; allowed: TIME:SEED, a time in s and a whole number"
+            ) from None
+    return found
 
 
 def _interval_or_word(option: str, words: Sequence[str], text: str) -> Any:

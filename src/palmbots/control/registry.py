@@ -10,6 +10,7 @@ given by its name, as a class with a ``step`` (`palmbots.control.Controller`), o
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias
@@ -78,6 +79,14 @@ class ControllerEntry:
 
     preparation: str = ""
     """What is computed before the first carry of a scene, if that takes seconds."""
+    is_unproved: bool = False
+    """It is derived from a policy, and the check was skipped."""
+
+    @property
+    def spelled(self) -> str:
+        """The words that name it on the command line, after ``--controller``."""
+        name = self.source.reference if self.source is not None else None
+        return shlex.quote(name or self.name) + " --unproved" * self.is_unproved
 
     @property
     def is_reference(self) -> bool:

@@ -82,6 +82,7 @@ def load_policy(
         },
         assisted_cases=tuple(sorted({s.case for s in states if s.name.endswith("_ask")})),
         machines=data,
+        is_unproved=unproved,
         source=ControllerSource(path, hashlib.sha256(place.read_bytes()).hexdigest()),
     )
 

@@ -33,13 +33,15 @@ def video_name() -> str:
     return _VIDEO + video_formats()[0]
 
 
-def check_video_file(folder: str | os.PathLike[str]) -> None:
-    """Check, before a carry, that its video can be written.
+def check_video_file(folder: str | os.PathLike[str], warn: Callable[[str], None]) -> None:
+    """Check, before a carry, that its video can be written; warns if it will be no MP4.
 
     Raises:
         PalmbotsError: nothing can be rendered on this machine.
     """
     check_film(user_path(folder) / video_name())
+    if not video_name().endswith(".mp4"):
+        warn(f"ffmpeg is not installed, so the video is written as {video_name()}")
 
 
 Version = tuple[int, int, int]

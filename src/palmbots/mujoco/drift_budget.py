@@ -63,6 +63,13 @@ class DriftBudget(Result):
             f"up to {self.askew_deg:.1f}°)"
         )
 
+    def warning(self) -> str:
+        """What is said of a path near the budget, or beyond it."""
+        return (
+            f"with the worst seed, the object drifts sideways by {1e3 * self.most_m:.0f} of the "
+            f"permitted {1e3 * self.budget_m:.0f} mm"
+        )
+
     def refusal(self, scene: Scene, controller: str) -> str:
         """The error message for a path beyond the budget."""
         command = f"palmbots curve {scene.spelled} -c {controller}"

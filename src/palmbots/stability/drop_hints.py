@@ -6,9 +6,6 @@ zero zone of the sensor. A property that fails there also fails on the whole pal
 `palmbots analyze` reports the reason.
 """
 
-import shlex
-from collections.abc import Sequence
-
 from palmbots._types import SIDES
 from palmbots.control.dead_band import zero_zone_edges_m
 from palmbots.control.registry import describe
@@ -42,16 +39,12 @@ def missing_properties(scene: Scene, controller: str) -> tuple[int, ...]:
     return tuple(number for number in numbers if not holds(number))
 
 
-def analyze_hint(
-    scene: Scene, controller: str, source: str, changes: Sequence[str] | None
-) -> str | None:
+def analyze_hint(scene: Scene, controller: str) -> str | None:
     """One line with the command that reports the reason; None: no property is missing.
 
     Args:
         scene: the scene of the carry.
         controller: its controller.
-        source: the scene's name on the command line.
-        changes: the values of ``--set``.
     """
     missing = missing_properties(scene, controller)
     if not missing:
@@ -63,13 +56,10 @@ def analyze_hint(
     else:
         listed = " and ".join([", ".join(map(str, missing[:-1])), str(missing[-1])])
         fault = f"properties {listed} do not hold"
-    command = _command(scene, source, changes)
-    return f"{fault}, even with contacts inside the zero zone; run: {command}"
+    return f"{fault}, even with contacts inside the zero zone; run: {_command(scene)}"
 
 
-def touch_start_hint(
-    scene: Scene, controller: str, source: str, changes: Sequence[str] | None
-) -> str | None:
+def touch_start_hint(scene: Scene, controller: str) -> str | None:
     """One line on why the leader does not feel that the follower starts; None: it can feel that.
 
     The follower starts with its palm steep and closes in on the leader. The leader's contact slides
@@ -88,20 +78,18 @@ def touch_start_hint(
         return None
     return (
         f"start by touch: property 1 does not hold with the {leader} palm shallow, so the leader "
-        f"does not feel the follower; run: {_command(scene, source, changes)}"
+        f"does not feel the follower; run: {_command(scene)}"
     )
 
 
-def _command(scene: Scene, source: str, changes: Sequence[str] | None) -> str:
+def _command(scene: Scene) -> str:
     """The command that analyzes the scene."""
-    words = ["palmbots", "analyze", source]
+    command = f"palmbots analyze {scene.spelled}"
     try:
         stability_problem(scene)
     except PalmbotsError:  # the analysis applies to the zero zone, but not to whole palms
-        words += ["--region", ",".join(map(str, _zero_zone(scene)))]
-    for change in changes or ():
-        words += ["--set", change]
-    return shlex.join(words)
+        command += f" --region {','.join(map(str, _zero_zone(scene)))}"
+    return command
 
 
 def _zero_zone(scene: Scene) -> Pair:

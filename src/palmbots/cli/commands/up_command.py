@@ -29,7 +29,7 @@ _PLAIN = ("--watch", "--plain", *_WAIT)
 @command(
     order=200,
     example="palmbots up paper --lockstep",
-    results=("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry"),
+    results=("palmbots.assessment.carried:Carried", "palmbots.simulation.live_world:LiveCarry"),
     link=Option(metavar="TEXT"),
     log=Option(metavar="DIR"),
     live=Option(metavar="ADDRESS"),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @command(
     order=210,
     example="palmbots world paper --serve 127.0.0.1:7400 --lockstep",
-    results=("palmbots.cli.carried:Carried", "palmbots.simulation.live_world:LiveCarry"),
+    results=("palmbots.assessment.carried:Carried", "palmbots.simulation.live_world:LiveCarry"),
     serve=Option(metavar="ADDRESS"),
     imperfect=Option(metavar="FILE|KEY=VALUE"),
     called=Option(is_hidden=True),
@@ -77,7 +77,7 @@ def _lockstep(
     as_json: bool,
 ) -> int:
     """A world that waits in every tick for the programs of the robots."""
-    from palmbots.cli.carried import Carried
+    from palmbots.assessment.carried import Carried
     from palmbots.control.dead_band import warnings_before
     from palmbots.links.greeting import scene_number
     from palmbots.links.local_connection import listen

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A carry with what the commands find out besides."""
+"""A carry with what a report says of it besides."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
+from pathlib import Path
 from typing import Any
 
 from palmbots._util.plain_values import NOT_IN_JSON
-from palmbots._util.report import Item, Line, quiet
+from palmbots._util.report import Item, Line, quiet, written_file
 from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.simulation.carry_lines import carry_lines
 from palmbots.simulation.outcome_counts import SceneStatistics
@@ -27,23 +28,29 @@ class Carried(Carry):
     """The command that counts how often the scene fails, and how long it takes, in words."""
     printed: int = field(default=0, metadata=NOT_IN_JSON)
     """How many of the warnings were printed before the carry."""
+    written: tuple[Path, ...] = field(default=(), metadata=NOT_IN_JSON)
+    removed: tuple[Path, ...] = field(default=(), metadata=NOT_IN_JSON)
+    """Files of an earlier carry in the same folder."""
+
+    @property
+    def is_delivered(self) -> bool:
+        """Whether the object arrived."""
+        return self.outcome == "delivered"
 
     @classmethod
     def of(
-        cls,
-        carry: Carry,
-        printed: Sequence[str],
-        **found: Any,
+        cls, carry: Carry, known: Sequence[str], *, is_printed: bool = True, **found: Any
     ) -> "Carried":
-        """The carry with these warnings, which are printed already, in front of its own, and with
-        what was `found` besides."""
-        known = {one.name: getattr(carry, one.name) for one in fields(carry)}
-        late = (text for text in carry.warnings if text not in printed)
-        known["warnings"] = (*printed, *late)
-        return cls(**known, **found, printed=len(printed))
+        """The carry with the warnings that were known before it, which may be printed already, in
+        front of its own, and with what was `found` besides."""
+        values = {one.name: getattr(carry, one.name) for one in fields(carry)}
+        late = (text for text in carry.warnings if text not in known)
+        values["warnings"] = (*known, *late)
+        return cls(**values, **found, printed=len(known) if is_printed else 0)
 
     def lines(self) -> Iterator[Item]:
-        """The carry, without the warnings that are printed already, and the scene's statistics."""
+        """The carry, without the warnings that are printed already, the scene's statistics, and the
+        files."""
         yield from carry_lines(self, self.warnings[self.printed :], self.hint)
         if self.scene_statistics is not None:
             yield from self.scene_statistics.lines()
@@ -53,3 +60,6 @@ class Carried(Carry):
                 f"one carry does not show how often this scene fails; counting takes {time}:"
             )
             yield Line(f"run: {command}", indent=2, is_whole=True)
+        for path in self.removed:
+            yield Line(f"removed {path} of an earlier carry", is_whole=True)
+        yield from map(written_file, self.written)
