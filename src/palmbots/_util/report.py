@@ -162,24 +162,30 @@ def _cell(kind: str, text: str) -> str:
     return f"<{kind} style='text-align:left'>{html.escape(text)}</{kind}>"
 
 
-# What a name ends in, the factor to the unit in which people read it, and that unit; longer ends
-# come first.
+# What a name ends in, its unit, the factor to the unit in which people read it, and that unit;
+# longer ends come first.
 _UNITS = (
-    ("_m_per_sqrt_s", 100.0, " cm/√s"),
-    ("_m_s2", 1.0, " m/s²"),
-    ("_m_s", 100.0, " cm/s"),
-    ("_per_m", 1.0, " per m"),
-    ("_per_s", 1.0, " per s"),
-    ("_deg", 1.0, "°"),
-    ("_rad", 180 / math.pi, "°"),
-    ("_m", 1.0, " m"),
-    ("_s", 1.0, " s"),
+    ("bytes_per_s", "B/s", 1.0, " B/s"),
+    ("_m_per_sqrt_s", "m/√s", 100.0, " cm/√s"),
+    ("_m_s2", "m/s²", 1.0, " m/s²"),
+    ("_m_s", "m/s", 100.0, " cm/s"),
+    ("_per_m", "1/m", 1.0, " per m"),
+    ("_per_s", "1/s", 1.0, " per s"),
+    ("_deg", "°", 1.0, "°"),
+    ("_rad", "rad", 180 / math.pi, "°"),
+    ("_m", "m", 1.0, " m"),
+    ("_s", "s", 1.0, " s"),
 )
+
+
+def unit_of(name: str) -> str:
+    """The unit of a quantity, from the end of its name; 1 for a number of its own."""
+    return next((unit for end, unit, _, _ in _UNITS if name.endswith(end)), "1")
 
 
 def label_of(name: str) -> str:
     """The name of a quantity as people read it, without its unit."""
-    for end, _, _ in _UNITS:
+    for end, *_ in _UNITS:
         if name.endswith(end) and len(name) > len(end):
             name = name.removesuffix(end)
             break
@@ -205,7 +211,7 @@ def quantity(name: str, value: Any) -> str | None:
 def _number(name: str, value: float) -> str:
     if isinstance(value, int):
         return f"{value:,}"
-    for end, factor, unit in _UNITS:
+    for end, _, factor, unit in _UNITS:
         if name.endswith(end):
             return length(value) if end == "_m" else f"{factor * value:.4g}{unit}"
     return format_number(float(f"{value:.4g}"))

@@ -19,7 +19,7 @@ from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import Z95, rate_interval, rate_text
 from palmbots._util.optional_imports import require
 from palmbots._util.plain_values import NOT_IN_JSON, derived
-from palmbots._util.report import Item, Table, quiet
+from palmbots._util.report import Item, Table, quiet, unit_of
 from palmbots._util.results import Result
 from palmbots._util.text import format_number, plural
 from palmbots.control.registry import ControllerLike, resolve, shipped_names
@@ -90,14 +90,7 @@ class Refusal:
     reason: str
 
 
-_UNITS = {
-    "drop_rate": "1",
-    "stall_rate": "1",
-    "rms_m": "m",
-    "messages_per_m": "1/m",
-    "bytes_per_s": "B/s",
-    "corrections": "1",
-}
+_COLUMNS = ("drop_rate", "stall_rate", "rms_m", "messages_per_m", "bytes_per_s", "corrections")
 _INTERVALS = {
     "interval": "drop_rate_interval",
     "stall_interval": "stall_rate_interval",
@@ -186,7 +179,7 @@ class Comparison(Result):
             return array
 
         variables: dict[str, Any] = {
-            name: (dims, column(name), {"units": unit}) for name, unit in _UNITS.items()
+            name: (dims, column(name), {"units": unit_of(name)}) for name in _COLUMNS
         }
         variables |= {
             name: ((*dims, "end"), column(field, 2)) for field, name in _INTERVALS.items()
