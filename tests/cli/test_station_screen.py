@@ -88,7 +88,7 @@ def test_everything_is_visible(size: tuple[int, int]) -> None:
     for part in (
         "pair 31337: resilient, paper", "wish: start", "12 s", "left robot", "right robot",
         "carrying", "holding", "43 %", "+1, contact outward", "−1, contact inward", "steep",
-        "shallow, turning", "B: (a) moves away", "B: (c) assists", "3 % lost, 62 ms round trip",
+        "shallow, turning", "B: (a) own p > 0", "B: (c) assists", "3 % lost, 62 ms round trip",
         "11.8 V", "not measured", "! left: 12 % of its packets are lost", "1.00 s  left: armed",
         "E-STOP:  space  or  Escape", "a arm   s start   x stop   r release   d disarm   q quit",
     ):  # fmt: skip

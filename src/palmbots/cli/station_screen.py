@@ -229,7 +229,8 @@ def station_app(client: StationClient, restarts_within_s: float = 0.0) -> "App[N
             """The case, with the label of the correction that the robot takes part in."""
             state = client.state or {"corrections": []}
             labels = [label for label, *who in state["corrections"] if side in (who[0], who[2])]
-            return f"{labels[0]}: {case_text(robot)}" if labels else case_text(robot)
+            text = case_text(robot, client.facts["controller"])
+            return f"{labels[0]}: {text}" if labels else text
 
     return StationApp()
 

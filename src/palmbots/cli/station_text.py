@@ -4,16 +4,10 @@
 from typing import Any
 
 from palmbots._types import SIDES
+from palmbots.control.registry import describe
 
 UNKNOWN = "–"
 _SIGNS = {-1: "−1, contact inward", 0: "0, contact centred", 1: "+1, contact outward"}
-_CASES = {
-    "": "none",
-    "a": "(a) moves away",
-    "b": "(b) moves away, then assists",
-    "c": "(c) assists",
-    "d": "(d) moves closer",
-}
 _BAR = 12
 _WIDTH = 80  # columns
 
@@ -28,9 +22,10 @@ def palm_text(robot: dict[str, Any]) -> str:
     return robot["palm"] + ("" if robot["palm_at_target"] else ", turning")
 
 
-def case_text(robot: dict[str, Any]) -> str:
-    """The case of Table 1 or Table 2."""
-    return _CASES.get(robot["case"], f"({robot['case']})")
+def case_text(robot: dict[str, Any], controller: str) -> str:
+    """The case of Table 1 or Table 2, as this controller defines it."""
+    case = robot["case"]
+    return f"({case}) {describe(controller).cases.get(case, '')}".rstrip() if case else "none"
 
 
 def link_text(robot: dict[str, Any], *, in_words: bool = True) -> str:

@@ -11,14 +11,17 @@ from pathlib import Path
 
 from palmbots._util.user_paths import user_path
 from palmbots.control.python_source import ControllerSource, refuse_pipe
-from palmbots.control.registry import POLICY_BOARD_NUMBER, ControllerEntry
+from palmbots.control.registry import POLICY_BOARD_NUMBER, ControllerEntry, describe
 from palmbots.derivation.distributed_algorithm import machines_of
 from palmbots.derivation.global_policy import signs_text
 from palmbots.derivation.policy_file import read_policy
 from palmbots.derivation.verification import MEANINGS, Verification, verified
 from palmbots.errors import PalmbotsError
 
-_CASES = {"a": "own p > 0", "c": "assists its partner", "d": "own p < 0"}
+# How a robot assists depends on the policy.
+_CASES = {
+    **describe("distributed").cases, **describe("silent").cases, "c": "assists its partner",
+}  # fmt: skip
 
 
 class PolicyNotProved(PalmbotsError):
