@@ -198,7 +198,7 @@ PRINTED = (
     f"carry --seed 3 {SHORT} --animation none --out log",
     f"carry -c centralized {SHORT}", f"carry -c resilient --set radio.loss=0.1 {SHORT}",
     f"carry --world mujoco {SHORT}",
-    "modes --theta-left-deg 5", "analyze",
+    "contact-modes --theta-left-deg 5", "analyze",
     "design --resolution-deg 5 --set task.distance_m=0.1",
     "certify -o box.json", "check box.json",
     "drop-rate --set robot.noise_m_s=0.03 --effort 20 --relative-error-percent 100",
