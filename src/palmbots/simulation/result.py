@@ -105,6 +105,7 @@ class Carry(Result):
     time_s: float
     distance_m: float
     contact_rms_m: BySide[float]
+    """The root mean square of the contact coordinate."""
     contact_peak_m: BySide[float]
     """The largest absolute contact coordinate."""
     corrections: tuple[Correction, ...]

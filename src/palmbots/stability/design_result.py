@@ -85,6 +85,7 @@ class Design(Result):
     """Coefficients, the same on both palms, for which the properties hold at these angles."""
     friction_floor: float | None
     reaction_s: ReactionTimes
+    """How long the robots take to react."""
     reach_m: float
     """How far outward the contacts move in the worst case until the robots react."""
     region_m: Interval
@@ -95,10 +96,11 @@ class Design(Result):
     """How carries of this scene, with its own noise, end at the designed angles; None: there is no
     controller, or it refuses them."""
     own: OwnAngles
+    """The same for the angles of the scene."""
     paper_tolerance: float | None
     """The tolerance of 5° and 15° under the same conditions; None: that pair does not qualify."""
     certificate: Certificate | None
-    """None: a contact vertex is rounded, which no certificate covers."""
+    """The proof; None: a contact vertex is rounded, which no certificate covers."""
     map: xr.Dataset = field(metadata=NOT_IN_JSON)
     """Tolerance and clearance over all pairs of angles; about σ* of those that were tried."""
     designed_scene: Scene
