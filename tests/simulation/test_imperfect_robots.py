@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from palmbots._types import SIDES, Side
 from palmbots.drivers.driver import Drive, RawCommand
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.simulated import SimulatedDriver
@@ -23,6 +24,7 @@ from palmbots.simulation.live_world import LiveCarry, run_live_world
 from palmbots.simulation.world_stage import ImperfectStage, PerfectStage
 from palmbots.simulation.worlds import world_entry
 from palmbots.station.simulated_pair import Air, SimulatedPair
+from traces import error_trace
 from waiting import wait_until
 
 QUIET = {"robot.noise_m_s": 0.0, "task.inertia": True}
@@ -45,6 +47,27 @@ def test_a_wheel_covers_what_its_size_gives() -> None:
     left, right = rims_after(robot(wheel_scale=1.1, trim=0.04), 0.06, 20)
     assert left == pytest.approx(0.06 * 1.1 * 1.02)
     assert right == pytest.approx(0.06 * 1.1 * 0.98)
+
+
+@pytest.mark.parametrize("gain", ["carry", "segment"])
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_recorded_errors_are_those_of_a_carry_with_the_same_seed(
+    gain: str, side: Side, tmp_path: Path
+) -> None:
+    """The right robot looks back, so its wheels roll backwards."""
+    slopes = 0.001 * np.arange(-3, 4)
+    segments = [slope * 0.1 * np.arange(8) for slope in slopes]
+    file = error_trace(tmp_path / "errors.csv", segments, 0.1, 1 + 0.01 * np.arange(7))
+    keys = {"robot.error_trace": file, "robot.trace_gain": gain, "robot.bias_m_s": 0.01}
+    scene = pb.load_scene("paper", keys)
+    carry = pb.carry(scene, "none", seed=3)
+    assert carry.trace is not None
+    wanted = carry.trace["speed"].values[:200, SIDES.index(side)]
+    one = ImperfectRobot(Imperfections().of(side), scene, side, 3)
+    forward = 1 if side == "left" else -1
+    command = RawCommand((forward * 0.06 / RIM, forward * 0.06 / RIM))
+    found = [one.move(command) for _ in range(200)]
+    assert np.array(found)[20:] * forward == pytest.approx(np.column_stack([wanted] * 2)[20:])
 
 
 def test_dead_zone_and_stiction() -> None:
