@@ -27,7 +27,7 @@ from scipy.optimize import linprog
 
 import palmbots as pb
 from _machine import compiler, processor
-from bench_modes import least_s
+from bench_contact_modes import least_s
 from palmbots.stability.problem import stability_problem
 
 RESULTS = Path(__file__).parent / "results" / "stability.csv"

@@ -53,10 +53,10 @@ _STEP = re.compile(r"^\s*(\d+)\s{2}left\s+(.*?)\s{2,}right\s+(.*?)\s*$")
 _SENT = re.compile(r"(left|right) sends (\w+)(?:, (lost|copied))?")
 # A robot of Table 2 is in a case; the others are in a state that has a name.
 _IN_CASE = re.compile(
-    r"(?P<cell>[+-]\d+) \((?P<case>[ a-d])\) (?P<palm>\w+) *(?P<turning>…)? *(?P<does>.*)"
+    r"(?P<position>[+-]\d+) \((?P<case>[ a-d])\) (?P<palm>\w+) *(?P<turning>…)? *(?P<does>.*)"
 )
 _IN_STATE = re.compile(
-    r"(?P<cell>[+-]\d+) (?P<state>\w+) +(?P<rests>rests)? *(?P<palm>steep|shallow) *"
+    r"(?P<position>[+-]\d+) (?P<state>\w+) +(?P<rests>rests)? *(?P<palm>steep|shallow) *"
     r"(?P<turning>…)? *(?P<naps>naps)? *(?P<does>away|closer)?"
 )
 
@@ -103,7 +103,7 @@ def counterexample(path: Path) -> dict[str, Any]:
             robots = [_robot(step[2], shown), _robot(step[3], shown)]
             if run.parameters.get("SPAN") == 0:  # the model has no contacts
                 for robot in robots:
-                    robot.pop("cell", None)
+                    robot.pop("position", None)
             steps.append({"before": before, "robots": robots})
             before = []
         elif "from here for ever" in line:
@@ -169,7 +169,7 @@ def _robot(text: str, controller: str) -> dict[str, Any]:
         words = describe(controller).cases[letter] if letter else "no correction"
     does = (part.get("does") or "").strip()
     return {
-        "cell": int(part["cell"]),
+        "position": int(part["position"]),
         "case": letter,
         "name": state or "",
         "state": words,
@@ -252,10 +252,10 @@ def tables() -> dict[str, Any]:
         "longestValue": LONGEST_VALUE,
         "outcomes": list(_core.carry_outcomes),
         "dropReasons": [["none", ""], *([name, REASONS[name]] for name in _core.drop_reasons[1:])],
-        "modes": ["-".join(mode) for mode in CONTACT_MODES],
-        "requiredModes": {str(number): required_mode(number) for number in SLIDING_EDGES},
+        "contactModes": ["-".join(mode) for mode in CONTACT_MODES],
+        "requiredContactModes": {str(number): required_mode(number) for number in SLIDING_EDGES},
         "motionMeanings": MOTION_MEANINGS,
-        "modeSentences": SENTENCES,
+        "contactModeSentences": SENTENCES,
         "bindings": {
             f"{number}.{name}": text_of(number, name)
             for number in (1, 2)

@@ -231,12 +231,12 @@ const double* statics(double theta_left, double theta_right, double p_left, doub
   return give(answer);
 }
 
-PAGE_EXPORT(mode_map)
-const double* mode_map(double theta_left, double theta_right, std::uint32_t closing,
-                       std::uint32_t n, double reach) {
+PAGE_EXPORT(contact_mode_map)
+const double* contact_mode_map(double theta_left, double theta_right, std::uint32_t closing,
+                               std::uint32_t n, double reach) {
   answer.clear();
-  page::StaticsOfState(scene).append_mode_map({theta_left, theta_right}, closing != 0, n, reach,
-                                              answer);
+  page::StaticsOfState(scene).append_contact_mode_map({theta_left, theta_right}, closing != 0, n,
+                                                      reach, answer);
   return give(answer);
 }
 

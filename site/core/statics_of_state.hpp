@@ -129,8 +129,8 @@ class StaticsOfState {
 
   // One number for each of n × n pairs of contact coordinates up to `reach` times as far out as the
   // palms are long, p_R outermost: the mode that closing (or opening) selects.
-  void append_mode_map(const PerSide<double>& theta, bool closing, std::size_t n, double reach,
-                       std::vector<double>& out) const {
+  void append_contact_mode_map(const PerSide<double>& theta, bool closing, std::size_t n,
+                               double reach, std::vector<double>& out) const {
     for (std::size_t j = 0; j < n; ++j) {
       for (std::size_t i = 0; i < n; ++i) {
         const PalmState state{theta, {place(left, i, n, reach), place(right, j, n, reach)}};

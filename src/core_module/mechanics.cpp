@@ -98,12 +98,12 @@ nb::tuple acting_objects(const Spec& spec, const PerSide<Column>& angles,
                         numpy(std::move(out[4])), numpy(std::move(out[5])));
 }
 
-nb::tuple modes(const std::vector<Column>& columns, std::size_t n) {
-  if (columns.size() != 13) throw std::invalid_argument("modes: 13 columns");
+nb::tuple contact_modes(const std::vector<Column>& columns, std::size_t n) {
+  if (columns.size() != 13) throw std::invalid_argument("contact_modes: 13 columns");
   Reader in[13];
   for (std::size_t k = 0; k < 13; ++k) {
     if (columns[k].size() != 1 && columns[k].size() != n) {
-      throw std::invalid_argument("modes: a column has one number, or one for each state");
+      throw std::invalid_argument("contact_modes: a column has one number, or one for each state");
     }
     in[k] = {columns[k].data(), columns[k].size() == 1 ? std::size_t{0} : std::size_t{1}};
   }
@@ -157,9 +157,9 @@ void bind_mechanics(nb::module_& m) {
       nb::arg("spec"),
       "The tangents of the angles between a palm and the object at which they touch only at the "
       "contact vertex, however long the palm is.");
-  m.def("modes", &modes, nb::arg("columns"), nb::arg("n"),
-        "For n states: ends of I_L and I_R, bits of the feasible modes, and the bits of the modes "
-        "on closing and opening (-1: not held, -2: jammed).");
+  m.def("contact_modes", &contact_modes, nb::arg("columns"), nb::arg("n"),
+        "For n states: ends of I_L and I_R, bits of the contact modes that balance, and those "
+        "that occur on closing and opening (-1: not held, -2: jammed).");
   m.def(
       "margin",
       [](const std::vector<double>& values, double angle_left, double angle_right) {

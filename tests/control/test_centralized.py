@@ -89,7 +89,7 @@ NEAR = [(a, b) for a in range(-2, 3) for b in range(-2, 3)]
 
 @pytest.mark.parametrize("turn", [0, 3])
 def test_reaches_the_nominal_configuration(turn: int) -> None:
-    """From |p| ≤ 2 cells, whichever contact slides between equal palms: at most two cases, six
+    """From |p| ≤ 2 units, whichever contact slides between equal palms: at most two cases, six
     primitive actions (tilt, move, restore; here four), and no livelock."""
     trip = Trip(turn)
     worst = {p: trip.worst(p, START, (STEEP, STEEP), (0, 0)) for p in NEAR}

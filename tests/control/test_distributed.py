@@ -48,7 +48,7 @@ ORDERS = ((0,), (1,)), ((1,), (0,)), ((0, 1),)
 
 def cycles(now: State, turn: int) -> Iterator[tuple[State, Sighting]]:
     """Every control cycle from here: the robots in either order or simultaneously, a message
-    delivered at once; then at most one cell of motion, with an adversary who chooses between equal
+    delivered at once; then at most one unit of motion, with an adversary who chooses between equal
     palms."""
     for order in ORDERS:
         robots, palms, turning = list(now.robots), list(now.palms), list(now.turning)

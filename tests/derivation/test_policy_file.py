@@ -66,7 +66,7 @@ def test_table_1_as_a_file_moves_as_the_built_in_table_does() -> None:
 
 
 def test_as_a_station_would_follow_it_every_start_reaches_the_goal() -> None:
-    """The examples as global policies, on a grid: the contact that may slide slides by a cell."""
+    """The examples as global policies, on a grid: the contact that may slide slides by a unit."""
     for path in sorted(POLICIES.glob("*.toml")):
         table = read_policy(path)
         places = set(product(range(-3, 4), repeat=2))

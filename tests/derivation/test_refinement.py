@@ -275,7 +275,7 @@ def test_only_unordered_rules_are_permitted_at_once() -> None:
     assert closing(0, (-1, 0), up, cases=("d", "c")) is None, "the other robot is in no rule"
     assert closing(0, (-1, 0), up, cases=("d", "a")) is None, "messages order these"
     assert closing(0, (0, -1), up) == "begun"
-    assert closing(0, (0, -1), up, begins=False) is None, "not its first cell"
+    assert closing(0, (0, -1), up, begins=False) is None, "not its first unit"
     assert closing(0, (1, -1), up) is None, "beyond 0"
 
 

@@ -174,7 +174,7 @@ def test_cases_mirror_each_other(case: int, image: int) -> None:
 
 
 def run_case(what: str, p: Contacts) -> Contacts:
-    """A case on the grid, its conditions looked at before the first cell of each motion."""
+    """A case on the grid, its conditions looked at before the first unit of each motion."""
     palms: list[int] = [STEEP, STEEP]
     for action in actions_of(what):
         if action.palm is not None:

@@ -53,7 +53,7 @@ def test_maps_equal_those_of_the_package(open_page: Open) -> None:
         p_left=left, p_right=right, friction_left=0.3, friction_right=0.3,
     )  # fmt: skip
     for closing, modes in ((1, found.closing), (0, found.opening)):
-        seen = exports(page, f"m => m.mode_map({shallow}, {steep}, {closing}, 20, 2.6)")
+        seen = exports(page, f"m => m.contact_mode_map({shallow}, {steep}, {closing}, 20, 2.6)")
         assert seen == modes.ravel().tolist()
     problem = stability_problem(load_scene("paper"))
     grid = np.radians(np.arange(0.0, 40.0, 4.0))

@@ -63,14 +63,15 @@ def test_mechanics_names_the_modes(
     # The page's sentences are those of the package.
     assert_sentences(page, found)
     expect(page.locator("#margin-words")).to_have_text(margin_sentence(found.margin_rad))
-    happens = page.locator(".modes td.happens")
+    happens = page.locator(".contact-modes td.happens")
     for name, mode in (("closing", found.closing), ("opening", found.opening)):
         if mode is not None:  # in the row and the column of its codes
-            row = page.locator(".modes tbody tr", has=page.get_by_role("rowheader", name=mode[0]))
-            column = page.locator(".modes thead th").all_inner_texts().index(mode[1])
+            head = page.get_by_role("rowheader", name=mode[0])
+            row = page.locator(".contact-modes tbody tr", has=head)
+            column = page.locator(".contact-modes thead th").all_inner_texts().index(mode[1])
             expect(row.locator("th, td").nth(column)).to_contain_text(name)
     expect(happens).to_have_count(len({m for m in (found.closing, found.opening) if m}))
-    balanced = page.locator(".modes td:not(.no)")
+    balanced = page.locator(".contact-modes td:not(.no)")
     expect(balanced).to_have_count(len(found.feasible))
     printed = run_json(runner(capsys), command_of(page))
     assert printed["closing"] == (list(found.closing) if found.closing else None)
@@ -197,7 +198,7 @@ def assert_words_of(page: Page, p_left: float, p_right: float) -> None:
         p_left_m=p_left / 1000, p_right_m=p_right / 1000, theta_left_deg=5, theta_right_deg=15
     )
     assert_sentences(page, found)
-    expect(page.locator(".modes td:not(.no)")).to_have_count(len(found.feasible))
+    expect(page.locator(".contact-modes td:not(.no)")).to_have_count(len(found.feasible))
 
 
 def test_mechanics_map_shows_the_state_under_the_pointer_and_sets_the_contacts(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The shipped controllers as plain tables, and an abstract world to run them in.
 
-In the abstract world contact coordinates are whole numbers of cells, and the object obeys the two
+In the abstract world contact coordinates are whole numbers of units, and the object obeys the two
 properties that the paper's section 2 asks of the palm angles: on closing the contact on the
 shallow palm slides up, on opening the one on the steep palm slides down. Where both palms are
 alike, or one is turning, an adversary chooses. No friction, no geometry.
@@ -120,7 +120,7 @@ Contacts = tuple[int, int]
 
 
 def moved(p: Contacts, palms: tuple[int | None, int | None], closing: bool) -> Iterator[Contacts]:
-    """Every way in which one cell of closing or opening can move the contacts.
+    """Every way in which one unit of closing or opening can move the contacts.
 
     `palms`: STEEP, SHALLOW, or None for one that is turning.
     """

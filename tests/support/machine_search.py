@@ -27,7 +27,7 @@ def row_of(machine: Any, state: str, sign: int, heard: str, settled: bool) -> An
 
 
 class MachineSearch:
-    """All states of two machines, with disturbances up to `reach` cells and late messages."""
+    """All states of two machines, with disturbances up to `reach` units and late messages."""
 
     def __init__(self, machines: Any, *, reach: int, delay: int, turning: int) -> None:
         self.machines = machines

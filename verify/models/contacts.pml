@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The object on two palms, as far as both algorithms may rely on it.
  *
- * Contact coordinates are whole cells, outward positive; the sensor reads 0 in the WIDTH cells from 0
- * on, − below, + above. Moving the robots together or apart by one cell moves one contact by one
- * cell. Which one, the two properties of the palm angles say (paper, section 2):
+ * Contact coordinates are whole units, outward positive; the sensor reads 0 in the WIDTH units from 0
+ * on, − below, + above. Moving the robots together or apart by one unit moves one contact by one
+ * unit. Which one, the two properties of the palm angles say (paper, section 2):
  *   1  closing: the contact on the only shallow palm slides up;
  *   2  opening: the contact on the only steep palm slides down.
  * The paper asks for 1 only where that contact is not outward already, and for 2 only where it is not
@@ -18,12 +18,12 @@
 #define slides_up(s) (only_shallow(s) && (EVERYWHERE || p[s] < WIDTH))
 #define slides_down(s) (only_shallow(1 - (s)) && (EVERYWHERE || p[s] >= 0))
 
-short p[2];       /* contact coordinates, in cells */
+short p[2];       /* contact coordinates, in units */
 byte palm[2];     /* the angle last commanded */
 byte turning[2];  /* cycles until a palm has got there */
 
-byte WIDTH;  /* of the zero zone, in cells */
-byte SPAN;   /* of the palm, outward and inward of that zone, in cells */
+byte WIDTH;  /* of the zero zone, in units */
+byte SPAN;   /* of the palm, outward and inward of that zone, in units */
 byte EVERYWHERE;
 byte TURN;   /* cycles that a palm takes to turn */
 

@@ -49,8 +49,8 @@ c_code {
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
 byte ARMED;     /* sum of the above */
-byte START;     /* contacts start, and bumps leave them, up to so many cells off the zero zone */
-byte SPEED;     /* cells that a robot moves in a cycle */
+byte START;     /* contacts start, and bumps leave them, up to so many units off the zero zone */
+byte SPEED;     /* units that a robot moves in a cycle */
 byte LATENCY;   /* age of the sensor readings: 0, 1 or 2 cycles */
 byte COAST;     /* cycles that the wheels run on after a command: 0 or 1 */
 byte LOSE_CASE; /* the case and … */
@@ -64,7 +64,7 @@ chan air[2] = [8] of { byte }; /* messages to each robot */
 byte ghost[2];                 /* a duplicate on its way to each robot */
 byte mishaps;                  /* losses or duplicates that may still happen */
 byte reboots;                  /* reboots that may still happen */
-byte bumps;                    /* shifts of a contact by a cell that may still happen; 255: any number */
+byte bumps;                    /* shifts of a contact by a unit that may still happen; 255: any number */
 bool calm;                     /* no bump will come any more */
 bool goal;                     /* contacts at 0, palms steep, robots idle, nothing on the air */
 
@@ -87,7 +87,7 @@ byte off;        /* |p_L| + |p_R| before the motion */
 byte k;
 bool both_idle;
 bool both_in_d;
-short net;       /* cells that the robots still come together */
+short net;       /* units that the robots still come together */
 
 #define motion(s) (COAST == 0 -> wheels[s] : before[s])
 #define felt(s) (LATENCY == 0 -> p[s] : (LATENCY == 1 -> was[s] : earlier[s]))
@@ -171,7 +171,7 @@ inline environment()
   fi
 }
 
-/* The robots' motion: one cell after the other. Away against closer leaves the separation as it is. */
+/* The robots' motion: one unit after the other. Away against closer leaves the separation as it is. */
 inline move()
 {
   stirred = stirred || motion(LEFT) != 0 || motion(RIGHT) != 0 || wheels[LEFT] != 0 || wheels[RIGHT] != 0;

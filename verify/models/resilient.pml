@@ -51,7 +51,7 @@ c_code {
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
 byte ARMED; /* sum of the above */
-byte START; /* contacts start, and bumps leave them, up to so many cells off the zero zone */
+byte START; /* contacts start, and bumps leave them, up to so many units off the zero zone */
 byte LEASE; /* cycles for which a message counts */
 byte HELD_LESS; /* cycles by which a palm stays up for a silent partner for a shorter time than shipped */
 byte DELAY; /* cycles that a beacon takes at most when all is well */
@@ -59,14 +59,14 @@ byte BRAKING; /* cycles after a move that a robot takes its wheels to brake, */
 byte COAST; /* and that they do */
 byte JOIN_LESS; /* cycles by which a robot that was ready may start after its partner for a shorter time */
 byte NAPS;  /* steps in a row that a robot may miss */
-byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
+byte TRAVEL; /* units a cycle, to the right: nominal speed over correction speed */
 byte SKEW;  /* cycles that nobody may travel alone; 0: travel is left out */
 bool CALMS; /* whether faults come to an end */
 
 #include "contacts.pml"
 
 byte reboots;   /* that may still happen */
-byte bumps;     /* shifts of a contact by a cell that may still happen; 255: any number */
+byte bumps;     /* shifts of a contact by a unit that may still happen; 255: any number */
 bool calm;      /* no fault will come any more */
 bool goal;      /* contacts at 0, palms steep, robots idle, and on their way */
 bool second;    /* which robot steps after the other, for good */

@@ -47,7 +47,7 @@ c_code {
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
 byte ARMED; /* sum of the above */
-byte START; /* contacts start up to so many cells off the zero zone */
+byte START; /* contacts start up to so many units off the zero zone */
 byte TALKS; /* 1: shared-sign, 0: silent */
 byte BRAKE; /* whether a robot may stop as a correction */
 byte LEASE; /* cycles for which a message counts */
@@ -58,7 +58,7 @@ byte COAST; /* cycles that the wheels lag behind the command: 0 or 1 */
 byte NAPS;  /* 1: a robot whose clock is slow may miss a step without knowing it, */
 byte APART; /* after so many cycles without one missed, */
 byte SLOW;  /* 1: also when the radio is calm */
-byte TRAVEL; /* cells a cycle, to the right: nominal speed over correction speed */
+byte TRAVEL; /* units a cycle, to the right: nominal speed over correction speed */
 byte DOWN;  /* cycles for which a robot that reboots is off */
 byte FAIR;  /* times in a row that the same contact slides where no property speaks; 0: any number */
 byte OPPOSED; /* see FIGHT */
@@ -72,7 +72,7 @@ byte KEPT;  /* until the radio is calm, no contact goes farther off the zone; 0:
 byte WITHIN; /* see ARRIVE */
 byte HUSH;  /* cycles for which robots that were both quiet may still hear nothing when the radio is calm: */
             /* one of them speaks, the other one answers, and is answered */
-byte NEAR;  /* cells by which a contact at its goal may be off the zone */
+byte NEAR;  /* units by which a contact at its goal may be off the zone */
 bool CALMS; /* whether faults come to an end */
 
 #include "contacts.pml"
@@ -81,7 +81,7 @@ byte links[2];  /* how often each robot may still begin to hear its partner */
 byte lone[2];   /* cycles for which each robot has heard a partner that did not hear it: LEASE + 1 at
                  * most, as beacons.pml proves */
 byte reboots;   /* that may still happen */
-byte bumps;     /* shifts of a contact by a cell that may still happen */
+byte bumps;     /* shifts of a contact by a unit that may still happen */
 bool calm;      /* no fault will come any more */
 bool goal;      /* both contacts at 0, or NEAR it */
 byte hush;      /* see HUSH */
@@ -190,7 +190,7 @@ inline environment()
   fi
 }
 
-/* Which contact slid in the last cell of motion, and whether an adversary had the choice. */
+/* Which contact slid in the last unit of motion, and whether an adversary had the choice. */
 inline note()
 {
   d_step {

@@ -33,7 +33,7 @@ interface Exports {
   clear_tally(): void;
   add_to_tally(controller: number, first: number, n: number): number;
   statics(thetaLeft: number, thetaRight: number, pLeft: number, pRight: number): number;
-  mode_map(thetaLeft: number, thetaRight: number, closing: number, n: number, reach: number): number;
+  contact_mode_map(thetaLeft: number, thetaRight: number, closing: number, n: number, reach: number): number;
   com_map(
     x0: number, x1: number, y0: number, y1: number, nx: number, ny: number, shallowLeft: number,
     steepLeft: number, shallowRight: number, steepRight: number,
@@ -119,7 +119,7 @@ export interface Tally {
   corrections: number;
 }
 
-// The mechanics of one state; indices of modes as in tables.modes, −1: not held, −2: jammed.
+// The mechanics of one state; indices of contact modes as in tables.contactModes, −1: not held, −2: jammed.
 export interface Statics {
   reaches: boolean;
   reason: number;
@@ -356,8 +356,8 @@ export class Core {
     };
   }
 
-  modeMap(theta: [number, number], closing: boolean, n: number, reach: number): Float64Array {
-    return this.take(this.wasm.mode_map(theta[0], theta[1], closing ? 1 : 0, n, reach));
+  contactModeMap(theta: [number, number], closing: boolean, n: number, reach: number): Float64Array {
+    return this.take(this.wasm.contact_mode_map(theta[0], theta[1], closing ? 1 : 0, n, reach));
   }
 
   // `angles` of the left and the right palm: shallow, steep [rad].

@@ -5,9 +5,9 @@ import type { Recorded } from "./core";
 import { ROW } from "./core";
 import { type Json, type Scene, SIDES } from "./tables";
 
-// A robot in one step. A model without contacts gives no cell, and one without robots only a state.
+// A robot in one step. A model without contacts gives no position, and one without robots only a state.
 export interface RobotStep {
-  cell?: number;
+  position?: number;
   case?: string;
   name?: string;
   state: string;

@@ -53,10 +53,10 @@ interface Tables {
   longestValue: number; // characters of a value that a message quotes
   outcomes: string[];
   dropReasons: [string, string][];
-  modes: string[];
-  requiredModes: Record<string, string>; // by property, with the left palm shallow
-  motionMeanings: Record<string, string>; // of the symbols in modes
-  modeSentences: Record<string, string>; // with names in braces for what is filled in
+  contactModes: string[];
+  requiredContactModes: Record<string, string>; // by property, with the left palm shallow
+  motionMeanings: Record<string, string>; // of the symbols in contactModes
+  contactModeSentences: Record<string, string>; // with names in braces for what is filled in
   bindings: Record<string, string>;
   bindingNames: string[];
   quantities: Record<string, { number: number; most: number; unit: string; name: string }>;

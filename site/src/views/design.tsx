@@ -5,8 +5,8 @@ import { AtHome, KeySlider, SceneChoice } from "./parts";
 import { Canvas, type Surface } from "../shared/canvas";
 import { SCENE_FILE, carryOf, controllerWord } from "../shared/command";
 import type { Limit } from "../shared/core";
-import { MAP, REACH, type Region, drawModeMap, modeColour } from "../shared/mode_map";
-import { modeName } from "../shared/mode_words";
+import { MAP, REACH, type Region, drawContactModeMap, contactModeColour } from "../shared/contact_mode_map";
+import { contactModeName } from "../shared/contact_mode_words";
 import { drawCells } from "../shared/raster";
 import { fromPaper } from "../shared/scene";
 import { get, ofSide } from "../shared/scene_values";
@@ -199,7 +199,7 @@ const regionMaps = computed(() => {
   if (!machine) return null;
   machine.setScene(scene.value);
   const theta: [number, number] = [pair.value[0] * DEGREE, pair.value[1] * DEGREE];
-  return [true, false].map((closing) => machine.modeMap(theta, closing, MAP, REACH));
+  return [true, false].map((closing) => machine.contactModeMap(theta, closing, MAP, REACH));
 });
 
 // The region of the chosen pair: where each property is needed, and what happens there.
@@ -219,19 +219,19 @@ function PairRegion() {
         return (
           <figure class="map">
             <figcaption>
-              {k === 0 ? "closing" : "opening"}: property {k + 1} requires {tables.requiredModes[k + 1]} in the
+              {k === 0 ? "closing" : "opening"}: property {k + 1} requires {tables.requiredContactModes[k + 1]} in the
               frame
             </figcaption>
             <Canvas
               id={`region-${k}`}
               height={(width) => Math.min(width, 300)}
               label={`contact modes with the left palm shallow and the right one steep, on ${k === 0 ? "closing" : "opening"}; the frame is where the property is needed`}
-              draw={(s) => values && drawModeMap(s, palette.value, values, size, [palms, needed[k]!], null)}
+              draw={(s) => values && drawContactModeMap(s, palette.value, values, size, [palms, needed[k]!], null)}
             />
             <ul class="key">
               {seen.map((mode) => (
                 <li>
-                  <i style={{ background: modeColour(palette.value, mode), opacity: mode < 0 ? 1 : 0.5 }} /> {modeName(mode)}
+                  <i style={{ background: contactModeColour(palette.value, mode), opacity: mode < 0 ? 1 : 0.5 }} /> {contactModeName(mode)}
                 </li>
               ))}
             </ul>

@@ -6,11 +6,11 @@ import { StateSliders } from "./mechanics_controls";
 import { drawState, handles, mechanicsHeight } from "./mechanics_picture";
 import { NineModes, Squeezes } from "./mechanics_report";
 import { contact, found, inMm, shown, theta } from "./mechanics_state";
-import { ModeMap } from "./mode_map_figure";
+import { ContactModeMap } from "./contact_mode_map_figure";
 import { AtHome, SceneChoice, presentRun } from "./parts";
 import { Canvas } from "../shared/canvas";
 import { sceneWords } from "../shared/command";
-import { decision, marginWords, modeName, modeWords } from "../shared/mode_words";
+import { decision, marginWords, contactModeName, contactModeWords } from "../shared/contact_mode_words";
 import { base, overrides, setExtra } from "../shared/state";
 import { tables } from "../shared/tables";
 
@@ -59,10 +59,10 @@ export function MechanicsView() {
             State {shown.value.isUnderPointer ? "under the pointer" : "at the dot of the maps below"}:{" "}
             p<sub>L</sub> = {inMm(shown.value.contacts[0])}, p<sub>R</sub> = {inMm(shown.value.contacts[1])}
           </p>
-          <h2>Closing: {modeName(f.closing)}</h2>
-          <p id="closing-words">{modeWords(f.closing)} {decision(f, true)}</p>
-          <h2>Opening: {modeName(f.opening)}</h2>
-          <p id="opening-words">{modeWords(f.opening)} {decision(f, false)}</p>
+          <h2>Closing: {contactModeName(f.closing)}</h2>
+          <p id="closing-words">{contactModeWords(f.closing)} {decision(f, true)}</p>
+          <h2>Opening: {contactModeName(f.opening)}</h2>
+          <p id="opening-words">{contactModeWords(f.opening)} {decision(f, false)}</p>
           <p class="note" id="margin-words">{marginWords(f.margin)}</p>
           <Squeezes f={f} />
         </section>
@@ -84,8 +84,8 @@ export function MechanicsView() {
               palms. Hold the pointer over a map to see the state there. Drag the dot to move the contacts.
             </p>
             <div class="columns">
-              <ModeMap closing />
-              <ModeMap closing={false} />
+              <ContactModeMap closing />
+              <ContactModeMap closing={false} />
             </div>
           </section>
           <section>
@@ -95,7 +95,7 @@ export function MechanicsView() {
               contacts anywhere on the palms, whichever palm is the shallow
               one. <span id="com-angles">{anglesWords()}</span> If you turn a palm, the map takes the
               smaller and the larger of the two angles above. Property
-              1: {tables.modeSentences.property_1} Property 2: {tables.modeSentences.property_2} This map
+              1: {tables.contactModeSentences.property_1} Property 2: {tables.contactModeSentences.property_2} This map
               corresponds to Figure 6 of the paper.
             </p>
             <Canvas id="com-map" height={(width) => Math.min(280, Math.max(160, width * 0.4))} draw={drawCom}

@@ -4,7 +4,7 @@
 import type { Statics } from "../shared/core";
 import { tables } from "../shared/tables";
 
-const MODE_CELLS = [0, 1, 2] as const;
+const MOTION_NUMBERS = [0, 1, 2] as const;
 
 // The squeezes that each contact can carry, on one axis. The ends decide which contact slides.
 export function Squeezes(props: { f: Statics }) {
@@ -55,12 +55,12 @@ function Arrow(props: { x: number; direction: number }) {
 
 export function NineModes(props: { f: Statics }) {
   const { f } = props;
-  const title = MODE_CELLS.map((k) => tables.modes[3 * k]!.split("-")[0]!);
+  const title = MOTION_NUMBERS.map((k) => tables.contactModes[3 * k]!.split("-")[0]!);
   // The core orders the motions of a contact as sticks, up, down; up is SL left and SR right.
   const leftAt = [0, 1, 2];
   const rightAt = [0, 2, 1];
   return (
-    <table class="modes">
+    <table class="contact-modes">
       <caption>Nine contact modes: which ones balance, and which one occurs</caption>
       <thead>
         <tr>
@@ -69,10 +69,10 @@ export function NineModes(props: { f: Statics }) {
         </tr>
       </thead>
       <tbody>
-        {MODE_CELLS.map((l) => (
+        {MOTION_NUMBERS.map((l) => (
           <tr>
             <th scope="row">{title[l]}</th>
-            {MODE_CELLS.map((r) => {
+            {MOTION_NUMBERS.map((r) => {
               const mode = 3 * leftAt[l]! + rightAt[r]!;
               const happens = [f.closing === mode ? "closing" : "", f.opening === mode ? "opening" : ""].filter(Boolean);
               return (

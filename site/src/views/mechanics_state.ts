@@ -2,7 +2,7 @@
 // The state that the view Mechanics takes apart, which the URL holds: palm angles [°] and contacts [mm].
 import { computed, signal } from "@preact/signals";
 import type { Statics } from "../shared/core";
-import { MAP, REACH } from "../shared/mode_map";
+import { MAP, REACH } from "../shared/contact_mode_map";
 import { ofSide } from "../shared/scene_values";
 import { core, extraNumber, extras, scene, setExtra } from "../shared/state";
 import { SIDES } from "../shared/tables";
@@ -54,7 +54,7 @@ const map = (closing: boolean) =>
     const machine = core.value;
     if (!machine) return null;
     machine.setScene(scene.value);
-    return machine.modeMap([theta.value[0] * DEGREE, theta.value[1] * DEGREE], closing, MAP, REACH);
+    return machine.contactModeMap([theta.value[0] * DEGREE, theta.value[1] * DEGREE], closing, MAP, REACH);
   });
 export const maps = { closing: map(true), opening: map(false) };
 

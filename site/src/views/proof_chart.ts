@@ -14,7 +14,7 @@ const TOP = 4;
 export const PROOF_CHART_HEIGHT = TOP + 2 * LANE + GAP + 20;
 
 const MINUS = "−";
-export const cellText = (cell: number) => (cell > 0 ? `+${cell}` : String(cell).replace("-", MINUS));
+export const positionText = (position: number) => (position > 0 ? `+${position}` : String(position).replace("-", MINUS));
 
 interface Columns {
   width: number; // of a column
@@ -46,7 +46,7 @@ function arrow(c: CanvasRenderingContext2D, x0: number, y0: number, x1: number, 
 
 const laneTop = (side: number) => TOP + side * (LANE + GAP);
 
-// One robot in one step: cell, palm, drive, from above.
+// One robot in one step: position, palm, drive, from above.
 function drawRobot(
   surface: Surface, p: Palette, robot: RobotStep, side: number, x: number, width: number,
 ): void {
@@ -60,8 +60,8 @@ function drawRobot(
     c.fillRect(x + 1, y, width - 2, LANE);
     c.globalAlpha = 1;
   }
-  const cell = robot.cell === undefined ? "" : cellText(robot.cell);
-  const head = [robot.case ? `(${robot.case})` : "", cell].filter(Boolean).join(width < 44 ? "" : " ");
+  const position = robot.position === undefined ? "" : positionText(robot.position);
+  const head = [robot.case ? `(${robot.case})` : "", position].filter(Boolean).join(width < 44 ? "" : " ");
   if (!robot.palm) {
     // The model has no palms, only whether a robot hears its partner.
     c.beginPath();
@@ -74,7 +74,7 @@ function drawRobot(
   }
   if (width < 44 && robot.case) {
     write(c, robot.case, middle, y + 10, colour, { weight: 700 });
-    write(c, cell, middle, y + 25, p.ink);
+    write(c, position, middle, y + 25, p.ink);
   } else {
     write(c, head, middle, y + 16, robot.case ? colour : p.ink,
       { weight: robot.case ? 650 : 400 });

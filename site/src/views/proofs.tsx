@@ -6,7 +6,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { AtHome } from "./parts";
 import { usePlayerKeys } from "./player_bar";
-import { PROOF_CHART_HEIGHT, cellText, drawProofChart, stepAt } from "./proof_chart";
+import { PROOF_CHART_HEIGHT, positionText, drawProofChart, stepAt } from "./proof_chart";
 import { Stage } from "./stage";
 import { Canvas, type Surface } from "../shared/canvas";
 import type { Recorded } from "../shared/core";
@@ -86,20 +86,20 @@ function useClock(): void {
   }, []);
 }
 
-// Both palms as rows of cells with the contact on them.
+// Both palms as rows of units with the contact on them.
 function drawPalms(surface: Surface, item: Counterexample, place: number): void {
   const now = item.steps[place];
   if (!now) return;
   const p = palette.value;
   const c = surface.context;
-  const cells = item.steps.flatMap((s) => s.robots.map((r) => Math.abs(r.cell ?? 0)));
-  const reach = Math.max(4, ...cells) + 1;
+  const positions = item.steps.flatMap((s) => s.robots.map((r) => Math.abs(r.position ?? 0)));
+  const reach = Math.max(4, ...positions) + 1;
   const gap = surface.width * 0.1;
   const wide = (surface.width - gap) / 2 - 16;
   now.robots.forEach((robot, side) => {
     if (!robot.palm) return;
     const x0 = side === 0 ? 6 : surface.width / 2 + gap / 2 + 6;
-    const cell = wide / (2 * reach + 1);
+    const unit = wide / (2 * reach + 1);
     const tilt = (robot.palm === "shallow" ? 5 : 15) * (side === 0 ? 1 : -1) * (Math.PI / 180);
     c.save();
     c.translate(x0 + wide / 2, 46);
@@ -112,16 +112,16 @@ function drawPalms(surface: Surface, item: Counterexample, place: number): void 
     c.lineTo(wide / 2 - 6, 0);
     c.stroke();
     c.setLineDash([]);
-    if (robot.cell !== undefined) {
+    if (robot.position !== undefined) {
       // Outward is to the left on the left palm.
       for (let k = -reach + 1; k < reach; ++k) {
-        const x = (side === 0 ? -k : k) * cell;
+        const x = (side === 0 ? -k : k) * unit;
         c.fillStyle = k === 0 ? p.zero : p.rule;
         c.fillRect(x - 1, -9, 2, 6);
       }
       c.beginPath();
-      c.arc((side === 0 ? -1 : 1) * robot.cell * cell, -11, Math.min(9, cell * 0.7), 0, 2 * Math.PI);
-      c.fillStyle = Math.abs(robot.cell) >= reach - 1 && item.claim === "FALL" ? p.drop : p.ink;
+      c.arc((side === 0 ? -1 : 1) * robot.position * unit, -11, Math.min(9, unit * 0.7), 0, 2 * Math.PI);
+      c.fillStyle = Math.abs(robot.position) >= reach - 1 && item.claim === "FALL" ? p.drop : p.ink;
       c.fill();
     }
     c.restore();
@@ -151,7 +151,7 @@ function stateWords(robot: RobotStep) {
 // What both robots do in a step, line by line. A line that the model does not have is left out.
 function Robots(props: { robots: [RobotStep, RobotStep] }) {
   const rows: [string, (robot: RobotStep) => ComponentChildren][] = [
-    ["contact p", (r) => (r.cell === undefined ? "" : cellText(r.cell))],
+    ["contact p", (r) => (r.position === undefined ? "" : positionText(r.position))],
     ["state", stateWords],
     ["palm", palmWords],
     ["drive", driveWords],
@@ -271,7 +271,7 @@ export function ProofsView() {
         <h1>Where the algorithms fail</h1>
         <p>
           The model checker Spin explores every run of the built-in controllers in a simplified world,
-          in which contact positions are whole numbers of cells. A claim that holds is proved for that
+          in which contact positions are whole numbers of units. A claim that holds is proved for that
           world. If a claim fails, Spin finds a run in which it fails. This view shows all such runs that
           the project keeps.
         </p>
@@ -307,7 +307,7 @@ export function ProofsView() {
         <div class={carried ? "columns" : ""}>
           <div>
             {hasPalms && (
-              <Canvas id="proof" height={104} draw={(s) => drawPalms(s, item, place)} label="contacts and palms in cells" />
+              <Canvas id="proof" height={104} draw={(s) => drawPalms(s, item, place)} label="contacts and palms in units" />
             )}
             <Chart item={item} place={place} />
           </div>
@@ -326,7 +326,7 @@ export function ProofsView() {
         </div>
         <p class="note">
           {hasPalms
-            ? "Number: contact coordinate p in cells, outward > 0. Line: the palm, dashed while it turns. Arrow: the drive, away or closer. Diamond: a bump or a reboot."
+            ? "Number: contact coordinate p in units, outward > 0. Line: the palm, dashed while it turns. Arrow: the drive, away or closer. Diamond: a bump or a reboot."
             : "This model has no contacts. Filled circle: the robot hears its partner."}
         </p>
         {!carried && <div><Robots robots={now.robots} /></div>}

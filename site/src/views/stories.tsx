@@ -14,7 +14,7 @@ import {
   base, controller, core, extraFlag, extraNumber, forks, overrides, player, recorded, scene, seed, setExtra,
   setExtraFlag,
 } from "../shared/state";
-import { decision } from "../shared/mode_words";
+import { decision } from "../shared/contact_mode_words";
 import { get } from "../shared/scene_values";
 import { controllerInfo, tables } from "../shared/tables";
 import { reducedMotion } from "../shared/theme";

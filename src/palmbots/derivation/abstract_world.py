@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pairs of compiled controllers in the abstract world of the derivation.
 
-Contacts are integers (cells); 0 is the nominal position. In a turn a robot receives its messages,
-senses the sign of its contact and decides, and its wheels move by one cell. If the two properties
-do not determine which contact slides, every possibility is followed. Robots take turns in any order
-in which neither is more than one turn ahead. A palm reaches a new angle two turns after the
-command. Messages arrive before the next turn of their receiver, in order, and none is lost: this is
-the radio that the paper assumes.
+Contacts are whole numbers of units; 0 is the nominal position. In a turn a robot receives its
+messages, senses the sign of its contact and decides, and its wheels move by one unit. If the two
+properties do not determine which contact slides, every possibility is followed. Robots take turns
+in any order in which neither is more than one turn ahead. A palm reaches a new angle two turns
+after the command. Messages arrive before the next turn of their receiver, in order, and none is
+lost: this is the radio that the paper assumes.
 
 A `System` gives its initial states and the successors of each state; states are hashable. The
 station of the centralized algorithm takes a turn for both robots at once.
@@ -35,7 +35,7 @@ _TURNING = 1  # number of turns after a command in which the palm is still turni
 
 
 class Motion(NamedTuple):
-    """A motion of one cell, closing or opening, and the state in which it happens."""
+    """A motion of one unit, closing or opening, and the state in which it happens."""
 
     signs: Signs
     palms: Palms

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which level permits a motion, and how a motion departs from the policy, in words.
 
-A *motion* is one cell of closing or opening, with the signs of both contacts and the palms at that
+A *motion* is one unit of closing or opening, with the signs of both contacts and the palms at that
 time. There are four permissions, each wider than the one before:
 
 - *policy*: the global policy makes this motion with these signs and palms, in some case.
@@ -10,7 +10,7 @@ time. There are four permissions, each wider than the one before:
 - *at once*: or the robot follows its rule while the other one is in a rule that nothing orders
   with it, wherever the other's palm is.
 - *begun*: or that is so but for the robot's own contact, which has come to 0 since it began to turn
-  its palm, and this is the first cell: what was begun is moved through once before it is looked at.
+  its palm, and this is the first unit: what was begun is moved through once before it is looked at.
 """
 
 from typing import NamedTuple

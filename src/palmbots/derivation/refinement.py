@@ -67,9 +67,9 @@ class Refinement:
 def check_refinement(
     system: System, derivation: Derivation, reach: int = 2, span: int = 4
 ) -> Refinement:
-    """Check every run that starts with contacts at most `reach` cells from 0.
+    """Check every run that starts with contacts at most `reach` units from 0.
 
-    A contact more than `span` cells from 0 has left its palm.
+    A contact more than `span` units from 0 has left its palm.
     """
     permissions = Permissions(derivation)
     found = Refinement()

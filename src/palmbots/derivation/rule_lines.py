@@ -140,7 +140,7 @@ def _refinement(found: "DerivedRules") -> Iterator[Item]:
     yield quiet(
         "policy: the policy permits the motion. Weakenings, each in addition to those before: "
         "rules: without the dropped guards. at once: while the other robot runs a rule that is not "
-        "ordered with this one. begun: until the first cell of a motion ends that began while its "
+        "ordered with this one. begun: until the first unit of a motion ends that began while its "
         "own guard held. nominal: p = 0, palms steep, no motion."
     )
 

@@ -2,7 +2,7 @@
 """A run of the abstract world as a message sequence chart in text.
 
 Time runs downwards. Each robot has a lifeline with the case that it is in and what its wheels do;
-an arrow is a message, drawn where it is sent. The columns at the edges are the contacts in cells.
+an arrow is a message, drawn where it is sent. The columns at the edges are the contacts in units.
 """
 
 from collections.abc import Iterator

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks a derived algorithm exhaustively: the compiled machines of both robots, in every run.
 
-The world is that of abstract_world.py: contacts in cells, robots that take turns in any order in
+The world is that of abstract_world.py: contacts in units, robots that take turns in any order in
 which neither is more than one turn ahead, and an adversary that chooses the contact that slides
 where the palms do not determine it. A palm reaches its angle `TURNING` + 1 turns after the command.
-There are two more adversaries. A *disturbance* moves a contact by a cell at any time, to at most
-`REACH` cells from 0. And a message may be heard up to `DELAY` turns of its receiver late; messages
+There are two more adversaries. A *disturbance* moves a contact by a unit at any time, to at most
+`REACH` units from 0. And a message may be heard up to `DELAY` turns of its receiver late; messages
 arrive in order, and none is lost: this is the radio that the paper assumes.
 
 The properties, with the names of the proofs of the resilient algorithm:
@@ -15,7 +15,7 @@ The properties, with the names of the proofs of the resilient algorithm:
   on the steep one is being corrected.
 - *S3*: the pair closes only while one palm is shallow and the other one steep, and the contact on
   the shallow one is being corrected.
-- *S4*: no contact leaves its palm, `SPAN` cells from 0.
+- *S4*: no contact leaves its palm, `SPAN` units from 0.
 - *progress*: once disturbances stop, every run reaches the goal, and stays there: contacts at 0,
   palms at rest, no motion, no message on its way.
 
@@ -42,11 +42,11 @@ MEANINGS = {
 }
 """What a run does that breaks a property."""
 REACH = 2
-"""Disturbances move a contact at most so far from 0 [cells]."""
+"""Disturbances move a contact at most so far from 0 [units]."""
 SPAN = 8
-"""The end of a palm [cells from 0]. A cell is what a correction moves a contact in a turn. A palm
+"""The end of a palm [units from 0]. A unit is what a correction moves a contact in a turn. A palm
 needs three turns, in the default scene 0.2 s, in which a correction moves a contact by 6 mm: its
-palms, 75 mm from the pivot to the end, have 37 cells on each side."""
+palms, 75 mm from the pivot to the end, have 37 units on each side."""
 DELAY = 1
 """How late a message may be [turns of its receiver]."""
 TURNING = 2
@@ -71,7 +71,7 @@ class Verification:
 
     states: int = 0
     peak: int = 0
-    """The farthest that a contact comes from 0 in a run that breaks no property [cells]."""
+    """The farthest that a contact comes from 0 in a run that breaks no property [units]."""
     worst_turns: int = 0
     """The longest run without disturbances from any state to the goal [turns]."""
     counterexamples: dict[str, list[Step]] = field(default_factory=dict)

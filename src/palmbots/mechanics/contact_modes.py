@@ -136,10 +136,9 @@ def contact_modes_batch(
         (p_left, p_right),
     )
     shape, n, columns = columns_of(width, com_x, com_y, slope, pairs)
-    left_low, left_high, right_low, right_high, bits, closing, opening = _core.modes(columns, n)
-    ends = np.stack([left_low, left_high, right_low, right_high], axis=-1)
+    *ends, bits, closing, opening = _core.contact_modes(columns, n)
     return ContactModesBatch(
-        squeeze=ends.reshape(*shape, 2, 2),
+        squeeze=np.stack(ends, axis=-1).reshape(*shape, 2, 2),
         feasible=(bits[:, np.newaxis] >> np.arange(9) & 1).astype(bool).reshape(*shape, 9),
         closing=closing.reshape(shape),
         opening=opening.reshape(shape),
@@ -272,11 +271,10 @@ def contact_modes(
         *state.p_m,
     ]
     columns = [np.array([value]) for value in numbers]
-    left_low, left_high, right_low, right_high, bits, closing, opening = _core.modes(columns, 1)
+    *ends, bits, closing, opening = _core.contact_modes(columns, 1)
     friction_angles = [math.atan(palm.friction) for palm in spec.palms]
-    squeeze = BySide(
-        (float(left_low[0]), float(left_high[0])), (float(right_low[0]), float(right_high[0]))
-    )
+    left_low, left_high, right_low, right_high = (float(end[0]) for end in ends)
+    squeeze = BySide((left_low, left_high), (right_low, right_high))
     return ContactModes(
         scene=state.scene,
         p_left_m=state.p_m[0],

@@ -24,7 +24,7 @@ namespace {
 using Robot = TableRobot<Resilient>;
 
 constexpr int tilt = 4;  // ticks that a palm takes to turn
-constexpr int zone = 2;  // |p| up to this reads 0 [cells]
+constexpr int zone = 2;  // |p| up to this reads 0 [units]
 constexpr std::uint16_t beacon = 2;
 constexpr int run_on =
     3;  // ticks that wheels run on after a move; not those of a robot that reboots
@@ -152,7 +152,7 @@ class World {
     }
   }
 
-  // Now and then one cell of opening or closing for each move, and one for travel apart.
+  // Now and then one unit of opening or closing for each move, and one for travel apart.
   void move() {
     if (tick_ % 6 != 0) return;
     for (const std::size_t s : {left, right}) {

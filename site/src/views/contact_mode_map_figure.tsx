@@ -2,11 +2,11 @@
 // The map of the contact mode over both contacts, in which a visitor picks a state (Figure 5).
 import { contact, half, halfMm, hovered, maps, setContact, shown } from "./mechanics_state";
 import { Canvas } from "../shared/canvas";
-import { MAP_LEFT, MAP_TOP, REACH, drawModeMap, mapSize, modeColour } from "../shared/mode_map";
-import { modeName } from "../shared/mode_words";
+import { MAP_LEFT, MAP_TOP, REACH, drawContactModeMap, mapSize, contactModeColour } from "../shared/contact_mode_map";
+import { contactModeName } from "../shared/contact_mode_words";
 import { palette } from "../shared/theme";
 
-export function ModeMap(props: { closing: boolean }) {
+export function ContactModeMap(props: { closing: boolean }) {
   const values = props.closing ? maps.closing : maps.opening;
   const seen = [...new Set(values.value ?? [])];
   // The contacts [mm] under the pointer, as shares of the map's half width.
@@ -40,13 +40,13 @@ export function ModeMap(props: { closing: boolean }) {
           if (!values.value) return;
           const size: [number, number] = [1000 * half(0), 1000 * half(1)];
           const palms = { pL: [-size[0], size[0]] as [number, number], pR: [-size[1], size[1]] as [number, number] };
-          drawModeMap(s, palette.value, values.value, size, [palms], contact.value, shown.value.isUnderPointer ? shown.value.contacts : null);
+          drawContactModeMap(s, palette.value, values.value, size, [palms], contact.value, shown.value.isUnderPointer ? shown.value.contacts : null);
         }}
       />
       <ul class="key">
         {seen.sort((a, b) => b - a).map((mode) => (
           <li>
-            <i style={{ background: modeColour(palette.value, mode), opacity: mode < 0 ? 1 : 0.5 }} /> {modeName(mode)}
+            <i style={{ background: contactModeColour(palette.value, mode), opacity: mode < 0 ? 1 : 0.5 }} /> {contactModeName(mode)}
           </li>
         ))}
       </ul>

@@ -13,20 +13,20 @@ const TIE = 1e-9; // ends that are closer than this are the same one
 const MOTIONS = ["sticks", "up", "down"];
 
 function filled(name: string, values: Record<string, string> = {}): string {
-  return filledIn(tables.modeSentences[name]!, values);
+  return filledIn(tables.contactModeSentences[name]!, values);
 }
 
 export function motionsOf(mode: number): [number, number] {
   return [Math.floor(mode / 3), mode % 3];
 }
 
-export function modeName(mode: number): string {
+export function contactModeName(mode: number): string {
   if (mode === NOT_HELD) return "not held";
   if (mode === JAMMED) return "jammed";
-  return tables.modes[mode]!;
+  return tables.contactModes[mode]!;
 }
 
-export function modeWords(mode: number): string {
+export function contactModeWords(mode: number): string {
   if (mode === NOT_HELD) return filled("not_held");
   if (mode === JAMMED) return filled("jammed");
   const [left, right] = motionsOf(mode).map((motion) => filled(MOTIONS[motion]!)) as [string, string];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws the map of contact modes over both contact positions (paper, Figure 5).
 import type { Surface } from "./canvas";
-import { JAMMED, NOT_HELD, motionsOf } from "./mode_words";
+import { JAMMED, NOT_HELD, motionsOf } from "./contact_mode_words";
 import { drawCells } from "./raster";
 import type { Palette } from "./theme";
 
@@ -15,7 +15,7 @@ export interface Region {
   dashed?: boolean;
 }
 
-export function modeColour(p: Palette, mode: number): string {
+export function contactModeColour(p: Palette, mode: number): string {
   if (mode === NOT_HELD) return p.rule;
   if (mode === JAMMED) return p.quiet;
   const [l, r] = motionsOf(mode);
@@ -28,9 +28,9 @@ export function mapSize(surface: { width: number; height: number }): number {
   return Math.min(surface.width, surface.height) - MAP_FOOT;
 }
 
-// The modes, the frame of the palms and further regions, a dot, and a small one under the pointer.
+// The contact modes, the frame of the palms and further regions, a dot, and a small one under the pointer.
 // Lengths in mm; `half` is that of the palms.
-export function drawModeMap(
+export function drawContactModeMap(
   surface: Surface, p: Palette, values: Float64Array, half: [number, number], regions: Region[],
   dot: [number, number] | null, under: [number, number] | null = null,
 ): void {
@@ -40,7 +40,7 @@ export function drawModeMap(
   const x = (mm: number) => x0 + (0.5 + mm / (2 * half[0] * REACH)) * size;
   const y = (mm: number) => y0 + (0.5 - mm / (2 * half[1] * REACH)) * size;
   drawCells(c, { x: x0, y: y0, width: size, height: size }, MAP, MAP, (k) => [
-    modeColour(p, values[k]!), values[k]! < 0 ? 1 : 0.5,
+    contactModeColour(p, values[k]!), values[k]! < 0 ? 1 : 0.5,
   ]);
   c.strokeStyle = p.quiet;
   c.lineWidth = 1;

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """All nine contact modes of ten million states in one call, against general solvers, in one run.
 
-    .venv/bin/python benchmarks/bench_modes.py
+    .venv/bin/python benchmarks/bench_contact_modes.py
 
-Prints a table with ratios and writes results/modes.csv; times are per state. Needs scipy, which
-`make test` installs.
+Prints a table with ratios and writes results/contact_modes.csv; times are per state. Needs scipy,
+which `make test` installs.
 
 The peers answer whether one contact mode balances in one state, as anyone would ask a general
 solver: are there shares ≥ 0 of the edges of the friction cones that add up to the weight and its
@@ -30,7 +30,7 @@ from scipy.optimize import linprog, nnls
 import palmbots as pb
 from _machine import compiler, processor
 
-RESULTS = Path(__file__).parent / "results" / "modes.csv"
+RESULTS = Path(__file__).parent / "results" / "contact_modes.csv"
 STATES, REPEATS, PEER_STATES = 10**7, 9, 40
 WIDTH, COM, FRICTION = 0.25, (0.125, 0.04), 0.3
 SHALLOW, STEEP = math.radians(5), math.radians(15)
@@ -93,7 +93,7 @@ def main() -> None:
     def contacts(count: int) -> dict[str, Floats]:
         return {"p_left": p[0, :count], "p_right": p[1, :count]}
 
-    nine, version = "nine modes", pb.__version__
+    nine, version = "nine contact modes", pb.__version__
     alike = least_s(lambda: pb.feasible_contact_modes(**fixed, **contacts(STATES)))
     varied = least_s(
         lambda: pb.feasible_contact_modes(
@@ -119,7 +119,7 @@ def main() -> None:
         agreed = sum(a == b for a, b in zip(ours, solve_all(), strict=True))
         rows.append(
             (f"scipy {name}", scipy.__version__, 1e9 * least_s(solve_all, 5) / len(problems),
-             "one mode", f"{agreed} of {len(problems)} as ours")
+             "one contact mode", f"{agreed} of {len(problems)} as ours")
         )  # fmt: skip
 
     table = Table("one state", "version", "for", "ns", "ratio", "answers")
