@@ -74,7 +74,22 @@ nb::object value_of(const Key& key, double value) {
   return nb::none();
 }
 
-nb::dict row_of(const Key& key, const std::string& path, bool has_holders) {
+// Who may have a value of their own for a key: both sides, or all senders.
+nb::tuple holders_of(const Section& section, const Key& key) {
+  nb::list names;
+  for (const Section& own : scene_sections) {
+    if (own.name != section.name || own.holders == Holders::one) continue;
+    for (const Key& one : own.keys) {
+      if (one.name != key.name) continue;
+      for (std::size_t k = 0; k < own.holder_count(); ++k) {
+        names.append(nb::str(sender_choices.names[k].data(), sender_choices.names[k].size()));
+      }
+    }
+  }
+  return nb::tuple(names);
+}
+
+nb::dict row_of(const Key& key, const std::string& path, const nb::tuple& holders) {
   constexpr const char* kinds[] = {"number", "whole", "flag", "choice"};
   nb::dict row;
   row["name"] = path;
@@ -89,7 +104,7 @@ nb::dict row_of(const Key& key, const std::string& path, bool has_holders) {
   }
   row["choices"] = nb::tuple(choices);
   row["default"] = value_of(key, key.initial);
-  row["per_side"] = has_holders;
+  row["holders"] = holders;
   return row;
 }
 
@@ -102,7 +117,7 @@ nb::list scene_keys() {
       for (const Key& key : section.keys) {
         if (key.name.empty()) continue;
         const std::string path = table + "." + std::string(key.name);
-        rows.append(row_of(key, path, section.holders == Holders::sides));
+        rows.append(row_of(key, path, holders_of(section, key)));
       }
     }
     for (const RecordList& list : section.lists) {
@@ -111,7 +126,7 @@ nb::list scene_keys() {
         if (key.name.empty()) continue;
         const std::string dot = key.name.starts_with('[') ? "" : ".";
         const std::string ending = key.name == itself ? "" : dot + std::string(key.name);
-        rows.append(row_of(key, name + ending, false));
+        rows.append(row_of(key, name + ending, nb::tuple()));
       }
     }
   }
@@ -132,9 +147,11 @@ ControllerInfo controller_of(const std::string& name, const std::string& team) {
 }  // namespace
 
 void bind_scene(nb::module_& m) {
-  m.def("scene_keys", &scene_keys,
-        "The keys of a scene that the core reads, in its table's order: name (`[]` stands for the "
-        "records of a list), kind, unit, limits, choices and default (None: not set).");
+  m.def(
+      "scene_keys", &scene_keys,
+      "The keys of a scene that the core reads, in its table's order: name (`[]` stands for the "
+      "records of a list), kind, unit, limits, choices, default (None: not set), and holders: the "
+      "sides or senders that may have a value of their own.");
   m.def(
       "scene_lists",
       [] {

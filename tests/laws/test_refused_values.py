@@ -5,6 +5,7 @@ The keys are those of the models; keys of the core have the limits of its table.
 """
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
@@ -200,8 +201,8 @@ def test_values_outside_the_limits_of_a_key_are_refused(key: Key) -> None:
 def test_every_key_of_the_core_has_its_limits() -> None:
     found = {key.row["name"] for key in KEYS if key.row}
     assert found == {name for name in ROWS if not name.endswith(("0]", "1]"))}
-    sides = [key.path for key in KEYS if key.row and key.row["per_side"]]
-    assert len(sides) == 3 * len({path.rpartition(".")[2] for path in sides})
+    places = Counter(key.row["name"] for key in KEYS if key.row and key.row["holders"])
+    assert places == {name: 1 + len(row["holders"]) for name, row in ROWS.items() if row["holders"]}
 
 
 @pytest.mark.parametrize("model", FILES)

@@ -25,8 +25,6 @@ NEAR_ZERO = {
 INSTEAD_OF_NONE = {
     "": 0.3, "m": 0.2, "s": 0.5, "N": 30.0, "degrees": 15.0, "parts per million": 5000.0,
 }  # fmt: skip
-HOLDERS = dict.fromkeys(("palm", "robot", "arm"), ("left", "right"))
-SENDERS = ("left", "right", "station")
 OUTLINE = {  # the rows of an outline say nothing about its shape
     "object.vertices_m": lambda draw: [
         [0.02, draw.uniform(-0.01, 0.01)], [0.28, 0.0], [0.27, draw.uniform(0.1, 0.2)], [0.0, 0.17],
@@ -62,9 +60,7 @@ def value_of(row: dict[str, Any], draw: random.Random) -> Any:
 def holders_of(name: str) -> tuple[str, ...]:
     """The dotted names under which a key may be given."""
     section, _, key = name.partition(".")
-    if name in ("radio.latency_s", "radio.jitter_s", "radio.loss"):
-        return (name, *(f"radio.{sender}.{key}" for sender in SENDERS))
-    return (name, *(f"{section}.{side}.{key}" for side in HOLDERS.get(section, ())))
+    return (name, *(f"{section}.{holder}.{key}" for holder in ROWS[name]["holders"]))
 
 
 def _nested(keys: Keys) -> dict[str, Any]:
@@ -144,8 +140,8 @@ def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
 def names_in(keys: Keys) -> Iterator[str]:
     """The rows of which a scene has values."""
     for name, value in keys.items():
-        parts = name.split(".")
-        common = ".".join(part for part in parts if part not in SENDERS)
+        section, *_, last = name.split(".")
+        common = f"{section}.{last}"
         if isinstance(value, list) and value and isinstance(value[0], dict):
             for record in value:
                 yield from (f"{name}[].{key}" for key in record)

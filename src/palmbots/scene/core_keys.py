@@ -38,6 +38,12 @@ class Optionally:
         return None if value is None else self.check(value)
 
 
+def keys_with_holders(section: str) -> set[str]:
+    """The keys of a section for which a side or a sender may have a value of its own."""
+    paths = (name.partition(".") for name, row in ROWS.items() if row["holders"])
+    return {key for table, _, key in paths if table == section}
+
+
 def most_records(name: str) -> int:
     """How many records a list may have."""
     return _LISTS[name][0]

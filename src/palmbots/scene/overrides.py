@@ -13,6 +13,7 @@ from typing import Any
 from palmbots._types import SIDES
 from palmbots._util.arguments import show
 from palmbots.errors import SceneError
+from palmbots.scene.core_keys import ROWS
 from palmbots.scene.section import Section
 
 _FORM = "KEY=VALUE with a dotted key and a TOML value, as in"
@@ -142,7 +143,9 @@ def without_superseded(
     return merged(data, obsolete) if obsolete else dict(data)
 
 
-HOLDERS = {"palm": SIDES, "robot": SIDES, "arm": SIDES, "radio": (*SIDES, "station")}
+HOLDERS: dict[str, tuple[str, ...]] = {
+    name.partition(".")[0]: row["holders"] for name, row in ROWS.items() if row["holders"]
+}
 """The sections in which a side or a sender may override a key."""
 _EITHER = ("friction", "friction_angle_deg")  # a side with one of them ignores both of the pair
 

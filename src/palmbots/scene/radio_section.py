@@ -2,7 +2,7 @@
 """The section `radio` of a scene: the links, and what happens to messages."""
 
 from palmbots._types import Side
-from palmbots.scene.core_keys import key, records
+from palmbots.scene.core_keys import key, keys_with_holders, records
 from palmbots.scene.fields import FileName
 from palmbots.scene.section import Section, override_of
 
@@ -82,7 +82,7 @@ class RadioParameters(Section):
     shared-sign only up to 0.39 (in the default scene) that no contact leaves its palm."""
 
 
-@override_of(RadioParameters, ("latency_s", "jitter_s", "loss"))
+@override_of(RadioParameters, keys_with_holders("radio"))
 class DirectionOverride(Section):
     """What differs in the packets of one sender."""
 
