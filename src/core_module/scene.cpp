@@ -199,6 +199,9 @@ void bind_scene(nb::module_& m) {
       "The relations between the given values of a scene that do not hold: (key, value, problem, "
       "allowed). Without a value, it is that of the key.");
   m.def(
+      "friction_limit", &friction_limit, nb::arg("steepest_deg"),
+      "Upper limit of the friction coefficient on a palm at this angle; infinite if it is level.");
+  m.def(
       "spec_of_scene", [](const nb::dict& table) { return spec_of(values_of(table)); },
       nb::arg("scene"), "The spec of the given values of a scene.");
   m.def(

@@ -22,6 +22,13 @@ inline constexpr double most_delay_ticks = 200;  // a link buffers so many
 // Most of the distance between its contacts by which an object may rise from one to the other.
 inline constexpr double most_lean = 0.99;
 
+// Upper limit of the friction coefficient on a palm at this angle [degrees]; infinite if it is level.
+// There the friction angle and the palm angle add up to 90°: an edge of the friction cone is level,
+// and the contact holds against any horizontal force.
+inline double friction_limit(double steepest) {
+  return 1 / tangent(steepest * radians_per_degree<double>);
+}
+
 namespace detail {
 
 // Where the value that counts for a holder stands: in its own table or in that of all.
@@ -43,23 +50,27 @@ inline void check_palms(const SceneValues& scene, Problems& problems) {
     if (steep <= shallow) {
       report(problems, "palm.steep_deg", place_of<"palm.steep_deg">(scene, side),
              "is not more than shallow_deg, which is {0}",
-             "a number in degrees, more than {0} and less than 80", {shallow});
+             "a number in degrees, more than {0} and less than {1}",
+             {shallow, SceneValues::row<"palm.steep_deg">.most});
     }
     const double steepest = larger(std::abs(steep), std::abs(shallow));
     const double length = scene.of<"palm.length_m">(own(side));
     if (scene.of<"palm.usable_m">(own(side)) > length) {
       report(problems, "palm.usable_m", place_of<"palm.usable_m">(scene, side),
-             "is more than length_m, which is {0}", "a number in m, from 0.001 to {0}", {length});
+             "is more than length_m, which is {0}", "a number in m, from {1} to {0}",
+             {length, SceneValues::row<"palm.usable_m">.least});
     }
     const double thick = scene.of<"palm.thickness_m">(own(side));
     if (scene.of<"palm.nose_m">(own(side)) > thick) {
       report(problems, "palm.nose_m", place_of<"palm.nose_m">(scene, side),
-             "is more than thickness_m, which is {0}", "a number in m, from 0 to {0}", {thick});
+             "is more than thickness_m, which is {0}", "a number in m, from {1} to {0}",
+             {thick, SceneValues::row<"palm.nose_m">.least});
     }
     const double bevel = scene.of<"palm.bevel_m">(own(side));
     if (bevel > length) {
       report(problems, "palm.bevel_m", place_of<"palm.bevel_m">(scene, side),
-             "is more than length_m, which is {0}", "a number in m, from 0 to {0}", {length});
+             "is more than length_m, which is {0}", "a number in m, from {1} to {0}",
+             {length, SceneValues::row<"palm.bevel_m">.least});
     }
     if (scene.of<"palm.nose_m">(own(side)) < thick && bevel == 0) {
       report(problems, "palm.nose_m", place_of<"palm.nose_m">(scene, side),
@@ -67,7 +78,7 @@ inline void check_palms(const SceneValues& scene, Problems& problems) {
              "{0}, or a bevel_m above 0", {thick});
     }
     const double friction = friction_of(scene, side);
-    const double most = 1 / tangent(steepest * radians_per_degree<double>);  // infinite if level
+    const double most = friction_limit(steepest);
     if (friction >= most) {
       report(problems, "palm.friction", place_of<"palm.friction">(scene, side),
              "is too large for a palm at {0} degrees",
@@ -82,7 +93,8 @@ inline void check_robots(const SceneValues& scene, Problems& problems) {
     const double most = scene.of<"robot.max_speed_m_s">(own(side));
     if (scene.of<"robot.speed_m_s">(own(side)) > most) {
       report(problems, "robot.speed_m_s", place_of<"robot.speed_m_s">(scene, side),
-             "is more than max_speed_m_s", "a number in m/s, from 0 to {0}", {most});
+             "is more than max_speed_m_s", "a number in m/s, from {1} to {0}",
+             {most, SceneValues::row<"robot.speed_m_s">.least});
     }
   }
 }
@@ -94,7 +106,7 @@ inline void check_periods(const SceneValues& scene, Problems& problems) {
   const double watchdog = scene.of<"control.watchdog_s">();
   if (tick > watchdog * (1 + 1e-9)) {
     report(problems, "control.watchdog_s", common, "is shorter than period_s, which is {0}",
-           "a number in s, from {0} to 1000000", {tick});
+           "a number in s, at least {0}", {tick});
     return;
   }
   for (const std::size_t side : {left, right}) {
@@ -118,7 +130,8 @@ inline void check_zones(const SceneValues& scene, Problems& problems) {
   for (std::size_t k = 0; k < zones.size(); ++k) {
     if (zones[k][to] > zones[k][from]) continue;
     report(problems, "tactile.zones[].to_m", k, "is not more than from_m, which is {0}",
-           "a number in m, more than {0} and at most 10", {zones[k][from]});
+           "a number in m, more than {0} and at most {1}",
+           {zones[k][from], SceneValues::row_in_record<"tactile.zones", "to_m">.most});
   }
   for (const auto& minus : zones) {
     for (std::size_t k = 0; k < zones.size(); ++k) {
@@ -226,11 +239,11 @@ inline void check_ridges(const SceneValues& scene, Problems& problems) {
   for (std::size_t k = 0; k < ridges.size(); ++k) {
     const double height = ridges[k][SceneValues::place_in_record<"mujoco.ridges", "height_m">];
     const double given = ridges[k][of_length];
-    const double length = given == given ? given : ridge_keys[of_length].initial;
+    const Key& row = SceneValues::row_in_record<"mujoco.ridges", "length_m">;
+    const double length = given == given ? given : row.initial;
     if (length >= 2 * height) continue;
     report(problems, "mujoco.ridges[].length_m", k, "is less than twice height_m, which is {0}",
-           "a number in m, from {1} to {2} (a flat arc)",
-           {height, 2 * height, ridge_keys[of_length].most}, {length});
+           "a number in m, from {1} to {2} (a flat arc)", {height, 2 * height, row.most}, {length});
   }
 }
 

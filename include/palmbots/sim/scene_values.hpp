@@ -199,8 +199,7 @@ class SceneValues {
   // The value that counts for a holder: its own, that of all, or the default.
   template <detail::Name path>
   double of(std::size_t place = common) const {
-    constexpr double initial = detail::key_at(key_index<path>).initial;
-    return first_set(numbers_[key_index<path>], place, initial);
+    return first_set(numbers_[key_index<path>], place, row<path>.initial);
   }
 
   template <detail::Name path>
@@ -213,6 +212,10 @@ class SceneValues {
   }
   const std::vector<Record>& list(std::size_t index) const { return lists_[index].records; }
 
+  // The row of a key.
+  template <detail::Name path>
+  static constexpr const Key& row = detail::key_at(key_index<path>);
+
   // The place of a key within the records of its list.
   template <detail::Name path, detail::Name name>
   static constexpr std::size_t place_in_record = [] {
@@ -220,6 +223,9 @@ class SceneValues {
     static_assert(found != detail::no_key);
     return found;
   }();
+  template <detail::Name path, detail::Name name>
+  static constexpr const Key& row_in_record =
+      detail::list_at(list_index<path>).keys[(place_in_record<path, name>)];
 
  private:
   struct Slot {

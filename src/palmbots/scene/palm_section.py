@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The section `palm` of a scene: both palms, and what differs on one side."""
 
-import math
 from typing import Any
 
 from pydantic import SerializerFunctionWrapHandler, model_serializer
@@ -12,16 +11,6 @@ from palmbots.scene.core_keys import key
 from palmbots.scene.fields import Extent, Size
 from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.scene.section import Section, as_given, override_of, values_of_side
-
-
-def friction_limit(*palms_deg: float) -> float:
-    """Upper limit of the friction coefficient on palms at these angles.
-
-    At the limit the friction angle and the palm angle add up to 90°: an edge of the friction cone
-    is level, and the contact holds against any horizontal force.
-    """
-    steepest = math.radians(max(map(abs, palms_deg)))
-    return 1 / math.tan(steepest) if steepest > 0 else math.inf
 
 
 class PalmParameters(Section):

@@ -5,11 +5,11 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+import palmbots._core as _core
 from palmbots._types import Interval
 from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, verdict, warning
 from palmbots._util.text import millimetres, plural
 from palmbots.scene.object_frame import object_frame
-from palmbots.scene.palm_section import friction_limit
 
 if TYPE_CHECKING:
     from palmbots.stability.analysis import Analysis
@@ -137,10 +137,10 @@ def _angle_error(analysis: "Analysis") -> str:
 
 def friction_note(pieces: Sequence[Interval], *palms_deg: float) -> str:
     """A remark on friction that no scene accepts, although the properties hold there too."""
-    limit = friction_limit(*palms_deg)
+    steepest = max(map(abs, palms_deg))
+    limit = _core.friction_limit(steepest)
     if not pieces or pieces[-1][1] <= limit:
         return ""
-    steepest = max(map(abs, palms_deg))
     return f"; a scene with a palm at {steepest:.3g}° accepts less than {limit:.3f}"
 
 
