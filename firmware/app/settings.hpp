@@ -60,7 +60,7 @@ struct Settings {
   std::uint16_t
       wheel_slew;  // largest change of a wheel's pulse or speed in a tick, unless it rests
   std::uint8_t switches[9];  // SwitchMeaning of each
-  std::uint8_t order_age;    // greatest age of an order, in periods of the status; 0: the usual 20
+  std::uint8_t order_age;    // greatest age of an order, in periods of the status; 0: the usual
   std::uint16_t palm_us[2];  // pulses of the steep and of the shallow angle
   // For left and right wheel, by `stop` and move: pulses [µs], or speeds of the motor board.
   std::int16_t wheels[2][2][3];

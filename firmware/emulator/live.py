@@ -15,6 +15,7 @@ import palmbots._core as _core
 from emulator.board import Board, Image, PowerFailed
 from emulator.peripherals.radio import airtime_us
 from emulator.processor import CYCLES_PER_US
+from emulator.tick_record import FAULTS, read_record
 from palmbots._types import SIDES
 from palmbots.boards.pair_settings import BoardPair
 from palmbots.boards.settings_page import PAGE_ADDRESS, SWITCHES
@@ -23,7 +24,6 @@ from palmbots.simulation.episode import Episode
 
 QUANTUM_US = 1000.0
 MODES = _core.wire.robot_modes
-FAULTS = ("none", "switches", "palm", "motor", "supply", "storage", "settings", "stranger", "late")
 Command = tuple[int, int, bool]
 """Palm, move and stop."""
 A, B = 1, 2
@@ -62,9 +62,7 @@ class LiveBoard:
 
     def note(self, name: str) -> int:
         """A field of the record of the newest tick."""
-        places = {"palm": 16, "move": 17, "stop": 18, "wheels": 19, "mode": 24, "code": 25,
-                  "fault": 26, "assists": 27}  # fmt: skip
-        return self.board.variable("tick_record")[places[name]]
+        return read_record(self.board.variable("tick_record"))[name]
 
     @property
     def mode(self) -> str:

@@ -15,6 +15,7 @@ import palmbots._core as _core
 from emulator.board import Board, Image
 from emulator.lockstep_dongle import LockstepDongle, station_program
 from emulator.processor import CYCLES_PER_US, Violation
+from emulator.tick_record import read_record
 from palmbots.boards.settings_page import (
     PAGE_ADDRESS,
     SWITCHES,
@@ -199,16 +200,7 @@ class LockstepBoard:
 
     def record(self) -> dict[str, int]:
         """What the firmware notes for a debugger."""
-        raw = self.raw_record()
-        words: tuple[str, ...] = ("ticks", "rejected", "late", "missed")
-        bytes_: tuple[str, ...] = (
-            "palm", "move", "stop", "wheels", "name", "waits", "awaits", "message", "mode", "code",
-            "fault", "assists", "packets",
-        )  # fmt: skip
-        found = {
-            name: int.from_bytes(raw[4 * i : 4 * i + 4], "little") for i, name in enumerate(words)
-        }
-        return found | {name: raw[4 * len(words) + i] for i, name in enumerate(bytes_)}
+        return read_record(self.raw_record())
 
     def _answer(self, palm: int, move: int, stop: bool, record: dict[str, int]) -> Any:
         packets = [

@@ -7,7 +7,9 @@ ticks unless a name says otherwise.
 
 import struct
 import zlib
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, field, fields
+from itertools import islice
+from typing import Any
 
 from palmbots.pair.board_keys import PULSES_S
 from palmbots.wire import MAX_EPOCH
@@ -27,90 +29,110 @@ SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end")
 """What a closed switch of the palm means, in the order of the numbers."""
 _MAGIC = 0x42504D42
 _FORMAT = 1
-_MOST_TIMES = 16
-_USUAL_ORDER_AGE = 20
-_ROLE = 20
-"""Place of the role among the fields."""
-_STRUCT = struct.Struct("<IHH16s12I4H3Bb10B2H10B2H12h16H")
+
+Limits = tuple[int, int]
+"""The least and the most."""
+
+
+def _us(limits_s: tuple[float, float]) -> Limits:
+    return round(1e6 * limits_s[0]), round(1e6 * limits_s[1])
+
+
+_WHEELS = (_us(PULSES_S), (-MOST_POWER, MOST_POWER))
+"""Limits of the pulses [us] or of the speeds of the wheels, by the kind of the wheels."""
+
+
+def _at(
+    code: str, every: Limits | None = None, *, robot: Limits | None = None, default: Any = MISSING
+) -> Any:
+    """A field of the page.
+
+    Args:
+        code: as in `struct`.
+        every: limits that a board cannot check itself.
+        robot: the same for a robot's page: the station's radio has neither wheels nor a palm.
+        default: where settings do not state the field.
+    """
+    return field(default=default, metadata={"code": code, "every": every, "robot": robot})
 
 
 @dataclass(frozen=True, kw_only=True)
 class BoardSettings:
-    """What is written into the page."""
+    """What is written into the page, in its order."""
 
-    role: int
-    """0: the left robot, 1: the right one, 2: the radio of the station."""
-    key: bytes
-    pair: int
-    first_epoch: int
+    pair: int = _at("H")
+    key: bytes = _at("16s")
+    first_epoch: int = _at("I")
     """Epoch of the first boot with the image."""
-    last_epoch: int
+    last_epoch: int = _at("I", (0, MAX_EPOCH))
     """The last that the image may use."""
-    number: int
+    number: int = _at("I")
     """Equal for both boards if their settings are."""
-    period_us: int
-    watchdog_us: int
-    lease: int
-    station_limit: int
-    time_limit: int
-    travel: int
+    period_us: int = _at("I", _us(PERIODS_S))
+    watchdog_us: int = _at("I", _us(WATCHDOGS_S))
+    lease: int = _at("I")
+    station_limit: int = _at("I")
+    time_limit: int = _at("I")
+    travel: int = _at("I")
     """Time in mode carrying that covers the distance."""
-    stopping_limit: int
-    stopping: int
-    turn_limit: int
+    stopping_limit: int = _at("I")
+    stopping: int = _at("I")
+    turn_limit: int = _at("I")
     """Longest time in which a palm turns."""
-    most_overruns: int
-    state_period: int
-    status_period: int
-    least_battery_mv: int
-    controller: int
+    most_overruns: int = _at("H")
+    state_period: int = _at("H")
+    status_period: int = _at("H")
+    least_battery_mv: int = _at("H")
+    role: int = _at("B", (0, 2))
+    """0: the left robot, 1: the right one, 2: the radio of the station."""
+    controller: int = _at("B")
     """The number of its program (`ControllerEntry.board_number`)."""
-    channel: int
-    power_dbm: int
-    rejoins: bool
-    stops_without_station: bool
-    stops_without_partner: bool
-    has_radio: bool
-    leads: bool
-    may_stop: bool
-    by_touch: bool
-    order_age: int = 0
-    """Greatest age of an order, in periods of the status; 0: the usual one, 20."""
-    is_under_way: bool = False
+    channel: int = _at("B", (0, 100))
+    power_dbm: int = _at("b", (-40, 8))
+    rejoins: bool = _at("B", (0, 1))
+    stops_without_station: bool = _at("B", (0, 1))
+    stops_without_partner: bool = _at("B", (0, 1))
+    has_radio: bool = _at("B", (0, 1))
+    leads: bool = _at("B", (0, 1))
+    may_stop: bool = _at("B", (0, 1))
+    by_touch: bool = _at("B", (0, 1))
+    is_under_way: bool = _at("B", (0, 1), default=False)
     """The carry begins at the boot, as in the simulator."""
-    wheel_kind: int
+    wheel_kind: int = _at("B", (0, 1))
     """0: servos, 1: a motor board."""
-    debounce: int
+    debounce: int = _at("B", (1, 0xFF))
     """Equal readings in a row that a switch needs."""
-    palm_slew_us: int
-    """Largest change of the palm's pulse in a tick."""
-    wheel_slew: int
+    palm_slew_us: int = _at("H", robot=(1, 0xFFFF))
+    """Largest change of the palm's pulse in a tick; with 0 a palm never turns."""
+    wheel_slew: int = _at("H", robot=(1, 0xFFFF))
     """Largest change of a wheel's pulse or speed in a tick."""
-    switches: tuple[int, ...]
-    palm_us: tuple[int, int]
+    switches: tuple[int, ...] = _at("9B", (0, len(SWITCHES) - 1))
+    order_age: int = _at("B", default=0)
+    """Greatest age of an order, in periods of the status; 0: the usual one of the firmware."""
+    palm_us: tuple[int, int] = _at("2H", robot=_us(PULSES_S))
     """Pulses of the steep and of the shallow angle."""
-    wheels: tuple[int, ...]
+    wheels: tuple[int, ...] = _at("12h")
     """Pulses [us] or speeds of the left and the right wheel, by stop and move: 2 x 2 x 3."""
-    times: tuple[int, ...]
+    times: tuple[int, ...] = _at("16H")
     """Of the controller."""
 
     def packed(self) -> bytes:
         """The bytes, with their check."""
-        times = (*self.times, *[0] * (_MOST_TIMES - len(self.times)))
-        switches = (*self.switches, *[0] * (9 - len(self.switches)))
-        order_age = 0 if self.order_age == _USUAL_ORDER_AGE else self.order_age
-        body = _STRUCT.pack(
-            _MAGIC, _FORMAT, self.pair, self.key, self.first_epoch, self.last_epoch, self.number,
-            self.period_us, self.watchdog_us, self.lease, self.station_limit, self.time_limit,
-            self.travel, self.stopping_limit, self.stopping, self.turn_limit, self.most_overruns,
-            self.state_period, self.status_period, self.least_battery_mv, self.role,
-            self.controller, self.channel, self.power_dbm, self.rejoins,
-            self.stops_without_station, self.stops_without_partner,
-            self.has_radio, self.leads, self.may_stop, self.by_touch, self.is_under_way,
-            self.wheel_kind, self.debounce, self.palm_slew_us, self.wheel_slew, *switches,
-            order_age, *self.palm_us, *self.wheels, *times,
-        )  # fmt: skip
+        values: list[Any] = []
+        for one in fields(self):
+            value = getattr(self, one.name)
+            given = value if isinstance(value, tuple) else (value,)
+            values += [*given, *[0] * (_count(one.metadata["code"]) - len(given))]
+        body = _STRUCT.pack(_MAGIC, _FORMAT, *values)
         return body + zlib.crc32(body).to_bytes(4, "little")
+
+
+def _count(code: str) -> int:
+    """How many values a field has."""
+    return 1 if code.endswith("s") else int(code[:-1] or 1)
+
+
+_STRUCT = struct.Struct("<IH" + "".join(one.metadata["code"] for one in fields(BoardSettings)))
 
 
 def radio_settings(channel: int, power_dbm: int) -> BoardSettings:
@@ -147,53 +169,30 @@ def settings_page(settings: BoardSettings, table: bytes = b"") -> bytes:
     return page.ljust(PAGE_SIZE, b"\xff")
 
 
-def _us(limits_s: tuple[float, float]) -> tuple[int, int]:
-    return round(1e6 * limits_s[0]), round(1e6 * limits_s[1])
-
-
-_LIMITS: dict[int, tuple[int, int]] = {
-    5: (0, MAX_EPOCH),  # last_epoch
-    7: _us(PERIODS_S),
-    8: _us(WATCHDOGS_S),
-    _ROLE: (0, 2),
-    _ROLE + 2: (0, 100),  # channel
-    _ROLE + 3: (-40, 8),  # power_dbm
-    # From rejoins to wheel_kind.
-    **{_ROLE + 4 + number: (0, 1) for number in range(9)},
-    _ROLE + 13: (1, 0xFF),  # debounce
-    **{_ROLE + 16 + number: (0, len(SWITCHES) - 1) for number in range(9)},
-}
-"""From the least to the most, for the places of the fields that a board cannot check itself."""
-_WHEEL_KIND = _ROLE + 12
-_WHEELS = (_us(PULSES_S), (-MOST_POWER, MOST_POWER))
-"""Limits of the pulses [us] or of the speeds of the wheels, by the kind of the wheels."""
-
-
-def _robot_limits(wheel_kind: int) -> dict[int, tuple[int, int]]:
-    """Further limits of a robot's page: the station's radio has neither wheels nor a palm."""
-    return {
-        _ROLE + 14: (1, 0xFFFF),  # palm_slew_us; with 0 a palm never turns
-        _ROLE + 15: (1, 0xFFFF),  # wheel_slew
-        **{_ROLE + 26 + number: _us(PULSES_S) for number in range(2)},  # palm_us
-        **{_ROLE + 28 + number: _WHEELS[wheel_kind] for number in range(12)},
-    }
-
-
 def role_in(page: bytes) -> int | None:
     """The role in the last page of an image; None: it holds no settings that a board accepts."""
     body, check = page[: _STRUCT.size], page[_STRUCT.size : _STRUCT.size + 4]
     if len(body) < _STRUCT.size or check != zlib.crc32(body).to_bytes(4, "little"):
         return None
-    fields = _STRUCT.unpack(body)
-    is_known = fields[:2] == (_MAGIC, _FORMAT)
-    if not is_known or not _are_within(_LIMITS, fields):
+    magic, page_format, *values = _STRUCT.unpack(body)
+    left = iter(values)
+    found = {
+        one.name: tuple(islice(left, _count(one.metadata["code"]))) for one in fields(BoardSettings)
+    }
+    if (magic, page_format) != (_MAGIC, _FORMAT) or not _are_within("every", found):
         return None
-    role, first, last = fields[_ROLE], fields[4], fields[5]
+    role, first, last = (found[name][0] for name in ("role", "first_epoch", "last_epoch"))
     if role == 2:
         return role
-    is_meant = _are_within(_robot_limits(fields[_WHEEL_KIND]), fields)
+    least, most = _WHEELS[found["wheel_kind"][0]]
+    is_meant = _are_within("robot", found) and all(least <= one <= most for one in found["wheels"])
     return role if is_meant and 1 <= first <= last else None
 
 
-def _are_within(limits: dict[int, tuple[int, int]], fields: tuple[int, ...]) -> bool:
-    return all(least <= fields[at] <= most for at, (least, most) in limits.items())
+def _are_within(whose: str, found: dict[str, tuple[int, ...]]) -> bool:
+    limited = ((found[one.name], one.metadata[whose]) for one in fields(BoardSettings))
+    return all(
+        limits is None or limits[0] <= value <= limits[1]
+        for values, limits in limited
+        for value in values
+    )
