@@ -83,7 +83,7 @@ def check(scene: Scene, controller: str, seed: int, precision: Any = "double") -
     back = pb.carry(image, controller, seed=seed, precision=precision)
     assert in_order(shown(there)) == in_order(mirrored(shown(back)))
     assert there.trace is not None and back.trace is not None
-    for name in VARIABLES:
+    for name in map(str, there.trace.data_vars):
         one, two = there.trace[name].to_numpy(), back.trace[name].to_numpy()
         if "side" in there.trace[name].dims:
             two = two[:, ::-1]

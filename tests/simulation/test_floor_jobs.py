@@ -227,19 +227,6 @@ def test_contacts_move_in_the_air_only_as_far_as_palms_drive_them(
     assert (np.diff(height) <= squeeze * np.maximum(0, -steps) + lifts + 1e-9).all()
 
 
-@pytest.mark.parametrize("seed", [3, 4])
-@pytest.mark.parametrize("controller", ["shared-sign", "resilient"])
-def test_the_mirrored_job_is_the_mirror_image_to_the_last_bit(seed: int, controller: str) -> None:
-    ours = pb.carry("lift", controller, seed=seed)
-    theirs = pb.carry(LIFT.mirrored(), controller, seed=seed)
-    assert (ours.outcome, ours.time_s) == (theirs.outcome, theirs.time_s)
-    assert job(ours).moved_m == job(theirs).moved_m
-    assert ours.trace is not None and theirs.trace is not None
-    for name in ("contact", "vertex_height", "palm", "pivot_height"):
-        assert (ours.trace[name].values == theirs.trace[name].values[:, ::-1]).all(), name
-    assert (ours.trace.midpoint.values == -theirs.trace.midpoint.values).all()
-
-
 @pytest.mark.slow
 def test_any_number_of_threads_gives_the_same_bits() -> None:
     one, three = (run_seeds(to_spec(LIFT), "resilient", 0, 70, threads=n) for n in (1, 3))
