@@ -50,6 +50,7 @@ CONDITIONS: tuple[Condition, ...] = (
     ("COM 3 cm off the middle", "paper", {"object.com_m": [0.155, 0.04]}),
     ("palms of 10 cm", "paper", {"palm.length_m": 0.1}),
     *((f"object `{name}`", "paper", {"object": name}) for name in OBJECTS),
+    ("scene `pipe`", "pipe", {}),
     ("corrections of 2 cm/s", "paper", {"robot.correction_m_s": 0.02}),
     ("zone of ±10 mm", "paper", {"tactile.zero_half_width_m": 0.01}),
     ("one clock 2 % fast", "paper", {"robot.left.clock_ppm": CLOCK}),

@@ -103,7 +103,7 @@ inline void append_row(const Row& row, double time, Numbers& out) {
   for (const auto* pair : {&row.contact, &row.palm, &row.speed, &row.commanded}) {
     out.insert(out.end(), {(*pair)[left], (*pair)[right]});
   }
-  out.insert(out.end(), {row.separation, row.midpoint, std::asin(row.object)});
+  out.insert(out.end(), {row.separation, row.midpoint, row.object});
   out.insert(out.end(), {double(row.sign[left]), double(row.sign[right])});
   out.insert(out.end(), {double(row.name[left]), double(row.name[right])});
   out.insert(out.end(), {double(row.motion[left]), double(row.motion[right])});

@@ -25,6 +25,7 @@ Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team,
   Carry<Real, Team, TraceRecorder> carry(spec, seed, std::move(team), TraceRecorder(record));
   carry.run(forks);
   Run run = run_of(carry);
+  run.ambiguous = carry.world().ambiguous_events();
   run.hash = carry.recorder().hash();
   run.rows = carry.recorder().take_rows();
   run.sent_messages = carry.recorder().take_sent_messages();
@@ -35,7 +36,9 @@ template <class Team>
 Run run_lift(const Spec& spec, std::uint64_t seed, bool record, Team team) {
   LiftCarry<Team> carry(spec, seed, std::move(team), record);
   carry.run();
-  return run_of_lift(carry);
+  Run run = run_of_lift(carry);
+  run.ambiguous = carry.world().ambiguous_events();
+  return run;
 }
 
 bool is_single(const std::string& precision) {
@@ -131,8 +134,7 @@ nb::object trace(const Run& run) {
   d["commanded_m_s"] = columns<double>(rows, [](const Row& r) { return r.commanded; });
   d["separation_m"] = column<double>(rows, [](const Row& r) { return r.separation; });
   d["midpoint_m"] = column<double>(rows, [](const Row& r) { return r.midpoint; });
-  // For people and pictures only; the hash does not see it, so libm may serve.
-  d["object_rad"] = column<double>(rows, [](const Row& r) { return std::asin(r.object); });
+  d["object_rad"] = column<double>(rows, [](const Row& r) { return r.object; });
   d["sign"] = columns<std::int8_t>(rows, [](const Row& r) { return r.sign; });
   d["case"] = columns<std::uint8_t>(rows, [](const Row& r) { return r.name; });
   d["motion"] = columns<std::int8_t>(rows, [](const Row& r) { return r.motion; });
@@ -254,6 +256,7 @@ void bind_carry(nb::module_& m) {
       .def_prop_ro("pivot_heights_m", &pivot_heights)
       .def_prop_ro("moved_m", [](const Run& r) { return r.moved; })
       .def_prop_ro("stalled_s", [](const Run& r) { return r.stalled * r.period; })
+      .def_prop_ro("ambiguous_events", [](const Run& r) { return r.ambiguous; })
       .def_prop_ro("bumps", [](const Run& r) { return r.metrics.bumps; })
       .def_prop_ro("correction_count", [](const Run& r) { return r.metrics.corrections; })
       .def_prop_ro("corrections", &corrections)

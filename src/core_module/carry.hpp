@@ -65,7 +65,8 @@ struct Run {
   double distance = 0;
   LinkTotals link_totals;
   PerSide<MessageKind> awaits{};
-  PerSide<bool> stopped{};  // at the end
+  PerSide<bool> stopped{};      // at the end
+  std::uint32_t ambiguous = 0;  // events after which the world had a choice
   std::uint64_t hash = 0;
   std::vector<Row> rows;
   std::vector<SentMessage> sent_messages;

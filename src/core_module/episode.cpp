@@ -70,6 +70,7 @@ WorldObservation sight_of(const Carry& carry) {
   sight.separation = at.separation;
   sight.midpoint = carry.midpoint();
   sight.rise = carry.world().contact_vector().dy;
+  sight.turn = carry.world().tilt(carry.spec().width);
   return sight;
 }
 

@@ -90,6 +90,8 @@ SPECIAL: list[dict[str, Any]] = [
         {"kind": "clock-rate", "robot": "right", "at_s": 2, "duration_s": 5, "ppm": 30000.0},
         {"kind": "clock-jump", "robot": "left", "at_s": 8, "duration_s": 1.5},
     ]},
+    {"object.box_m": [0.16, 0.16], "object.edge_radius_m": 0.08, "palm.length_m": 0.08,
+     "palm.shallow_deg": 45, "palm.steep_deg": 50, "task.distance_m": 0.3},  # a pipe
 ]  # fmt: skip
 
 

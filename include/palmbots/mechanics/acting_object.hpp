@@ -24,6 +24,9 @@ ActingObject<Real> acting_object(const ObjectParams<Real>& object, const PerSide
                                  const PerSide<PalmAngle<Real>>& palms,
                                  ContactVector<Real> centres) {
   if (radius[left] == Real(0) && radius[right] == Real(0)) return {object, centres};
+  // A pipe has one centre, and may be turned in any way; here it is not.
+  const ContactVector<Real> axis = is_pipe(object) ? ContactVector<Real>{1, 0} : centres;
+  const Real size = is_pipe(object) ? Real(1) : object.width;
   const Real dx = centres.dx + (radius[left] * palms[left].sin + radius[right] * palms[right].sin);
   const Real dy = centres.dy + (radius[left] * palms[left].cos - radius[right] * palms[right].cos);
   const Real width = square_root(dx * dx + dy * dy);
@@ -32,12 +35,12 @@ ActingObject<Real> acting_object(const ObjectParams<Real>& object, const PerSide
   PerSide<Real> height{};
   for (const std::size_t side : {left, right}) {
     const Real com = side == left ? object.com_left : object.com_right;
-    const Real rise = mirrored(side, centres.dy);
+    const Real rise = mirrored(side, axis.dy);
     // Level, inward, and up.
-    const Real x = (com * centres.dx - object.com_height * rise) / object.width +
-                   radius[side] * palms[side].sin;
-    const Real y = (com * rise + object.com_height * centres.dx) / object.width +
-                   radius[side] * palms[side].cos;
+    const Real x =
+        (com * axis.dx - object.com_height * rise) / size + radius[side] * palms[side].sin;
+    const Real y =
+        (com * rise + object.com_height * axis.dx) / size + radius[side] * palms[side].cos;
     along[side] = (x * dx + y * mirrored(side, dy)) / width;
     height[side] = (y * dx - x * mirrored(side, dy)) / width;
   }

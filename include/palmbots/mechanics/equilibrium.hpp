@@ -45,6 +45,12 @@ struct ObjectParams {
   Real slope;       // s, sideways specific force towards −x [1]
 };
 
+// Whether the object touches both palms with one arc: its contacts have one centre.
+template <class Object>
+constexpr bool is_pipe(const Object& object) {
+  return object.width == 0;
+}
+
 // The moment arms of the weight and of the sideways force, from which the bounds below are
 // computed. Multiplied by w: w (x_R + s y) = level[left] dx + tilt dy, and its mirror image on the
 // right.

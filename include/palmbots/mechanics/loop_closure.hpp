@@ -145,11 +145,12 @@ PerSide<Real> solve_slide_along(const Configuration<Real>& s, Real slope,
 }
 
 // Closes the loop by placing the robots: the separation [m] at which the contacts have the given
-// coordinates.
+// coordinates. Not a number where the object cannot reach; a pipe always can, at one height.
 template <class Real>
 Real closing_separation(const Configuration<Real>& s, const PerSide<Real>& offset, Real width) {
   const Configuration<Real> together{Real(0), s.palms, s.contacts};
   const ContactVector<Real> gap = contact_vector(together, offset);
+  if (width == Real(0)) return -gap.dx;
   return std::sqrt((width - gap.dy) * (width + gap.dy)) - gap.dx;
 }
 

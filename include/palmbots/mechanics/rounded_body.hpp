@@ -43,16 +43,37 @@ struct RoundedBody {
   std::array<Corner, max_outline> corners{};
   std::size_t count = 0;
 
+  // Whether it is one whole circle: a single corner without an edge.
+  constexpr bool is_disc() const { return count == 1; }
   constexpr std::size_t before(std::size_t i) const { return i == 0 ? count - 1 : i - 1; }
   constexpr std::size_t after(std::size_t i) const { return i + 1 == count ? 0 : i + 1; }
 
   // By how much a direction lies inside the arc of a corner: the sine of the angle to its nearer
-  // end, negative outside.
+  // end, negative outside. The arc of a disc has no end.
   constexpr double within_arc(std::size_t i, Vec direction) const {
+    if (is_disc()) return 1.0;
     return smaller(cross(corners[before(i)].normal, direction),
                    cross(direction, corners[i].normal));
   }
 };
+
+inline constexpr double one_centre = 1e-6;  // arcs whose centres are nearer have one [radii]
+
+namespace detail {
+
+// Makes a disc of a body whose corners are arcs about one centre. `opposite` is the mirror image of
+// the first corner.
+inline void merge_arcs(RoundedBody& body, std::size_t opposite) {
+  Corner& first = body.corners[0];
+  for (std::size_t i = 0; i < body.count; ++i) {
+    const Corner& corner = body.corners[i];
+    if (!(length(corner.centre - first.centre) < one_centre * corner.radius)) return;
+  }
+  first.centre = (first.centre + body.corners[opposite].centre) * 0.5;
+  body.count = 1;
+}
+
+}  // namespace detail
 
 // The body of an outline, which is listed anticlockwise. `com` is its COM, as a vertex. Mirrored
 // outlines give mirrored bodies to the last bit.
@@ -90,6 +111,7 @@ RoundedBody body_of(const Outline<Real>& outline, const Vertex<Real>& com) {
     corner.middle = (from + to) * 0.5;
     corner.half_length = 0.5 * length(to - from);
   }
+  detail::merge_arcs(body, outline.contact[right]);
   return body;
 }
 
@@ -105,9 +127,11 @@ void each_drawn_point(const RoundedBody& body, Visit visit) {
       continue;
     }
     const Vec from = body.corners[body.before(i)].normal;
-    const double turn = angle_of(cross(from, corner.normal), dot(from, corner.normal));
+    const double turn = body.is_disc()
+                            ? 2.0 * pi<double>
+                            : angle_of(cross(from, corner.normal), dot(from, corner.normal));
     const double parts = std::ceil(turn / most_turn);
-    for (double k = 0.0; k <= parts; k += 1.0) {
+    for (double k = body.is_disc() ? 1.0 : 0.0; k <= parts; k += 1.0) {
       const SinCos<double> by = sin_cos(turn * (k / parts));
       const Vec direction{from.x * by.cos - from.y * by.sin, from.x * by.sin + from.y * by.cos};
       visit(i, corner.centre + direction * corner.radius);

@@ -86,13 +86,20 @@ TactileSensor<Real> tactile_of(const Spec& spec) {
 }
 
 // The initial configuration: both palms steep, the contacts where the spec puts them, the robots at
-// the separation that the object's width requires.
+// the separation that the object's width requires. A pipe touches both at one height.
 template <class Real>
 Configuration<Real> configuration_of(const Spec& spec, const Model<Real>& model) {
   Configuration<Real> configuration{};
   for (const std::size_t side : {left, right}) {
     configuration.palms[side] = PalmAngle<Real>::at(Real(spec.palms[side].steep));
     configuration.contacts[side] = Real(spec.start[side]);
+  }
+  if (is_pipe(model.object)) {
+    const Real rise = contact_vector(configuration, model.offset).dy;
+    for (const std::size_t side : {left, right}) {
+      configuration.contacts[side] +=
+          Real(0.5) * mirrored(side, rise) / configuration.palms[side].sin;
+    }
   }
   configuration.separation = closing_separation(configuration, model.offset, model.object.width);
   return configuration;

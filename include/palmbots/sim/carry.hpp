@@ -22,6 +22,14 @@ struct Fork {
   std::uint64_t seed;
 };
 
+// The world at the start, of a carry with this seed.
+template <class Real>
+World<Real> world_of(const Spec& spec, const Model<Real>& model, std::uint64_t seed) {
+  World<Real> world(model, configuration_of(spec, model));
+  if (spec.ambiguity == Ambiguity::drawn) world.draw_ambiguous(seed, Stream::ambiguity);
+  return world;
+}
+
 // One carry with the quasistatic world. Team is one of sim/team.hpp, Recorder one of
 // sim/recorder.hpp.
 template <class Real, class Team, class Recorder>
@@ -32,7 +40,7 @@ class Carry : public RobotPair<Real, Team> {
   Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
       : Base(spec, seed, std::move(team)), recorder_(std::move(recorder)), bumps_(spec) {
     const Model<Real> model = model_of<Real>(spec);
-    world_ = World<Real>(model, configuration_of(spec, model));
+    world_ = world_of(spec, model, seed);
   }
 
   // To be called before the first tick: checks whether the object is held.
@@ -43,6 +51,7 @@ class Carry : public RobotPair<Real, Team> {
   void fork(std::uint64_t seed) {
     seed_ = seed;
     team_.fork(seed);
+    if (spec_.ambiguity == Ambiguity::drawn) world_.draw_ambiguous(seed, Stream::ambiguity);
     const std::uint32_t first = tick_ - tick_ % block_ticks;
     if (first == tick_) return;
     draw_noise(first);

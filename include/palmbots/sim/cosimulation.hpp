@@ -40,6 +40,7 @@ struct WorldObservation {
   double object_sine = 0;     // of the angle of the object over the floor
   bool stands = false;        // the object is on the floor alone
   bool stalls = false;        // wheels stalled in the tick
+  double turn = 0;            // of a pipe, whose contacts do not show it [rad]
 };
 
 // The observation, with the interface of a world for the recorder.
@@ -54,14 +55,19 @@ class ObservedWorld {
     }
     configuration_.separation = observation.separation;
     contact_vector_.dy = observation.rise;
+    turn_ = observation.turn;
   }
   const Configuration<double>& configuration() const { return configuration_; }
   const ContactVector<double>& contact_vector() const { return contact_vector_; }
   const Advance<double>& last() const { return last_; }
+  double tilt(double width) const {
+    return width > 0 ? std::asin(contact_vector_.dy / width) : turn_;
+  }
 
  private:
   Configuration<double> configuration_{};
   ContactVector<double> contact_vector_{};
+  double turn_ = 0;
   Advance<double> last_{};
 };
 

@@ -15,9 +15,6 @@
 
 namespace palmbots {
 
-// How far a contact vertex may fall, for example off a nose, before the job ends [m].
-inline constexpr double most_fall = 0.003;
-
 template <class Inner>
 class LiftCarry : public LiftRobots<Inner> {
   using Base = LiftRobots<Inner>;
@@ -28,7 +25,7 @@ class LiftCarry : public LiftRobots<Inner> {
     Model<double> model = model_of<double>(spec);
     model.safe_reach = -1;  // that of level pivots
     model.surroundings = {true, spec.floor_friction};
-    world_ = World<double>(model, configuration_of(spec, model));
+    world_ = world_of(spec, model, seed);
     spec.begins_on == StandsOn::floor ? stand() : hold();
     first_ = world_.pose().at;
     world_.set_on_both(spec.begins_on != StandsOn::floor);
@@ -47,7 +44,6 @@ class LiftCarry : public LiftRobots<Inner> {
   }
 
   const World<double>& world() const { return world_; }
-  double object_sine() const { return world_.pose().sin; }
   // Displacement of the COM since the start [m].
   double moved() const { return world_.pose().at.x - first_.x; }
 
@@ -154,7 +150,7 @@ class LiftCarry : public LiftRobots<Inner> {
     }
     const ContactProblem problem{world_.shapes(), spec_.slope, 0.0, false};
     Pose rests = world_.pose();
-    if (!SmallFall(problem, still.frames(0.0), most_fall).run(rests)) return false;
+    if (!SmallFall(problem, still.frames(0.0), spec_.fall).run(rests)) return false;
     world_.put(pivots, angles, rests);
     return true;
   }

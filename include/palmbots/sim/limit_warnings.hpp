@@ -197,8 +197,10 @@ inline std::vector<std::string> limit_warnings(const SceneValues& scene, const S
 }
 
 // The same with contacts anywhere on the palms. None where planar mechanics do not apply: the nose of
-// a palm can touch a part of the object below the contact vertices.
+// a palm can touch a part of the object below the contact vertices; and none of a pipe, whose
+// contacts move together.
 inline std::vector<std::string> limit_warnings(const SceneValues& scene, const Spec& spec) {
+  if (is_pipe(spec)) return {};
   for (const std::size_t side : {left, right}) {
     for (std::size_t i = 0; i < spec.outline.count; ++i) {
       if (spec.palms[side].nose > 0 && spec.outline.vertices[i].height < 0) return {};

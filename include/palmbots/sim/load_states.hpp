@@ -196,8 +196,12 @@ class LoadStates {
     at.separation = closing_separation(at, model_.offset, model_.object.width);
     ObjectParams<double> object = model_.object;
     object.slope = slope;
-    const ActingObject<double> acting = acting_object(object, contact_radii(model_.outline), palms,
-                                                      contact_vector(at, model_.offset));
+    const ContactVector<double> across = contact_vector(at, model_.offset);
+    constexpr double level = 1e-9;
+    if (is_pipe(object) && !palmbots::within(across.dy, level))
+      return;  // it does not touch both there
+    const ActingObject<double> acting =
+        acting_object(object, contact_radii(model_.outline), palms, across);
     const ContactVector<double> v = acting.contact_vector;
     if (!std::isfinite(v.dx)) return;
     const auto moments = Moments<double>::of(acting.object);

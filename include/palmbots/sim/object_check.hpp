@@ -42,9 +42,11 @@ inline bool check_radii(const SceneValues& scene, const SceneObject& object, Pro
   }
   const auto bad = overlapping_arcs(object);
   if (!bad) {
-    if (object_frame(object).width >= least_width) return false;
+    const ObjectSpec frame = object_frame(object);
+    if (frame.width >= least_width || body_of(frame).is_disc()) return false;
     report(problems, key, common, "rounds both contact vertices about one centre",
-           "arcs whose centres are at least {0} m apart", {least_width});
+           "arcs whose centres are at least {0} m apart, or all arcs about one centre (a pipe)",
+           {least_width});
     return true;
   }
   const auto& [k, taken] = *bad;
@@ -120,7 +122,8 @@ inline void check_object(const SceneValues& scene, Problems& problems) {
   }
   const ObjectSpec frame = object_frame(object);
   const double radius = smaller(object.radii[l], object.radii[r]);
-  if (!(frame.com_left > 0 && frame.com_right > 0 && frame.com_height + radius > 0)) {
+  const bool is_between = frame.width == 0 || (frame.com_left > 0 && frame.com_right > 0);
+  if (!(is_between && frame.com_height + radius > 0)) {
     report(problems, "object.com_m", common,
            object.is_centroid
                ? "is the centroid of the outline, which is not above the line between "

@@ -25,15 +25,18 @@ struct GivenObject : RoundedPolygon {
 };
 
 // The object of a simple polygon, counter-clockwise from the left contact vertex on. In place of a
-// contact vertex that is rounded, the frame has the centre of its arc.
+// contact vertex that is rounded, the frame has the centre of its arc. If both arcs have one centre,
+// as those of a pipe, the width is 0 and the frame level as the outline is given.
 inline ObjectSpec object_frame(const GivenObject& given) {
   const Point l = centre_of(given, given.contacts[left]);
   const Point r = centre_of(given, given.contacts[right]);
   const double dx = r.x - l.x;
   const double dy = r.y - l.y;
-  const double width = std::sqrt(dx * dx + dy * dy);
-  const double ex = dx / width;
-  const double ey = dy / width;
+  const double apart = std::sqrt(dx * dx + dy * dy);
+  const bool is_one = !(apart > one_centre * given.radii[given.contacts[left]]);
+  const double width = is_one ? 0.0 : apart;
+  const double ex = is_one ? 1.0 : dx / apart;
+  const double ey = is_one ? 0.0 : dy / apart;
   // Adding 0.0 turns −0.0 into 0.0; a mirrored object could differ in this bit only.
   const auto corner = [&](const Point& p) {
     const double lx = p.x - l.x;

@@ -23,6 +23,7 @@ struct Stream {
     arm_height = 10,
     error_trace = 11,
     radio_trace = 12,
+    ambiguity = 13,
   };
 };
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <vector>
 
 #include "palmbots/sim/carry.hpp"
@@ -52,7 +53,7 @@ struct Row {
   PerSide<double> commanded;
   double separation;
   double midpoint;
-  double object;  // sine of the object angle
+  double object;  // its angle, in rows that are stored [rad]
   PerSide<std::int8_t> sign;
   PerSide<char> name;  // case
   PerSide<std::int8_t> motion;
@@ -85,11 +86,6 @@ Row row_of(const Carry& carry, const PerSide<RobotObservation>& sensed) {
   }
   row.separation = double(configuration.separation);
   row.midpoint = double(carry.midpoint());
-  if constexpr (requires { carry.object_sine(); }) {  // the pivots may not be level
-    row.object = carry.object_sine();
-  } else {
-    row.object = double(carry.world().contact_vector().dy) / carry.spec().width;
-  }
   return row;
 }
 
@@ -110,7 +106,7 @@ class TraceRecorder {
   template <class Carry>
   void before(const Carry& carry, const PerSide<RobotObservation>& sensed) {
     sensed_ = sensed;
-    add(row_of(carry, sensed));
+    add(carry);
   }
   template <class Carry>
   void after(const Carry& carry) {
@@ -121,16 +117,24 @@ class TraceRecorder {
   }
   template <class Carry>
   void end(const Carry& carry) {
-    add(row_of(carry, sensed_));
+    add(carry);
   }
   std::uint64_t hash() const { return hash_.value(); }
   std::vector<Row> take_rows() { return std::move(rows_); }
   std::vector<SentMessage> take_sent_messages() { return std::move(sent_messages_); }
 
  private:
-  void add(const Row& row) {
+  template <class Carry>
+  void add(const Carry& carry) {
+    const Row row = row_of(carry, sensed_);
     row.numbers([this](double value) { hash_.add(value); });
-    if (stores_rows_) rows_.push_back(row);
+    if (!stores_rows_) return;
+    rows_.push_back(row);
+    if constexpr (requires { carry.object_sine(); }) {  // the pivots may not be level
+      rows_.back().object = std::asin(carry.object_sine());
+    } else {
+      rows_.back().object = carry.world().tilt(carry.spec().width);
+    }
   }
   template <class T>
   static void grow(std::vector<T>& list, std::size_t spare) {

@@ -21,6 +21,7 @@ inline constexpr double most_carry_ticks = 1e7;  // a carry counts its ticks in 
 inline constexpr double most_delay_ticks = 200;  // a link buffers so many
 // Most of the distance between its contacts by which an object may rise from one to the other.
 inline constexpr double most_lean = 0.99;
+inline constexpr double most_unlevel = 1e-6;  // the contacts of a pipe at the start [m]
 
 // Upper limit of the friction coefficient on a palm at this angle [degrees]; infinite if it is level.
 // There the friction angle and the palm angle add up to 90°: an edge of the friction cone is level,
@@ -313,6 +314,7 @@ inline void check_start(const SceneValues& scene, Problems& problems) {
         start[side] * angle.sin + scene.of<"palm.pivot_offset_m">(own(side)) * angle.cos;
   }
   const SceneObject object = object_of(scene);
+  if (object.is_simple && object.has_contacts && is_pipe(object_frame(object))) return;
   const Point& l = object.vertices[object.contacts[left]];
   const Point& r = object.vertices[object.contacts[right]];
   const double width = std::sqrt((r.x - l.x) * (r.x - l.x) + (r.y - l.y) * (r.y - l.y));
@@ -322,6 +324,44 @@ inline void check_start(const SceneValues& scene, Problems& problems) {
          "that is {2} m wide between them",
          "left_m and right_m at more equal heights", {heights[left], heights[right], width},
          {start[left], start[right]});
+}
+
+// A pipe touches both palms with one arc. While both contacts are at their pivots, each is the radius
+// times the tangent of the palm angle from where the lines of the palms meet: the palms must end
+// before that. No sudden shift moves one contact without the other.
+inline void check_pipe(const SceneValues& scene, Problems& problems) {
+  const SceneObject object = object_of(scene);
+  if (!object.is_simple || !object.has_contacts || !is_pipe(object_frame(object))) return;
+  const double radius = object.radii[object.contacts[left]];
+  std::array<double, 2> heights{};
+  for (const std::size_t side : {left, right}) {
+    const double half = scene.of<"palm.length_m">(own(side)) / 2;
+    const double shallow = scene.of<"palm.shallow_deg">(own(side));
+    const auto steep = sin_cos(scene.of<"palm.steep_deg">(own(side)) * radians_per_degree<double>);
+    const double slope = tangent(shallow * radians_per_degree<double>);
+    if (!(radius * slope >= half)) {
+      report(
+          problems, "palm.shallow_deg", place_of<"palm.shallow_deg">(scene, side),
+          "is too shallow for a pipe with a radius of {0} m: where it touches both palms at their "
+          "pivots, palms of {1} m would cross below it",
+          "an angle whose tangent is at least {2}, or shorter palms",
+          {radius, 2 * half, half / radius});
+      return;
+    }
+    const double p = side == left ? scene.of<"start.left_m">() : scene.of<"start.right_m">();
+    heights[side] =
+        p * steep.sin + (scene.of<"palm.pivot_offset_m">(own(side)) + radius) * steep.cos;
+  }
+  if (std::abs(heights[left] - heights[right]) > most_unlevel) {
+    report(
+        problems, "start", common,
+        "puts the two contacts of a pipe where its centre would be {0} and {1} m above the pivots",
+        "left_m and right_m at which both are equal", {heights[left], heights[right]},
+        {scene.of<"start.left_m">(), scene.of<"start.right_m">()});
+  }
+  constexpr const char* bump = "shifts one contact, but those of a pipe move together";
+  if (scene.of<"bumps.rate_per_m">() > 0) report(problems, "bumps.rate_per_m", common, bump, "0");
+  if (!scene.list<"bumps.script">().empty()) report(problems, "bumps.script[]", 0, bump, "none");
 }
 
 }  // namespace detail
@@ -340,6 +380,7 @@ inline Problems check(const SceneValues& scene) {
   detail::check_delays(scene, problems);
   detail::check_periods(scene, problems);
   detail::check_start(scene, problems);
+  detail::check_pipe(scene, problems);
   return problems;
 }
 

@@ -104,12 +104,13 @@ inline double overrun_of(const Spec& spec, const ControllerInfo& controller) {
 inline double palm_overlap_of(const Spec& spec) {
   double reach = 0;
   PerSide<double> rise{};
+  const PerSide<double> radius = contact_radii(spec.outline);
   for (const std::size_t side : {left, right}) {
     const PalmSpec& palm = spec.palms[side];
     const double p = spec.start[side];
     const SinCos<double> steep = sin_cos(palm.steep);
-    reach += (p + 0.5 * palm.length) * steep.cos;
-    rise[side] = p * steep.sin + palm.offset * steep.cos;
+    reach += (p + 0.5 * palm.length) * steep.cos - radius[side] * steep.sin;
+    rise[side] = p * steep.sin + (palm.offset + radius[side]) * steep.cos;
   }
   const double z = rise[right] - rise[left];
   return reach - std::sqrt(std::max(spec.width * spec.width - z * z, 0.0));

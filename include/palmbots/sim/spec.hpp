@@ -27,6 +27,7 @@ struct Spec : ObjectSpec,
               BumpsSpec,
               StartSpec,
               FloorSpec,
+              WorldSpec,
               TaskSpec {
   PalmSpec palms[2]{};
   RobotSpec robots[2]{};
@@ -120,6 +121,7 @@ inline constexpr Section sections[] = {
     detail::section<BumpsSpec>("bumps", bumps_keys, bumps_lists),
     detail::section<StartSpec>("start", start_keys),
     detail::section<FloorSpec>("floor", floor_keys),
+    detail::section<WorldSpec>("world", world_keys),
     detail::section<TaskSpec>("task", task_keys),
 };
 

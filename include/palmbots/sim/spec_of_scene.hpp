@@ -219,7 +219,9 @@ inline Spec spec_of(const SceneValues& scene) {
   const double ticks = std::nearbyint(time_limit_of(scene) / spec.period);
   constexpr double most = 1e15;  // of a scene that the checks refuse
   spec.timeout_ticks = ticks > 1 ? static_cast<std::uint64_t>(ticks < most ? ticks : most) : 1;
-  spec.safe_reach = may_go_limp(spec) ? -1.0 : safe_reach(spec);  // a limp palm may turn anywhere
+  spec.safe_reach = may_go_limp(spec) || is_pipe(spec)
+                        ? -1.0
+                        : safe_reach(spec);  // a limp palm may turn anywhere
   return spec;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sections `object`, `start`, `floor` and `task` of a scene: what is carried, and how far. Lengths in m,
+// The sections `object`, `start`, `floor`, `world` and `task` of a scene: what is carried, and how far. Lengths in m,
 // times in s.
 #pragma once
 
@@ -133,6 +133,19 @@ struct FloorSpec {
 };
 inline constexpr Key floor_keys[] = {
     number<&FloorSpec::floor_friction>("friction", Unit::none, 0, 5),
+};
+
+// Which motion follows an event after which mechanics permit several.
+enum class Ambiguity : std::uint8_t { rule, drawn };
+
+struct WorldSpec {
+  Ambiguity ambiguity = Ambiguity::rule;
+  double fall = 0.003;  // of a contact vertex in a job on the floor, at most [m]
+};
+inline constexpr Choices ambiguity_choices(0, "rule", "drawn");
+inline constexpr Key world_keys[] = {
+    choice<&WorldSpec::ambiguity>("ambiguity", ambiguity_choices),
+    number<&WorldSpec::fall>("fall_m", Unit::m, 0, 1),
 };
 
 // What an object stands on before a job, or after it.

@@ -6,7 +6,7 @@
 // If these are fewer than three independent equations, the forces are few, too, and balance gives
 // the rest: with two contacts that both slide, the object takes the pose in which the two forces and
 // the weight are in balance. If even then something is left (a flat object between two flat
-// surfaces that both slide), both sides slide alike.
+// surfaces that both slide, or a pipe, which may turn in place), both sides slide alike.
 #pragma once
 
 #include "palmbots/base/small_linear.hpp"
@@ -52,7 +52,7 @@ struct ContactShapes {
   PerSide<FeaturePair> own;  // each contact corner of the object on the face of its palm
   PerSide<double> reach;     // how far from the middle of the face that contact may be [m]
   PerSide<bool> stops;       // outward, only a heel limits that
-  double size;               // of the object: the distance of its contact corners [m]
+  double size;               // of the object: the distance of its contact corners, or a radius [m]
   double lopsided;           // > 0 or < 0: which way left and right differ; 0: mirror images
 };
 
@@ -174,7 +174,6 @@ inline RegimeEquations equations(const ContactProblem& problem, const Regime& re
   }
   if (equations.system.full()) return equations;
   if (rays == 2) {
-    equations.balance = true;
     // Central differences: in the mirror they round alike.
     const double h = 1e-6;
     const auto rate = [&](auto at) { return (at(h) - at(-h)) / (h + h); };
@@ -186,17 +185,23 @@ inline RegimeEquations equations(const ContactProblem& problem, const Regime& re
     };
     const double size = problem.shapes.size;
     const Triple<double> row{by({size, 0.0}, 0.0), by({0.0, size}, 0.0), by({0.0, 0.0}, 1.0)};
-    if (!rates) {
-      equations.add(row, unbalanced(problem, regime, contacts) * size);
+    constexpr double none = 1e-8;  // above the rounding of the differences
+    equations.balance = decltype(equations.system)::largest({row.x, row.y, row.z}) > none;
+    const double off = unbalanced(problem, regime, contacts);
+    if (!equations.balance) {
+      if (magnitude(off) > none) return equations;  // nowhere in balance
+    } else if (!rates) {
+      equations.add(row, off * size);
+      return equations;
+    } else {
+      const double pace = size / pace_of(frames, size);
+      const double drift = rate([&](double k) {
+        const Frames then = moved(frames, k * pace);
+        return unbalanced(problem, regime, contacts_of(problem, regime, then, pose));
+      });
+      equations.add(row, -(drift / pace) * size);
       return equations;
     }
-    const double pace = size / pace_of(frames, size);
-    const double drift = rate([&](double k) {
-      const Frames then = moved(frames, k * pace);
-      return unbalanced(problem, regime, contacts_of(problem, regime, then, pose));
-    });
-    equations.add(row, -(drift / pace) * size);
-    return equations;
   }
   // Both sides alike: the run of the first contact of one carrier as that of the other one.
   const std::size_t second = other_carrier(problem, regime);

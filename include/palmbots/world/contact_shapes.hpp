@@ -69,19 +69,20 @@ inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double hal
 template <class Real>
 ContactShapes shapes_of(const Model<Real>& model) {
   ContactShapes shapes{};
-  shapes.size = double(model.object.width);
   shapes.lopsided = detail::lopsided(model);
   shapes.body = body_of(model.outline,
                         {{model.object.com_left, model.object.com_right}, model.object.com_height});
+  const bool is_disc = shapes.body.is_disc();
+  shapes.size = is_disc ? shapes.body.corners[0].radius : double(model.object.width);
   for (const std::size_t side : {left, right}) {
-    const std::size_t own = model.outline.contact[side];
+    const std::size_t own = is_disc ? 0 : model.outline.contact[side];
     const bool stops = model.profile[side].stops;
     shapes.reach[side] = double(stops ? model.half_length[side] : model.reach[side]);
     shapes.stops[side] = stops;
     shapes.own[side] = {PairKind::corner_on_face, static_cast<std::uint8_t>(shapes.surfaces.count),
                         static_cast<std::uint8_t>(own)};
     add_palm(shapes.surfaces, side == left ? Carrier::left_palm : Carrier::right_palm,
-             double(model.offset[side]) - double(model.outline.vertices[own].radius),
+             double(model.offset[side]) - shapes.body.corners[own].radius,
              double(model.half_length[side]), double(model.friction[side]), model.profile[side]);
   }
   if (model.surroundings.floor) {

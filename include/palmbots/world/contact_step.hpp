@@ -9,10 +9,27 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "palmbots/base/philox.hpp"
 #include "palmbots/base/root_finding.hpp"
 #include "palmbots/world/regime_choice.hpp"
 
 namespace palmbots {
+
+// Which of several motions that are possible alike follows: the first one by the rules of
+// world/regime_choice.hpp, or any of them with equal probability, by a counter-based draw for each
+// such event.
+struct AmbiguousEvents {
+  bool is_drawn = false;
+  std::uint64_t seed = 0;
+  std::uint32_t stream = 0;
+  std::uint32_t count = 0;  // of those that have occurred
+
+  std::size_t pick(std::size_t of) {
+    if (of == 1) return 0;
+    const std::uint32_t event = count++;
+    return is_drawn ? draw(seed, event, stream)[0] % of : 0;
+  }
+};
 
 // What a step did.
 struct ContactStepResult {
@@ -31,12 +48,13 @@ class ContactStep {
   static constexpr int most_events = 200;
 
   ContactStep(const ContactProblem& problem, const Travel& travel, Pose& pose, Regime& regime,
-              Neighbourhood& around, double rounding, Noted noted)
+              Neighbourhood& around, AmbiguousEvents& ambiguous, double rounding, Noted noted)
       : problem_(problem),
         travel_(travel),
         pose_(pose),
         regime_(regime),
         around_(around),
+        ambiguous_(ambiguous),
         noted_(noted) {
     double most = 0.0;
     for (const PalmTravel& palm : travel.palms) {
@@ -90,10 +108,10 @@ class ContactStep {
 
   // How far a point of the object may move between two looks at what is near, and how far it has.
   double near_move() const { return 0.02 * problem_.shapes.size; }
-  double moved(const Pose& there) const {
-    return length(there.at - pose_.at) +
-           magnitude(there.angle - pose_.angle) * problem_.shapes.size;
+  double apart(const Pose& one, const Pose& other) const {
+    return length(one.at - other.at) + magnitude(one.angle - other.angle) * problem_.shapes.size;
   }
+  double moved(const Pose& there) const { return apart(there, pose_); }
 
   void look_around(double done) {
     const Frames frames = travel_.frames(done);
@@ -190,17 +208,30 @@ class ContactStep {
     return false;
   }
 
-  // The best candidate that goes on becomes the regime.
+  // The best candidate that goes on becomes the regime, or one of those that are as good and move the
+  // object elsewhere.
   DropReason choose_among(const ClosedPairs& closed, const Frames& frames, double done) {
+    constexpr double elsewhere = 1e-3;  // of the way of the surfaces
     const RegimeCandidates found = candidates_at(problem_, frames, pose_, closed);
     for (double ahead = 1e-7; ahead < 0.1; ahead *= 16.0) {
       const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
+      std::array<const RegimeCandidate*, RegimeCandidates::most> best;
+      std::array<Pose, RegimeCandidates::most> ends;
+      std::size_t count = 0;
       for (std::size_t k = 0; k < found.count; ++k) {
-        if (!goes_on(done, then, found.at[k].regime)) continue;
-        if (problem_.on_both && !found.at[k].on_both) return DropReason::lifting;
-        regime_ = found.at[k].regime;
-        return DropReason::none;
+        const RegimeCandidate& one = found.at[k];
+        if (count > 0 && !one.is_as_good_as(*best[0])) break;
+        ends[count] = pose_;
+        if (!goes_on(done, then, one.regime, ends[count])) continue;
+        const auto is_there = [&](const Pose& other) {
+          return apart(ends[count], other) < elsewhere * (then - done) * pace_;
+        };
+        if (std::none_of(ends.begin(), ends.begin() + count, is_there)) best[count++] = &one;
       }
+      if (count == 0) continue;
+      if (problem_.on_both && !best[0]->on_both) return DropReason::lifting;
+      regime_ = best[ambiguous_.pick(count)]->regime;
+      return DropReason::none;
     }
     if (choose_later(found, done)) return DropReason::none;
     const DropReason why = reason_of(problem_, closed);
@@ -233,7 +264,9 @@ class ContactStep {
       for (std::size_t leaving = 0; leaving < instant.count; ++leaving) {
         for (std::size_t way = 1; way < ways; ++way) {
           const Regime regime = varied(instant, way);
-          if (regime.count + leaving != instant.count || !goes_on(done, then, regime)) continue;
+          Pose end = pose_;
+          if (regime.count + leaving != instant.count || !goes_on(done, then, regime, end))
+            continue;
           regime_ = regime;
           return true;
         }
@@ -265,9 +298,9 @@ class ContactStep {
   }
 
   // Whether a regime holds at a later instant, and its contacts slide in their directions until
-  // then. They are compared from the middle on: at first the pose may jump by a rounding error.
-  bool goes_on(double from, double to, const Regime& regime) const {
-    Pose end = pose_;
+  // then. They are compared from the middle on: at first the pose may jump by a rounding error. `end`,
+  // the pose before, becomes that at the later instant.
+  bool goes_on(double from, double to, const Regime& regime, Pose& end) const {
     if (!(reach(to, end, regime).least() >= 0.0)) return false;
     if (!lasts(from, regime)) return false;
     const double middle = 0.5 * (from + to);
@@ -290,6 +323,7 @@ class ContactStep {
     const Frames frames = travel_.frames(done);
     const ActiveContacts contacts = contacts_of(problem_, regime_, frames, pose_);
     const auto twist = detail::equations(problem_, regime_, frames, pose_, contacts, true);
+    if (!twist.system.full()) return false;
     const Conditions all =
         conditions_of_motion(problem_, regime_, frames, pose_, contacts, twist, pace_);
     return all.least() >= 0.0 && (!twist.balance || is_here(done)) && lasts(done, regime_, twist);
@@ -372,6 +406,7 @@ class ContactStep {
   Pose& pose_;
   Regime& regime_;
   Neighbourhood& around_;
+  AmbiguousEvents& ambiguous_;
   Noted noted_;
   double look_ = 1.0;
   double pace_ = 0.0;    // how far a point of a surface moves in the step, at most [m]

@@ -77,6 +77,21 @@ class World {
   // holds the object any more (false).
   void set_on_both(bool on_both) { on_both_ = on_both; }
 
+  // The angle of the object, whose contacts are `width` apart [rad]. For people and pictures only: no
+  // motion depends on it, so libm may serve.
+  double tilt(double width) const {
+    return posed_ || is_pipe(model_.object) ? pose().angle
+                                            : std::asin(double(state_.contact_vector.dy) / width);
+  }
+  // Draws what follows ambiguous events: from a stream of the random numbers of a seed.
+  void draw_ambiguous(std::uint64_t seed, std::uint32_t stream) {
+    ambiguous_.is_drawn = true;
+    ambiguous_.seed = seed;
+    ambiguous_.stream = stream;
+  }
+  // How many events were ambiguous so far.
+  std::uint32_t ambiguous_events() const { return ambiguous_.count; }
+
   Pose pose() const { return posed_ ? pose_ : pose_on_vertices(); }
   // The position of a pivot.
   Vec pivot(std::size_t side) const {
@@ -213,7 +228,8 @@ class World {
 
   // Whether every step looks for further contacts.
   bool is_general() const {
-    return model_.profile[left].touches_within_reach || model_.profile[right].touches_within_reach;
+    return model_.profile[left].touches_within_reach ||
+           model_.profile[right].touches_within_reach || is_pipe(model_.object);
   }
 
   // Whether contacts may leave the part of the palm on which the heel touches nothing, up to the heel.
@@ -226,8 +242,7 @@ class World {
 
   // Why all contacts together do not hold the object.
   DropReason check_all() const {
-    const Real width = model_.object.width;
-    const Real closed = closed_tolerance<Real> * width;
+    const Real closed = closed_tolerance<Real> * Real(shapes().size);
     // Smaller than the gap of a closed contact: a corner penetrates a palm deeper than the palm
     // penetrates the corner.
     const Real deep = closed / Real(64);
@@ -284,7 +299,9 @@ class World {
   Pose pose_on_vertices() const {
     const Configuration<Real>& now = state_.configuration;
     const ContactVector<Real> across = state_.contact_vector;
-    const Pose turned = Pose::of({0.0, 0.0}, angle_of(double(across.dy), double(across.dx)));
+    const bool is_level = is_pipe(model_.object);  // until it rolls
+    const double angle = is_level ? 0.0 : angle_of(double(across.dy), double(across.dx));
+    const Pose turned = Pose::of({0.0, 0.0}, angle);
     const Frames frames = here();
     PerSide<Vec> com{};
     for (const std::size_t side : {left, right}) {
@@ -317,12 +334,13 @@ class World {
     }
     const ContactProblem problem = this->problem();
     const double rounding = double(Real(64) * std::numeric_limits<Real>::epsilon()) * shapes().size;
-    ContactStep contact_step(problem, step, pose_, regime_, around_, rounding, [&](double t) {
+    const auto note = [&](double t) {
       const bool before = on_vertices;
       on_vertices = rests_on_vertices();
       if (before && !on_vertices) begin_contact_event(step.frames(t), Real(t));
       if (!before && on_vertices) contact_events_.ended = Real(t);
-    });
+    };
+    ContactStep contact_step(problem, step, pose_, regime_, around_, ambiguous_, rounding, note);
     const ContactStepResult done = contact_step.run(double(total.fraction));
     total = {done.reason, Real(done.fraction), motion_of_palms(), total.segments + done.pieces};
     carry_on(by, done.fraction);
@@ -369,7 +387,7 @@ class World {
           frames[side].from_world((pose_.at + pose_.to_world(vertex(side))) - frames[side].origin);
       const bool held = regime_.has(shapes().own[side]);
       // A sticking contact keeps every bit of its coordinate.
-      const Real slack = Real(64) * std::numeric_limits<Real>::epsilon() * model_.object.width;
+      const Real slack = Real(64) * std::numeric_limits<Real>::epsilon() * Real(shapes().size);
       const Real place = Real(seen.x);
       if (!held || magnitude(place - now.contacts[side]) > slack) now.contacts[side] = place;
       now.lift[side] = held ? Real(0) : Real(seen.y) - model_.offset[side];
@@ -406,6 +424,7 @@ class World {
   Regime regime_{};           // valid if `posed_`
   Pose pose_{};               // valid if `posed_`
   Neighbourhood around_{};
+  AmbiguousEvents ambiguous_{};
   double separation_ = 0;  // valid if `posed_`; unlike the configuration's, not rounded to Real
   WorldState<Real> state_{};
   Advance<Real> last_{};

@@ -10,6 +10,9 @@
 //   - as many contacts as possible persist;
 //   - all of them slide before some of them do;
 //   - the palm that leads slides first (`leading_side`).
+//
+// If several move the object differently and persist in as many contacts, the event is ambiguous
+// (world/contact_step.hpp): the last two rules may be replaced by a draw.
 #pragma once
 
 #include "palmbots/base/few_sorted.hpp"
@@ -23,6 +26,10 @@ struct RegimeCandidate {
   bool on_both;         // palms
   std::size_t staying;  // contacts
   bool alike;           // all of them slide
+
+  constexpr bool is_as_good_as(const RegimeCandidate& other) const {
+    return on_both == other.on_both && staying == other.staying;
+  }
 };
 
 struct RegimeCandidates {

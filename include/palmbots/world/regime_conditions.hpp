@@ -59,7 +59,7 @@ void each_pair(const ContactProblem& problem, std::size_t first, Visit visit) {
         return FeaturePair{kind, static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(feature)};
       };
       if (surface.tip) {
-        visit(pair(PairKind::tip_on_edge, edge));
+        if (!body.is_disc()) visit(pair(PairKind::tip_on_edge, edge));
         if (body.corners[corner].radius > 0.0) visit(pair(PairKind::tip_on_arc, corner));
       } else if (body.corners[corner].convex) {
         visit(pair(PairKind::corner_on_face, corner));

@@ -56,7 +56,7 @@ class EpisodeView:
             midpoint=[at.midpoint],
             palm=[at.palms],
             contact=[at.contacts],
-            turn=[math.asin(at.rise / spec.width)],
+            turn=[math.asin(at.rise / spec.width) if spec.width > 0 else at.turn],
             lift=[at.lift],
         )
 

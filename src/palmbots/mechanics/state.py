@@ -13,7 +13,7 @@ from palmbots._types import SIDES, Overrides
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.scene.spec import contact_radii, to_spec
+from palmbots.scene.spec import contact_radii, refuse_pipe, to_spec
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,7 @@ def palm_state(
         float(chosen.palm_of(side).steep_deg if angle is None else angle)
         for side, angle in zip(SIDES, (theta_left_deg, theta_right_deg), strict=True)
     ]
+    refuse_pipe(chosen)
     contacts = float(p_left_m), float(p_right_m)
     return placed(chosen, to_spec(chosen), contacts, (degrees[0], degrees[1]))
 

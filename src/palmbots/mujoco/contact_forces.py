@@ -49,7 +49,7 @@ class PalmContacts:
                 continue  # lips hold the object laterally; no switch feels them
             side = SIDES.index(m.geom(of_palm[0]).name.split("_")[0])
             name = m.geom(of_object[0]).name
-            is_vertex = name.startswith(f"vertex_{(0, layout.spec.contact_right)[side]}_")
+            is_vertex = name.startswith(f"vertex_{layout.contact_vertices[side]}_")
             further = None if is_vertex else extra_contact(side, name, layout)
             if "_heel" in m.geom(of_palm[0]).name:
                 edge = further.along if further else None

@@ -33,10 +33,8 @@ class Edge:
 
 def edges_of(model: Any, scene: Scene) -> list[Edge]:
     """The two contact edges of the object of a scene."""
-    spec = layout(scene).spec
     edges = []
-    for k, side in enumerate(SIDES):
-        vertex = (0, spec.contact_right)[k]
+    for side, vertex in zip(SIDES, layout(scene).contact_vertices, strict=True):
         balls = tuple(model.geom(f"vertex_{vertex}_{end}").id for end in ("near", "far"))
         half = 0.98 * (scene.palm_of(side).width_m / 2)
         edges.append(Edge(model.body(f"{side}_palm").id, half, 0.49 * scene.object.depth_m, balls))

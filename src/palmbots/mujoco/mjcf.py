@@ -53,6 +53,11 @@ class Layout:
     turn: float
     """Angle of the object, anticlockwise as seen from the side."""
 
+    @property
+    def contact_vertices(self) -> tuple[int, int]:
+        """The corner of the object on the left and on the right palm; a pipe has only one."""
+        return 0, self.spec.contact_right if self.spec.width > 0 else 0
+
 
 def layout(scene: Scene, pivot_heights_m: tuple[float, float] = (0.0, 0.0)) -> Layout:
     """The start of the quasistatic world: palms steep, contacts as in the scene.
@@ -74,7 +79,7 @@ def layout(scene: Scene, pivot_heights_m: tuple[float, float] = (0.0, 0.0)) -> L
     above = palm.offset + contact_radii(spec)[0]
     x = -half - p * cos + above * sin
     z = height + pivot_heights_m[0] + p * sin + above * cos
-    dx, dy = world.contact_vector
+    dx, dy = world.contact_vector if spec.width > 0 else (1.0, 0.0)
     return Layout(spec, height, pivot_heights_m, (-half, half), (x, z), math.atan2(dy, dx) + tilt)
 
 
@@ -244,9 +249,9 @@ def _object(
     outline = [(x, z) for x, _, z, _ in at.spec.outline]
     arcs = at.spec.corners
     heel = max(scene.palm_of(side).heel_m for side in SIDES)
-    following = [*range(1, len(outline)), 0]
+    following = [*range(1, len(outline)), 0] if len(arcs) > 1 else []  # a pipe has no edges
     for k, (x, z, radius) in enumerate(arcs):
-        is_convex = turn(outline[k - 1], outline[k], outline[following[k]]) > 0
+        is_convex = turn(outline[k - 1], outline[k], outline[(k + 1) % len(outline)]) > 0
         if z - radius > reach / 2 or not is_convex:
             continue
         for end, y in (("near", -across), ("far", across)):

@@ -167,6 +167,7 @@ class MujocoWorld:
             motion=self.motion,
             reason=self.end,
             **self._floor_state(),
+            turn=math.atan2(float(self._object_mat[6]), float(self._object_mat[0])),
         )
 
     def state(self) -> np.ndarray:
@@ -426,7 +427,7 @@ class MujocoWorld:
             return "off-palm"
         if any(abs(y) > half for y, half in zip(self.lateral, self._half_width, strict=True)):
             return "off-palm"
-        if float(self._object_mat[8]) < math.cos(TURNED):
+        if self._width > 0 and float(self._object_mat[8]) < math.cos(TURNED):
             return "tipping"
         for k in (0, 1):
             self._unloaded_s[k] = 0.0 if loaded[k] else self._unloaded_s[k] + self._period

@@ -31,7 +31,7 @@ from palmbots.scene.palm_section import Palm, PalmParameters
 from palmbots.scene.radio_section import Radio
 from palmbots.scene.robot_section import Arm, Control, Robot, RobotParameters, Tactile
 from palmbots.scene.section import Section, as_given, plain
-from palmbots.scene.task_section import Bumps, Floor, Start, Task
+from palmbots.scene.task_section import Bumps, Floor, Start, Task, World
 
 _STEP = re.compile(r"(\w+)|\[(\d+)\]")
 
@@ -55,6 +55,7 @@ class Scene(Section):
     bumps: Bumps = Bumps()
     start: Start = Start()
     floor: Floor = Floor()
+    world: World = World()
     task: Task = Task()
     mujoco: MujocoParameters = MujocoParameters()
     _spelled: str = PrivateAttr("SCENE")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sections of a scene about the task: `bumps`, `start`, `floor` and `task`."""
+"""The sections of a scene about the task: `bumps`, `start`, `floor`, `world` and
+`task`."""
 
 from palmbots._types import Side
 from palmbots.scene.core_keys import key, records
@@ -61,6 +62,18 @@ class Floor(Section):
 
     friction: float = key("floor.friction")
     """Coulomb coefficient between object and floor."""
+
+
+class World(Section):
+    """[world] What the quasistatic world does where mechanics leave it open."""
+
+    ambiguity: str = key("world.ambiguity")
+    """Which motion follows where further contacts permit several. rule: that in which both palms
+    slide, else the one in which the palm that leads slides. drawn: any of them, each as likely, by
+    the random numbers of the seed."""
+    fall_m: float = key("world.fall_m")
+    """How far a contact vertex may fall in a job on the floor, for example off the inner end of a
+    palm."""
 
 
 @with_plain_names

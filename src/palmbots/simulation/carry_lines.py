@@ -141,6 +141,11 @@ def _bounds(b: "Bounds") -> Iterator[Item]:
 
 
 def _further_contacts(carry: "Carry") -> Iterator[Item]:
+    if carry.ambiguous_events:
+        yield quiet(
+            f"{plural(carry.ambiguous_events, 'event')} after which several contact modes were "
+            f"possible (world.ambiguity: {carry.scene.world.ambiguity})"
+        )
     if not carry.contact_events:
         return
     first = carry.contact_events[0]

@@ -19,7 +19,7 @@ from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mechanics.lifting import check_lift
 from palmbots.mechanics.load_limits import check_load
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import refuse_floor, to_spec
+from palmbots.scene.spec import refuse_floor, refuse_pipe, to_spec
 from palmbots.simulation.worlds import PRECISIONS, WorldEntry, world_entry, world_names
 
 _CLOCK_FAULTS = (5, 6)  # clock-rate and clock-jump, as the core numbers them
@@ -88,6 +88,8 @@ def check_scene(world: WorldEntry, scene: Scene) -> None:
             f"task.path.kind: {show(scene.task.path.kind)} is a curved path, and the {world.name} "
             f"world and its mechanics are planar; allowed: straight{others}"
         )
+    if scene.task.path.is_curved:
+        refuse_pipe(scene, "a curved path")
     if (scene.bumps.script or scene.bumps.rate_per_m > 0) and not world.supports_bumps:
         others = _others(lambda entry: entry.supports_bumps)
         raise SceneError(

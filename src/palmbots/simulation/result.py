@@ -141,6 +141,9 @@ class Carry(Result):
     """The job that began or ended on the floor (None for a carry from palms to palms)."""
     forks: tuple[tuple[float, int], ...] = ()
     """Pairs (time [s], seed): from each time on, the random numbers are those of that seed."""
+    ambiguous_events: int = 0
+    """How often several contact modes could follow, among further contacts or under a pipe;
+    `world.ambiguity` says which one did (0 in worlds other than the quasistatic one)."""
     controller_source: ControllerSource | None = None
     """Where a Python controller is defined; None: the controller is a shipped one."""
     controller_entry: ControllerEntry | None = field(
@@ -178,7 +181,7 @@ class Carry(Result):
 # Values of the core's record that a `Carry` has under the same name.
 _AS_MEASURED = (
     "outcome", "reason", "time_s", "distance_m", "correction_count", "messages", "messages_lost",
-    "trace_hash",
+    "trace_hash", "ambiguous_events",
 )  # fmt: skip
 _BY_SIDE = ("contact_rms_m", "contact_peak_m", "waiting_s")
 

@@ -18,7 +18,7 @@ from palmbots._types import SIDES, Interval, Side
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import contact_radii, refuse_low_noses, to_spec
+from palmbots.scene.spec import contact_radii, refuse_low_noses, refuse_pipe, to_spec
 from palmbots.stability.linear_conditions import Form, forms
 from palmbots.stability.reaction_region import implied_reach_m
 
@@ -209,6 +209,7 @@ def stability_problem(
             span it.
     """
     refuse_low_noses(scene)
+    refuse_pipe(scene)
     spec = to_spec(scene)
     radius = contact_radii(spec)
     region = region_of(scene, region_m)
