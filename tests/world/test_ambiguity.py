@@ -11,7 +11,7 @@ import palmbots as pb
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import Carry, run_seeds
 
-# Left and right are alike, and the robots drive apart: one contact of the pipe rolls or neither does.
+# Left and right are alike, and the robots drive apart: one contact of the pipe rolls, or neither.
 LEVEL: dict[str, Any] = {
     "robot.noise_m_s": 0.0, "task.inertia": False, "robot.right.bias_m_s": 0.002,
     "task.distance_m": 0.1, "world.ambiguity": "drawn",

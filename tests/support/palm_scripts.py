@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Random motions of palms with a shape, over a floor or without one, under objects with arcs.
+
+A script lasts 500 control periods. In each of them nothing may sink into anything, and the motion
+must be one for which an independent program finds forces (motion_oracle.py); these are computed in
+some of the periods.
+"""
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+import palmbots._core as _core
+from motion_oracle import Moment, Oracle
+from palmbots.errors import SceneError
+from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
+
+PERIODS = 500
+PHASE = 25  # periods in which the speeds stay the same
+CHECKED = 12  # motions of a script whose forces are computed
+SUNK = 1e-6  # [m]
+BALANCED = 2e-3  # [weights]: the poses of a motion are those at its ends
+MOST_PIECES = 200  # of a period: a step that gives up
+
+BOX = [[0, 0], [0.25, 0], [0.25, 0.16], [0, 0.16]]
+LEANING = [[0, 0], [0.25, 0], [0.28, 0.1], [-0.03, 0.1]]
+NARROWER = [[0, 0], [0.25, 0], [0.2, 0.12], [0.05, 0.12]]
+SIX = [[0, 0], [0.22, 0], [0.25, 0.05], [0.25, 0.12], [-0.03, 0.12], [-0.03, 0.05]]
+PIPE = {"object.box_m": [0.16, 0.16], "object.edge_radius_m": 0.08, "palm.length_m": 0.08,
+        "palm.shallow_deg": 45, "palm.steep_deg": 50}  # fmt: skip
+
+
+@dataclass
+class Found:
+    """What a number of scripts showed."""
+
+    ends: Counter[str] = field(default_factory=Counter)
+    moved: int = 0
+    checked: int = 0
+    worst_depth_m: float = -math.inf
+    worst_imbalance: float = 0.0
+    faults: list[str] = field(default_factory=list)
+
+
+def world_of(rng: np.random.Generator) -> tuple[_core.World, Oracle, bool]:
+    """A random object on two random palms, or beside them on a floor."""
+    on_floor = bool(rng.random() < 0.6)
+    floor = float(rng.choice([0.15, 0.3, 0.6])) if on_floor else None
+    thick = float(rng.choice([0.0, 0.0015, 0.003]))
+    nose = thick if thick == 0 or rng.random() < 0.5 else 0.0003
+    keys: dict[str, Any] = {
+        "palm.left.friction": float(rng.choice([0.1, 0.2, 0.3, 0.45])),
+        "palm.right.friction": float(rng.choice([0.15, 0.3, 0.4])),
+        "palm.thickness_m": thick,
+        "palm.heel_m": float(rng.choice([0.0, 0.012])),
+        "task.slope_deg": float(rng.choice([0.0, rng.uniform(-2, 2)])),
+    }
+    if nose < thick:
+        keys |= {"palm.nose_m": nose, "palm.bevel_m": 0.008}
+    if not on_floor and rng.random() < 0.15:
+        keys |= PIPE
+    else:
+        shape = (BOX, LEANING, NARROWER, SIX)[rng.integers(4)]
+        radius = rng.choice([0.0, 0.003, 0.012, 0.02])
+        low, high = float(radius), float(rng.choice([0.0, radius]))
+        keys |= {
+            "object.vertices_m": shape,
+            "object.edge_radius_m": [low, low, *[high] * (len(shape) - 2)],
+            "palm.pivot_offset_m": float(rng.choice([0.0, 0.01])),
+        }
+    spec = to_spec(load_scene("paper", keys))
+    world = _core.World(spec, floor)
+    world.set_on_both(not on_floor)
+    if on_floor:
+        angles = np.radians(rng.uniform(2, 30, 2)).tolist()
+        ends = [x - spec.com_left for x, _ in spec.silhouette]
+        pivots = []
+        for side, (out, end) in enumerate(zip((-1, 1), (min(ends), max(ends)), strict=True)):
+            palm, angle = spec.palms[side], angles[side]
+            arm = palm.length / 2 * math.cos(angle) + palm.offset * math.sin(angle)
+            gap = float(rng.uniform(0.0005, 0.01))
+            pivots.append((end + out * (gap + arm), palm.lowest_pivot(angle)))
+        low = min(y for _, y in spec.silhouette)
+        world.put((pivots[0], pivots[1]), (angles[0], angles[1]), (0.0, spec.com_height - low), 0.0)
+    return world, Oracle(spec, floor), on_floor
+
+
+class Drive:
+    """Random motions of both palms, constant for some periods."""
+
+    def __init__(self, rng: np.random.Generator, on_floor: bool) -> None:
+        self._rng, self._on_floor = rng, on_floor
+        self._goal = [0.0, 0.0]
+        self._speeds = [(0.0, 0.0), (0.0, 0.0)]
+        self._rate = 0.0
+
+    def next(self, k: int, palms: tuple[float, float]) -> tuple[Any, tuple[float, float]]:
+        """The way of each pivot in a period, and the palm angles after it."""
+        rng = self._rng
+        if k % PHASE == 0:
+            inward = 4e-4 if self._on_floor else 0.0
+            rise = 3e-4 if self._on_floor and rng.random() < 0.3 else 0.0
+            self._speeds = [
+                (float(rng.normal(-out * inward, 3e-4)), float(rng.normal(0.0, rise)))
+                for out in (-1, 1)
+            ]
+            self._rate = math.radians(0.3) if rng.random() < 0.5 else 0.0
+            steep = rng.random() < 0.2
+            self._goal = np.radians(rng.uniform(-10, 80 if steep else 25, 2)).tolist()
+        turned = [
+            angle + max(-self._rate, min(self._rate, goal - angle))
+            for angle, goal in zip(palms, self._goal, strict=True)
+        ]
+        return (self._speeds[0], self._speeds[1]), (turned[0], turned[1])
+
+
+def run(seed: int, found: Found) -> None:
+    """One script, to its end."""
+    rng = np.random.default_rng(seed)
+    try:
+        world, oracle, on_floor = world_of(rng)
+    except SceneError:  # arcs that need more than an edge, or a palm too steep for its friction
+        found.ends["refused"] += 1
+        return
+    if not on_floor and world.check():
+        found.ends["not held at first"] += 1
+        return
+    drive = Drive(rng, on_floor)
+    checks = set(rng.choice(PERIODS, CHECKED, replace=False).tolist())
+    end = "completed"
+    here = Moment.of(world)
+    for k in range(PERIODS):
+        reason, *_, pieces = world.move(*drive.next(k, world.palms))
+        before, here = here, Moment.of(world)
+        found.moved += 1
+        depth = oracle.deepest(here)
+        found.worst_depth_m = max(found.worst_depth_m, depth)
+        if depth > SUNK:
+            found.faults.append(f"seed {seed}, period {k}: sunk {1e6 * depth:.3g} um")
+        if k in checks and not reason and pieces == 1:
+            rest = oracle.imbalance(before, here)
+            if rest is not None:
+                found.checked += 1
+                found.worst_imbalance = max(found.worst_imbalance, rest)
+                if rest > BALANCED:
+                    found.faults.append(f"seed {seed}, period {k}: no forces, {rest:.3g}")
+        if reason:
+            gave_up = reason == "jammed" and pieces > MOST_PIECES
+            end = "gave up" if gave_up else reason
+            break
+    found.ends[end] += 1

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whatever palms do: nothing sinks in, and there are forces for every motion."""
+
+import copy
+from dataclasses import replace
+
+import numpy as np
+
+from motion_oracle import Moment, Oracle
+from palm_scripts import BALANCED, SUNK, Drive, Found, run, world_of
+
+SCRIPTS = 12
+
+
+def slipperier(oracle: Oracle, by: float) -> Oracle:
+    """The same with this share of the friction."""
+    other = copy.copy(oracle)
+    other.floor = None if oracle.floor is None else by * oracle.floor
+    other.plates = [(*plate[:-1], by * plate[-1]) for plate in oracle.plates]
+    return other
+
+
+def test_nothing_sinks_in_and_forces_balance() -> None:
+    found = Found()
+    for seed in range(SCRIPTS):
+        run(seed, found)
+    assert found.faults == []
+    assert found.checked > 2 * SCRIPTS
+    assert found.ends["gave up"] == 0
+
+
+def test_the_oracle_notices_a_wrong_friction_and_a_wrong_place() -> None:
+    """The same motions, judged with less friction than the world has, and with the object lower."""
+    seen = {"balance": 0, "depth": 0}
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        world, oracle, on_floor = world_of(rng)
+        slippery = slipperier(oracle, 0.5)
+        here = Moment.of(world)
+        drive = Drive(rng, on_floor)
+        for k in range(120):
+            reason, *_, pieces = world.move(*drive.next(k, world.palms))
+            before, here = here, Moment.of(world)
+            if reason:
+                break
+            x, y, turn = here.pose
+            seen["depth"] += oracle.deepest(replace(here, pose=(x, y - 3e-6, turn))) > SUNK
+            if pieces == 1:
+                seen["balance"] += (slippery.imbalance(before, here) or 0.0) > BALANCED
+    assert min(seen.values()) > 50
