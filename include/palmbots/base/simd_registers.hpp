@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -43,9 +44,10 @@ struct Register {
 
   // Conversion from and to bits: bit l belongs to lane l.
   static Truths of(std::uint32_t bits) {
-    Truths found{};
-    for (int l = 0; l < n; ++l) put(found, l, (bits >> l & 1) != 0);
-    return found;
+    return [&]<Int... l>(std::integer_sequence<Int, l...>) {
+      const Truths own = {(Int{1} << l)...};
+      return (Truths)(((Truths{} + static_cast<Int>(bits)) & own) == own);
+    }(std::make_integer_sequence<Int, n>());
   }
   static std::uint32_t bits(Truths truths) {
 #if defined(__AVX__)

@@ -61,11 +61,12 @@ class BitslicedCount {
     }
   }
 
-  // True for the robots whose count is at least that of `that`.
+  // True for the robots whose count is at least that of `that`: the highest plane in which the two
+  // differ decides.
   RobotMask at_least(const BitslicedCount& that) const {
     RobotMask found = ~RobotMask{};
     for (std::size_t k = 0; k < planes; ++k) {
-      found = (planes_[k] & ~that.planes_[k]) | ((planes_[k] | ~that.planes_[k]) & found);
+      found ^= (found ^ planes_[k]) & (planes_[k] ^ that.planes_[k]);
     }
     return found;
   }

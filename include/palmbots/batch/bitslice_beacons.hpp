@@ -39,10 +39,10 @@ class BitslicedBeacons {
     since_booted_.assign(whose, 0);
   }
 
-  // A tick passes, and the robots that run take in what arrives: its content and its age, by which
-  // it counts as late from `stale` on. Returns who received something.
+  // A tick passes, and the robots that run take in what arrives: its content and its age. Returns
+  // who received something.
   [[gnu::always_inline]] RobotMask hear(std::uint64_t tick, RobotMask run, Content& newest,
-                                        BitslicedCounter& age, const BitslicedCounter& stale) {
+                                        BitslicedCounter& age) {
     echo_.increment();
     since_booted_.increment();
     const Row& row = line_[tick % line_.size()];
@@ -52,10 +52,12 @@ class BitslicedBeacons {
     age.assign(whose, row.age);
     age.assign(whose & age.at_least(since_booted_), BitslicedCounter::most);
     echo_.assign(whose, there_and_back_);
-    const RobotMask late = swapped(whose & age.at_least(stale));
-    if (either(late) != 0) [[unlikely]]
-      late_.add(late);
     return whose;
+  }
+  // What these robots received was too old.
+  [[gnu::always_inline]] void count_late(RobotMask whose) {
+    if (either(whose) != 0) [[unlikely]]
+      late_.add(swapped(whose));
   }
 
   // These robots send. The age that the partner will assign to a beacon when it arrives is the time

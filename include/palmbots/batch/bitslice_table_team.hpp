@@ -225,12 +225,12 @@ class BitslicedTableTeam {
     } else if constexpr (is_beacons) {
       age_.increment();
       since_sent_.increment();
-      const RobotMask silent = age_.at_least(stale_);
-      const RobotMask news = mail_.hear(tick, run, newest_, age_, stale_);
-      arrived_ = news;
-      answers_ = news & silent;
+      if constexpr (Beacons::spares) answers_ = age_.at_least(stale_);
+      const RobotMask news = arrived_ = mail_.hear(tick, run, newest_, age_);
+      answers_ &= news;
       if constexpr (has_memory) own_.hear(news, newest_.bit[rests_bit], newest_.bit[ready_bit]);
       const RobotMask silence = heard.message[0] = age_.at_least(stale_);
+      mail_.count_late(news & silence);
       for (std::size_t k = 1; k < Known::count; ++k) {
         heard.message[k] =
             newest_.template first<message_bits>().is(static_cast<MessageKind>(k)) & ~silence;

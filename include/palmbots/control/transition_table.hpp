@@ -105,59 +105,49 @@ template <class B>
   return everywhere<B>();
 }
 
+// The robots in one of these states. in[s] are those in state s; each robot is in one.
+template <class Table, class States, class B>
+[[gnu::always_inline]] constexpr B robots_in(States states, const B (&in)[Table::states]) {
+  using State = typename Table::State;
+  return [&]<std::size_t... s>(std::index_sequence<s...>) {
+    // The fewer states are looked at: these, or the others.
+    const int count = ((states.has(static_cast<State>(s)) ? 1 : 0) + ...);
+    const bool few = 2 * count <= Table::states;
+    B found{};
+    ((states.has(static_cast<State>(s)) == few ? void(found |= in[s]) : void()), ...);
+    return few ? found : opposite(found);
+  }(std::make_index_sequence<Table::states>());
+}
+
 // A step of `these` robots. in[s] are the robots in state s. fits(row) returns the robots to which
 // a row applies, and went(row, whose) is called with the robots that ran it. The loop is unrolled,
 // so that no table remains at run time.
 template <class Table, class B, class Fits, class Went>
 [[gnu::always_inline]] constexpr void step_all(B (&in)[Table::states], const B& these, Fits&& fits,
                                                Went&& went) {
-  using State = typename Table::State;
   constexpr bool each_from_one_state = [] {
     for (const auto& row : Table::rows) {
       if (std::popcount(row.from.bits) != 1) return false;
     }
     return true;
   }();
-  B stay[Table::states];
   B come[Table::states];
-  for (int s = 0; s < Table::states; ++s) {
-    stay[s] = in[s];
-    come[s] = B{};
-  }
-  B idle = these;  // robots that no row has moved yet; used where rows start in several states
+  for (B& state : come) state = B{};
+  B idle = these;  // robots that no row has moved yet
   [&]<std::size_t... i>(std::index_sequence<i...>) {
     const auto run = [&](const auto& row) {
-      B go = fits(row);
-      if constexpr (each_from_one_state) {
-        const auto from = static_cast<std::size_t>(std::countr_zero(row.from.bits));
-        go &= stay[from] & these;
-        stay[from] &= opposite(go);
-      } else {
-        go &= idle;
+      B go = fits(row) & idle;
+      if constexpr (!each_from_one_state) {
         if (is_empty(go)) return;  // as with most rows in most ticks
-        if (row.from != decltype(row.from)::all()) {
-          // The fewer states are looked at: those in which the row starts, or the others.
-          int starts = 0;
-          for (int s = 0; s < Table::states; ++s)
-            starts += row.from.has(static_cast<State>(s)) ? 1 : 0;
-          const bool few = 2 * starts <= Table::states;
-          B there{};
-          for (int s = 0; s < Table::states; ++s) {
-            if (row.from.has(static_cast<State>(s)) == few) there |= in[s];
-          }
-          go &= few ? there : opposite(there);
-        }
-        idle &= opposite(go);
       }
+      go &= robots_in<Table>(row.from, in);
+      idle &= opposite(go);
       come[static_cast<std::size_t>(row.next)] |= go;
       went(row, go);
     };
     (run(Table::rows[i]), ...);
   }(std::make_index_sequence<sizeof(Table::rows) / sizeof(Table::rows[0])>());
-  for (int s = 0; s < Table::states; ++s) {
-    if constexpr (!each_from_one_state) stay[s] &= idle | opposite(these);
-    in[s] = stay[s] | come[s];
-  }
+  for (int s = 0; s < Table::states; ++s) in[s] = (in[s] & (idle | opposite(these))) | come[s];
 }
 
 }  // namespace palmbots

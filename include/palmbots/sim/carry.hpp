@@ -38,10 +38,10 @@ class Carry : public RobotPair<Real, Team> {
 
  public:
   Carry(const Spec& spec, std::uint64_t seed, Team team, Recorder recorder)
-      : Base(spec, seed, std::move(team)), recorder_(std::move(recorder)), bumps_(spec) {
-    const Model<Real> model = model_of<Real>(spec);
-    world_ = world_of(spec, model, seed);
-  }
+      : Base(spec, seed, std::move(team)),
+        recorder_(std::move(recorder)),
+        world_(world_of(spec, model_of<Real>(spec), seed)),
+        bumps_(spec) {}
 
   // To be called before the first tick: checks whether the object is held.
   void begin() { metrics_.reason = world_.check(); }

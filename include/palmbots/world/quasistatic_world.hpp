@@ -17,6 +17,8 @@
 // Source: docs/theory/mechanics.md.
 #pragma once
 
+#include <optional>
+
 #include "palmbots/mechanics/contact_detection.hpp"
 #include "palmbots/world/contact_shapes.hpp"
 #include "palmbots/world/contact_step.hpp"
@@ -135,8 +137,8 @@ class World {
   const Regime& regime() const { return regime_; }
   // Made when first needed: most carries never need them.
   const ContactShapes& shapes() const {
-    if (shapes_.body.count == 0) shapes_ = shapes_of(model_);
-    return shapes_;
+    if (!shapes_) shapes_ = shapes_of(model_);
+    return *shapes_;
   }
   const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
   // Whether the object rests on anything but its two contact vertices.
@@ -416,14 +418,14 @@ class World {
 
   Model<Real> model_{};
   bool rolls_ = false;  // a contact vertex is rounded
-  mutable ContactShapes shapes_{};
+  mutable std::optional<ContactShapes> shapes_;
   bool on_both_ = true;
   double middle_ = 0.0;       // of the pivots, along the floor [m]
   PerSide<double> height_{};  // of the pivots [m]
   bool posed_ = false;        // whether the object may rest on more than its two contact vertices
-  Regime regime_{};           // valid if `posed_`
+  Regime regime_;             // valid if `posed_`
   Pose pose_{};               // valid if `posed_`
-  Neighbourhood around_{};
+  Neighbourhood around_;
   AmbiguousEvents ambiguous_{};
   double separation_ = 0;  // valid if `posed_`; unlike the configuration's, not rounded to Real
   WorldState<Real> state_{};
