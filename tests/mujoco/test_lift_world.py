@@ -194,3 +194,12 @@ def test_an_object_that_turns_over_ends_the_job() -> None:
     at.move((0.0, 0.0), STEEP)
     at.sight()
     assert at.end == "tipping"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["bottle", "carton"])
+@pytest.mark.parametrize("scene", ["plate", "lift"])
+def test_rounded_objects_are_carried_and_lifted(scene: str, name: str) -> None:
+    keys = {"object": name, "task.distance_m": 0.4}
+    done = pb.carry(scene, "shared-sign", world="mujoco", record=False, overrides=keys)
+    assert done.outcome == "delivered"

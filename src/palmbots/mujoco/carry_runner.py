@@ -49,6 +49,7 @@ def run(
     on_tick: Callable[[MujocoWorld], None] | None = None,
     on_progress: Callable[[float], None] | None = None,
     engine: Engine = DEFAULT,
+    start: MujocoWorld | None = None,
 ) -> WorldRun:
     """Run one carry.
 
@@ -60,9 +61,10 @@ def run(
         on_tick: is called with the world at the start and after every tick.
         on_progress: is called now and then with the completed fraction of the distance.
         engine: solver options.
+        start: the world at its start; None: that of the scene.
     """
     scene = prepared.scene
-    world = world_of(scene, engine, measures=record or on_tick is not None)
+    world = start or world_of(scene, engine, measures=record or on_tick is not None)
     core = prepared.controller.for_core(prepared.spec)
     carried = CarriedWorld(world, engine, record)
     crew = _core.CoSimulation(prepared.spec, core, seed, carried.sight(first=True), SLACK)

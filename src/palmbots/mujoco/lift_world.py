@@ -18,7 +18,7 @@ from palmbots._types import SIDES
 from palmbots.mujoco.contact_forces import PalmLoads
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.robot_mjcf import STRONGEST_N, arm_weight
-from palmbots.mujoco.world import TURNED, MujocoWorld
+from palmbots.mujoco.world import HEADING, TURNED, MujocoWorld
 from palmbots.scene.scene import Scene
 
 _PRESS_N = 2.0  # by which an arm presses its nose on the floor, at most; assumed
@@ -36,8 +36,16 @@ class LiftWorld(MujocoWorld):
     """Heights to which the pivots rise or sink in the next `move` [m], at constant rates, and
     whether each arm follows the floor."""
 
-    def __init__(self, scene: Scene, engine: Engine = DEFAULT, measures: bool = True) -> None:
-        """At its start."""
+    def __init__(
+        self,
+        scene: Scene,
+        engine: Engine = DEFAULT,
+        measures: bool = True,
+        headings: Pair = (0.0, 0.0),
+    ) -> None:
+        """`headings`: at which the robots start, and which they keep because they measure their
+        headings with these errors, anticlockwise seen from above [rad]."""
+        self._headings = headings
         self._stands = self._begins_low = getattr(scene.task, "from") == "floor"
         self._slow_s = [0.0, 0.0]
         self._weight = arm_weight(scene)
@@ -81,6 +89,18 @@ class LiftWorld(MujocoWorld):
         self._heights = [self.layout.height + raised for raised in self.layout.raised]
         left, right = self._heights
         self.arms = (left, right), (self._begins_low, self._begins_low)
+        for k, side in enumerate(SIDES):
+            self._turn_robot(m.joint(f"{side}_body").qposadr[0], k)
+
+    def _turn_robot(self, at: int, k: int) -> None:
+        """Turn a robot about its pivot to the heading at which it starts."""
+        q, heading, pivot = self.data.qpos, self._headings[k], self.layout.pivots[k]
+        arm = float(q[at]) - pivot
+        q[at : at + 2] = pivot + arm * math.cos(heading), arm * math.sin(heading)
+        q[at + 3 : at + 7] = math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading)
+
+    def _turning(self, k: int, speed: float) -> float:
+        return super()._turning(k, speed) + HEADING * self._headings[k]
 
     def _adjust_arms(self) -> None:
         """Slides hold the weights where they are."""

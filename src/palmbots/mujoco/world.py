@@ -28,7 +28,7 @@ from palmbots.scene.spec import contact_radii
 
 SLACK = math.radians(0.25)  # a wrist this close to its target has reached it; assumed
 _SETTLE_S = 0.3  # before the carry, until motors and contacts carry the weights
-_HEADING = 5.0  # 1/s, gain with which a robot steers back to its heading
+HEADING = 5.0  # 1/s, gain with which a robot steers back to its heading
 _STICKS = 5e-4  # m/s; a contact that moves more slowly along its palm sticks
 _LET_GO_S = 0.25  # without load on a palm for this long, the object is no longer held
 _PITCHED = math.radians(10)  # a robot that pitches by more than the floor and this has tipped
@@ -326,7 +326,7 @@ class MujocoWorld:
     def _turning(self, k: int, speed: float) -> float:
         """The turning rate with which a robot steers to its heading, anticlockwise seen from
         above [rad/s]."""
-        return -_HEADING * self._yaw(k)
+        return -HEADING * self._yaw(k)
 
     def _distances(self) -> tuple[float, float]:
         """Positions of the pivots along the path, towards +x at the start [m]; here their x."""

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""1000 random jobs on the floor whose end is certain, in both worlds: at least 93 % end alike, and
+at least 60 % of the possible jobs are certain (lift_agreement). In 149 of them, 96 % ended alike
+(docs/reference/mujoco-agreement.md has the differences)."""
+
+from lift_agreement import NEARBY, compare, is_possible, keys_of
+from palmbots.errors import SceneError
+
+STARTS = 1000
+
+
+def can_start(seed: int) -> bool:
+    try:
+        return is_possible(keys_of(seed))
+    except SceneError:  # the object does not stand
+        return False
+
+
+def test_random_jobs_end_alike(soak_seed: int) -> None:
+    assert NEARBY >= 6
+    possible, differ, certain = 0, [], 0
+    seed = 1_000_000 * soak_seed
+    while certain < STARTS:
+        seed += 1
+        if not can_start(seed):
+            continue
+        possible += 1
+        pair = compare(seed)
+        if pair is None:
+            continue
+        certain += 1
+        if not pair.agrees:
+            differ.append(pair)
+    assert certain >= 0.6 * possible
+    assert len(differ) <= 0.07 * STARTS, differ

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Random jobs on the floor in both worlds: do they end alike where the end is certain?
+
+A start has *margin* if in the quasistatic world the job ends alike (success, or what was not
+achieved) under `NEARBY` combinations of small changes: COM ± 2 mm, friction angles of palms and
+floor ± 1°, plate ± 0.2 mm, each with the noise of another seed, so that either robot may be the
+first one. The quasistatic world does not limit forces. Jobs that the product refuses, or would if
+the robots pushed with 0.9 of their force, are therefore no starts. Nor are those for which it warns
+that corrections may never centre both contacts on the floor (property 1): they end by chance.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import palmbots._core as _core
+from palmbots.control.registry import resolve
+from palmbots.errors import SceneError
+from palmbots.mechanics.lifting import check_lift, lifting
+from palmbots.mechanics.load_limits import check_load
+from palmbots.mujoco.carry_runner import run
+from palmbots.mujoco.lift_world import LiftWorld
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.simulation.floor_job import floor_job
+from palmbots.simulation.prepare import Prepared
+from palmbots.simulation.worlds import world_entry
+from random_lifts import random_lift
+
+CONTROLLER = "shared-sign"
+MOST_YAW_DEG = 2.0
+NEARBY = 6
+_SHARE = 0.9  # of the force limits
+_FIXED = {
+    "mujoco.palm_torque_n_m": 1.0,  # wrists that hold the objects at the end of a palm
+    "task.distance_m": 0.1,
+    "task.timeout_s": 60.0,
+}
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One start in both worlds."""
+
+    seed: int
+    yaw_deg: tuple[float, float]
+    exact: str
+    """``delivered``, or what was not achieved."""
+    mujoco: str
+
+    @property
+    def agrees(self) -> bool:
+        return self.exact == self.mujoco
+
+
+def end_of(scene: Scene, measured: Any) -> str:
+    return floor_job(scene, measured).failure or "delivered"
+
+
+def exact_end(keys: dict[str, Any], seed: int) -> str:
+    scene = load_scene("lift", keys)
+    return end_of(scene, _core.run(to_spec(scene), CONTROLLER, seed, "double", False))
+
+
+def mujoco_end(keys: dict[str, Any], seed: int, yaw_deg: tuple[float, float]) -> str:
+    """The same in MuJoCo, where robots stand askew; no check before the start."""
+    scene = load_scene("lift", keys)
+    ready = Prepared(
+        scene, resolve(CONTROLLER), world_entry("mujoco"), to_spec(scene), None, warnings=()
+    )
+    headings = math.radians(yaw_deg[0]), math.radians(yaw_deg[1])
+    start = LiftWorld(scene, measures=False, headings=headings)
+    return end_of(scene, run(ready, seed, start=start).measured)
+
+
+def is_possible(keys: dict[str, Any]) -> bool:
+    """Whether the product neither refuses the job, also with robots that push less, nor warns that
+    corrections on the floor may never end."""
+    scene = load_scene("lift", keys)
+    try:
+        check_load(scene)
+        check_lift(scene)
+    except SceneError:
+        return False
+    found = lifting(scene)
+    assert found is not None
+    return 1 in found.on_floor and all(
+        need <= _SHARE * palm.push_n
+        for palm in found.palms.values()
+        for need in (palm.squeeze_n, palm.second_n)
+    )
+
+
+def keys_of(seed: int) -> dict[str, Any]:
+    return random_lift(seed) | _FIXED
+
+
+def nearby(keys: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
+    """The start with each of the small changes, at random in one direction or the other."""
+    one = {name: float(rng.choice((-1.0, 1.0))) for name in ("com", "palm", "floor", "plate")}
+    x, y = keys["object.com_m"]
+    nose = max(0.0, keys["palm.nose_m"] + 0.0002 * one["plate"])
+    return keys | {
+        "object.com_m": [x + 0.002 * one["com"], y],
+        "palm.friction": turned(keys["palm.friction"], one["palm"]),
+        "floor.friction": turned(keys["floor.friction"], one["floor"]),
+        "palm.nose_m": nose,
+        "palm.thickness_m": max(nose, keys["palm.thickness_m"] + 0.0002 * one["plate"]),
+    }
+
+
+def turned(friction: float, by_deg: float) -> float:
+    return math.tan(math.atan(friction) + math.radians(by_deg))
+
+
+def start_of(seed: int) -> tuple[dict[str, Any], str] | None:
+    """The keys of a start with margin, and its end in the quasistatic world; None: no margin."""
+    keys = keys_of(seed)
+    rng = np.random.default_rng(seed)
+    try:
+        if not is_possible(keys):
+            return None
+        end = exact_end(keys, seed)
+        for other in range(seed + 1, seed + 1 + NEARBY):
+            if exact_end(nearby(keys, rng), other) != end:
+                return None
+    except SceneError:  # the object does not stand, or a change leads out of a range
+        return None
+    return keys, end
+
+
+def yaw_of(seed: int) -> tuple[float, float]:
+    left, right = np.random.default_rng(seed).uniform(-MOST_YAW_DEG, MOST_YAW_DEG, 2).tolist()
+    return left, right
+
+
+def compare(seed: int) -> Pair | None:
+    """A start in both worlds; None: it has no margin."""
+    start = start_of(seed)
+    if start is None:
+        return None
+    keys, end = start
+    return Pair(seed, yaw_of(seed), end, mujoco_end(keys, seed, yaw_of(seed)))
