@@ -57,6 +57,20 @@ def test_schema_is_printed(here: Run) -> None:
     assert short.stdout.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    "options", [{"friction": (0.05, 0.5)}, {"claims": ["clearance"], "shallow_deg": (0.0, 5.0)}]
+)
+def test_schema_of_certify_describes_every_witness(options: Any) -> None:
+    schema = Draft202012Validator(schema_of("certify"))
+    table = plain(pb.certify("paper", **options).summary())
+    assert table["verdict"] == "fails"
+    schema.validate(table)
+    for key in table["witness"]:
+        damaged = copy.deepcopy(table)
+        del damaged["witness"][key]
+        assert not schema.is_valid(damaged)
+
+
 @pytest.mark.parametrize("name", built_in_scenes())
 def test_built_in_scenes_and_their_dumps_validate(name: str) -> None:
     SCENES.validate(read_scene(name)[1])

@@ -67,7 +67,7 @@ def test_damage_and_reports_are_counted(tmp_path: Path) -> None:
         names = ("sent", "received", "radio_full", "serial_full", "radio_damaged")
         expected = dict(zip((*names, "serial_damaged"), range(1, 7), strict=True))
         details = link.details
-        assert details["bridge"] == expected
+        assert details["bridge"]._asdict() == expected
         assert (details["damaged"], details["unknown"], details["open"]) == (2, 1, True)
         link.close()
 

@@ -23,6 +23,7 @@ from typing import Any, Literal
 from palmbots._types import MaybeNaN
 from palmbots._util import process_clock
 from palmbots.wire import Role, Status
+from palmbots.wire.serial_frames import BridgeReport
 
 Stamp = tuple[int, int]
 """Epoch and sequence number of a packet."""
@@ -70,7 +71,7 @@ class LinkCounts:
     left: EndCounts | None = None
     right: EndCounts | None = None
     station: EndCounts | None = None
-    details: dict[str, Any]
+    details: dict[str, bool | int | float | str | BridgeReport | None]
     """What the link says about itself."""
 
 

@@ -47,14 +47,13 @@ class SerialLink:
     @property
     def details(self) -> dict[str, Any]:
         """What the line, and the bridge at its end, have lost."""
-        bridge = None if self._report is None else self._report._asdict()
         return {
             "open": self._line.is_open,
             "times_opened": self._line.times_opened,
             "dropped": self._line.dropped,
             "damaged": self._line.damaged,
             "unknown": self._unknown,
-            "bridge": bridge,
+            "bridge": self._report,
         }
 
     def close(self) -> None:

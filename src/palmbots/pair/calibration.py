@@ -8,7 +8,7 @@ step uses what the earlier ones have found.
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, TypedDict
 
 from palmbots.drivers.hardware import HardwareParameters, servo_angle
 from palmbots.errors import PalmbotsError
@@ -89,7 +89,15 @@ def calibrate(
     return found
 
 
-def values_of(findings: Iterable[Finding]) -> dict[str, Any]:
+class ZoneTable(TypedDict):
+    """A switch as in the file."""
+
+    sign: Literal["-", "0", "+"]
+    from_m: float
+    to_m: float
+
+
+def values_of(findings: Iterable[Finding]) -> dict[str, float | list[ZoneTable]]:
     """What is to be written, by key, as plain values."""
     written = {one.key: one.value for one in findings if one.value is not None}
     return {

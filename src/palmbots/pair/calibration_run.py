@@ -5,7 +5,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from palmbots._types import Interval, Side
 from palmbots._util.arguments import show
@@ -16,7 +15,7 @@ from palmbots._util.results import Result
 from palmbots.clocks.control_clock import ControlClock
 from palmbots.drivers.driver import RawAccess
 from palmbots.errors import PalmbotsError
-from palmbots.pair.calibration import STEPS, Finding, Task, calibrate, values_of
+from palmbots.pair.calibration import STEPS, Finding, Task, ZoneTable, calibrate, values_of
 from palmbots.pair.calibration_bench import Machine, Person
 from palmbots.pair.pair_edit import write_hardware
 from palmbots.pair.pair_file import Pair
@@ -39,7 +38,7 @@ class CalibrationRun(Result):
     """What the values mean for the scene."""
 
     @derived
-    def hardware(self) -> dict[str, Any]:
+    def hardware(self) -> dict[str, float | list[ZoneTable]]:
         """What was written, by key."""
         return values_of(self.findings)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What people read of a certificate."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from palmbots._types import SIDES
@@ -30,7 +30,7 @@ def certificate_lines(certificate: "Certificate") -> Iterator[Item]:
         yield "where both palms have the same friction, it holds: --common-friction"
 
 
-def _witness(witness: dict[str, Any]) -> Iterator[Item]:
+def _witness(witness: Mapping[str, Any]) -> Iterator[Item]:
     """The point at which a claim fails, and how."""
     name = witness["claim"]
     if witness["fails"] == "clearance":

@@ -46,6 +46,11 @@ from palmbots.stability.certificates.obligations import (
     obligations,
 )
 from palmbots.stability.certificates.parameter_box import ParameterBox, text
+from palmbots.stability.certificates.proof_tables import (
+    Bisection,
+    ClearanceWitness,
+    ConditionWitness,
+)
 from palmbots.stability.problem import region_of
 
 _FORMAT = "palmbots certificate 4"
@@ -88,12 +93,12 @@ class Certificate(Result):
         return self.data["box"]
 
     @derived
-    def proof(self) -> dict[str, Any] | None:
+    def proof(self) -> dict[str, Bisection] | None:
         """The bisections of each obligation; None: the claims are not proved."""
         return self.data.get("proof")
 
     @derived
-    def witness(self) -> dict[str, Any] | None:
+    def witness(self) -> ConditionWitness | ClearanceWitness | None:
         """A point of the box at which a claim fails; None: none was found."""
         return self.data.get("witness")
 
