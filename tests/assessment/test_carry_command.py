@@ -12,12 +12,12 @@ OVERRUN = {
 
 
 def test_early_warnings_are_told_or_else_listed() -> None:
-    told: list[str] = []
-    found = pb.carry_and_report(overrides=OVERRUN, seeds=1, on_warning=told.append)
-    assert told and found.warnings[: len(told)] == tuple(told)
+    reported: list[str] = []
+    found = pb.carry_and_report(overrides=OVERRUN, seeds=1, on_warning=reported.append)
+    assert reported and found.warnings[: len(reported)] == tuple(reported)
     listed = pb.carry_and_report(overrides=OVERRUN, seeds=1)
     assert listed == found
-    for text in told:
+    for text in reported:
         assert text not in repr(found) and text in repr(listed)
 
 
