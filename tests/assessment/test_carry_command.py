@@ -11,7 +11,7 @@ OVERRUN = {
 }  # fmt: skip
 
 
-def test_early_warnings_are_told_or_else_listed() -> None:
+def test_early_warnings_are_reported_or_else_listed() -> None:
     reported: list[str] = []
     found = pb.carry_and_report(overrides=OVERRUN, seeds=1, on_warning=reported.append)
     assert reported and found.warnings[: len(reported)] == tuple(reported)
