@@ -42,6 +42,7 @@ CALLS: dict[str, dict[str, Any]] = {
                "overrides": SHORT},
     "bound": {"speeds": "corrections", "drop_rate": 0.25, "overrides": SHORT},
     "carry": {"seed": 3, "forks": ((1.5, 4), (2, 5)), "overrides": {**SHORT, **KEYS}},
+    "carry_and_report": {"seed": 3, "seeds": 3, "forks": ((1.5, 4), (2, 5)), "overrides": SHORT},
     "certify": {"max_boxes": 1000, "region_m": (-0.03125, 0.03125), "beyond_m": 0.0,
                 "friction": (0.3125, 0.3125)},
     "compare": {"values": [0, 0.25], "carries": 3, "seed": 2, "overrides": SHORT},

@@ -111,7 +111,7 @@ def test_report_of_the_command_and_what_takes_long(here: Run, tmp_path: Path) ->
     (tmp_path / "swing.py").write_text(SWING)
     short = ("-c", str(tmp_path / "swing.py") + ":Swing", "--set", "task.distance_m=0.1")
     text = here("carry", *short).stdout
-    assert "--seeds 100 --set task.distance_m=0.1" in text
+    assert "palmbots carry paper --set task.distance_m=0.1" in text and "--seeds 100" in text
     own = json.loads(here("carry", *short, "--seeds", "3", "--json").stdout)["scene_statistics"]
     assert own["own"]["carries"] == 3
     with pytest.raises(pb.PalmbotsError, match="seeds: none given"):

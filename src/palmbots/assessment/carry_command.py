@@ -29,7 +29,7 @@ from palmbots.stability.scene_limits import self_check
 
 Film: TypeAlias = Literal["gif", "mp4", "none"] | None
 Forks: TypeAlias = list[tuple[float, int]] | None
-Notify: TypeAlias = Callable[..., None] | None
+Hook: TypeAlias = Callable[..., None] | None
 Place: TypeAlias = FilePath | None
 
 _SEEDS = 100  # none of 100 is less than 3 % with 95 %
@@ -64,9 +64,9 @@ def carry_and_report(
     video: bool = False,
     view: bool = False,
     force: bool = False,
-    on_warning: Notify = None,
-    on_item: Notify = None,
-    on_stage: Notify = None,
+    on_warning: Hook = None,
+    on_item: Hook = None,
+    on_stage: Hook = None,
 ) -> Carried:
     """Carry the object once and report the result.
 
