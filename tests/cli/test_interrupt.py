@@ -207,6 +207,30 @@ def test_ended_where_exceptions_are_lost(
     assert (result.returncode, result.stdout, result.stderr) == end
 
 
+@ENDS
+def test_ended_while_the_lost_exception_is_reported(
+    number: str, end: tuple[int, str, str], tmp_path: Path
+) -> None:
+    """On a busy machine the signal comes again before Python has left the hook that sends it."""
+    slow = """
+import threading, time
+
+class Timer(threading.Timer):
+    def start(self):
+        super().start()
+        time.sleep(delays.pop() if delays else 0)
+
+delays, threading.Timer = [0.1], Timer
+"""
+    code = slow + IN_DESTRUCTOR.replace("SIGINT", number)
+    words = ["palmbots.robot.live_robot", "robot", str(new_pair(tmp_path)), "--side", "left"]
+    result = subprocess.run(
+        [sys.executable, "-c", code, *words],
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert (result.returncode, result.stdout, result.stderr) == end
+
+
 def test_interrupted_where_exceptions_are_lost_before_a_command(tmp_path: Path) -> None:
     words = ["typer", "robot", str(new_pair(tmp_path)), "--side", "left"]
     result = subprocess.run(

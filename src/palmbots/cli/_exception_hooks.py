@@ -30,14 +30,14 @@ def install_exception_hooks() -> None:
     printed: set[str] = set()
 
     def report(what: str, error: BaseException | None, trace: TracebackType | None) -> None:
-        from palmbots.control.own_code import show_error
-
         if isinstance(error, KeyboardInterrupt):
             _send_again(signal.SIGINT)
             return
         if isinstance(error, SystemExit) and _heard == signal.SIGTERM:
             _send_again(signal.SIGTERM)
             return
+        from palmbots.control.own_code import show_error
+
         text = "an unknown error" if error is None else show_error(error)
         fault = text + _place(trace)
         if fault not in printed:
@@ -72,7 +72,7 @@ def heard_signal() -> int | None:
 def _end(number: int, frame: FrameType | None) -> None:
     global _heard
     _heard = number
-    if _imports_compiled(frame):
+    if _would_be_lost(frame):
         _send_again(number)
     elif number == signal.SIGTERM:
         leave(number, frame)
@@ -80,9 +80,12 @@ def _end(number: int, frame: FrameType | None) -> None:
         signal.default_int_handler(number, frame)
 
 
-def _imports_compiled(frame: FrameType | None) -> bool:
-    """Whether the import of a compiled module is under way."""
+def _would_be_lost(frame: FrameType | None) -> bool:
+    """Whether a compiled module is being imported, or a hook of this file runs, such as the one that
+    sends the signal once more."""
     while frame is not None:
+        if frame.f_code.co_filename == __file__:
+            return True
         is_import = frame.f_code.co_name in ("create_module", "exec_module")
         if is_import and isinstance(frame.f_locals.get("self"), ExtensionFileLoader):
             return True
