@@ -81,8 +81,8 @@ def _end(number: int, frame: FrameType | None) -> None:
 
 
 def _would_be_lost(frame: FrameType | None) -> bool:
-    """Whether a compiled module is being imported, or a hook of this file runs, such as the one that
-    sends the signal once more."""
+    """Whether a compiled module is being imported, or a hook of this file runs, as when a signal is
+    sent once more."""
     while frame is not None:
         if frame.f_code.co_filename == __file__:
             return True
