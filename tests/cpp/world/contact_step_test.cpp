@@ -167,8 +167,10 @@ ContactStepResult step(Scene& s, Regime& regime, double slope, const PalmPose (&
                        double share) {
   const ContactProblem problem{s.shapes, slope, 0.0, false};
   const Travel travel = travel_of(s, by, share);
+  AmbiguousEvents ambiguous;
+  const double rounding = 1e-14 * s.shapes.size;
   const ContactStepResult done =
-      ContactStep(problem, travel, s.pose, regime, s.around, 1e-14 * s.shapes.size, [](double) {
+      ContactStep(problem, travel, s.pose, regime, s.around, ambiguous, rounding, [](double) {
       }).run();
   for (const std::size_t side : {left, right}) {
     s.palms[side].pivot.x += done.fraction * travel.palms[side].by.x;
@@ -326,8 +328,9 @@ void two_vertices(int scenes) {
       pose.at = vertex[left] - pose.to_world({-model.object.com_left, -model.object.com_height});
       Regime regime{};
       Neighbourhood around;
+      AmbiguousEvents ambiguous;
       const ContactStepResult done =
-          ContactStep(problem, travel, pose, regime, around, 1e-13, [](double) {}).run();
+          ContactStep(problem, travel, pose, regime, around, ambiguous, 1e-13, [](double) {}).run();
       CHECK(done.reason == DropReason::none && regime.count == 2);
       for (const std::size_t side : {left, right}) {
         const double place = problem.contact(travel.frames(1), pose, shapes.own[side]).place;
