@@ -4,7 +4,7 @@
 The object is a set of circles (its corners; sharp ones have radius 0) and the straight lines
 between them, a palm is a plate with a heel, and the floor is y = 0. From two poses a short time
 apart follow the contacts that persist and how each of them moved. Forces in the corresponding edges
-of their friction cones must balance the weight: a linear program (non-negative least squares).
+of their friction cones must balance the weight, as non-negative least squares decides.
 """
 
 import math
@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 Face = tuple[int, np.ndarray, np.ndarray, float, np.ndarray, float]
+Edge = tuple[np.ndarray, np.ndarray, np.ndarray]
 OUT = (-1.0, 1.0)
 TOUCHES = 2e-9  # gap of a contact at both ends of a motion [m]
 SLIPS = 1e-3  # of the motion: more is slip, a tenth of it is none
@@ -68,9 +69,7 @@ class Oracle:
             for palm in spec.palms
         ]
         n = len(self.corners)
-        self.edges: list[
-            tuple[np.ndarray, np.ndarray, np.ndarray]
-        ] = []  # both ends, outward normal
+        self.edges: list[Edge] = []  # both ends, outward normal
         for k in range(n if n > 1 else 0):
             (a, r), (b, s) = self.corners[k], self.corners[(k + 1) % n]
             # The line that touches both circles on the outside of an anticlockwise outline.
@@ -91,9 +90,7 @@ class Oracle:
             np.array([-OUT[side] * math.sin(t), math.cos(t)]),
         )
 
-    def _faces(
-        self, at: Moment
-    ) -> list[tuple[int, np.ndarray, np.ndarray, float, np.ndarray, float]]:
+    def _faces(self, at: Moment) -> list[Face]:
         """Carrier, start, direction, length, normal and friction of every flat face."""
         faces = []
         for side in (0, 1):
@@ -120,7 +117,7 @@ class Oracle:
                 tips.append((side, pivot + x * along + (offset + y) * across, friction))
         return tips
 
-    def _placed(self, at: Moment) -> tuple[list[tuple[np.ndarray, float]], list[Any]]:
+    def _placed(self, at: Moment) -> tuple[list[tuple[np.ndarray, float]], list[Edge]]:
         x, y, turn = at.pose
         rotation = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
         com = np.array([x, y])
