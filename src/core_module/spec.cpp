@@ -15,6 +15,7 @@
 #include "palmbots/sim/object_frame.hpp"
 #include "palmbots/sim/plate_section.hpp"
 #include "palmbots/sim/spec_bytes.hpp"
+#include "palmbots/sim/wheel_errors.hpp"
 
 namespace palmbots::bindings {
 
@@ -246,18 +247,6 @@ void bind_spec(nb::module_& m) {
           nb::arg("interval"), nb::arg("kind"), nb::arg("delays"),
           "The radio replays the fates of packets sent at this interval [s]: delays [s], negative "
           "if lost. kind: 0 only losses, 1 in addition to the latency, 2 in place of all delays.")
-      .def(
-          "recorded_error",
-          [](const Spec& s, std::size_t side, std::uint64_t seed, std::uint32_t tick) {
-            if (side > 1) throw std::invalid_argument("a side");
-            PerSide<ErrorReplay> replays;
-            const double speed = SpeedErrors::recorded(s, seed, tick, replays)[side];
-            return std::pair(SpeedErrors::gain(s, seed, side), speed);
-          },
-          nb::arg("side"), nb::arg("seed"), nb::arg("tick"),
-          "The gain of a robot, and the speed that its recording adds in a tick, along the "
-          "direction "
-          "of travel [m/s].")
       .def_prop_ro(
           "is_replayed",
           [](const Spec& s) {
@@ -275,6 +264,16 @@ void bind_spec(nb::module_& m) {
           "All numbers of the spec. Equal specs have equal bytes, on every machine.")
       .def_static("list_from_bytes", &specs_of, nb::arg("bytes"),
                   "The specs of which these are the bytes, one after the other.");
+
+  nb::class_<WheelErrors>(m, "WheelErrors",
+                          "The errors of one robot's wheels, as a carry with this seed has them.")
+      .def(nb::init<const Spec&, std::size_t, std::uint64_t>(), nb::arg("spec"), nb::arg("side"),
+           nb::arg("seed"))
+      .def("step", &WheelErrors::step,
+           "The error of wheels that drive, in the next tick, along the direction of travel [m/s].")
+      .def_prop_ro("held", &WheelErrors::held,
+                   "The speed in that tick of wheels that brakes hold [m/s].")
+      .def_prop_ro("gain", &WheelErrors::gain, "Actual speed per commanded speed [1].");
 }
 
 }  // namespace palmbots::bindings

@@ -49,16 +49,25 @@ def test_a_wheel_covers_what_its_size_gives() -> None:
     assert right == pytest.approx(0.06 * 1.1 * 0.98)
 
 
-@pytest.mark.parametrize("gain", ["carry", "segment"])
+ERRORS: dict[str, dict[str, Any]] = {
+    "noise": {},
+    "all": {"robot.gain": 1.04, "robot.gain_sd": 0.03, "robot.bias_m_s": 0.01,
+            "robot.white_noise_m_per_sqrt_s": 0.002, "robot.standing_noise_m_s": 0.004},
+    "carry": {"robot.error_trace": ..., "robot.trace_gain": "carry", "robot.bias_m_s": 0.01},
+    "segment": {"robot.error_trace": ..., "robot.trace_gain": "segment", "robot.bias_m_s": 0.01},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("errors", ERRORS)
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_recorded_errors_are_those_of_a_carry_with_the_same_seed(
-    gain: str, side: Side, tmp_path: Path
+def test_errors_are_those_of_a_carry_with_the_same_seed(
+    errors: str, side: Side, tmp_path: Path
 ) -> None:
     """The right robot looks back, so its wheels roll backwards."""
     slopes = 0.001 * np.arange(-3, 4)
     segments = [slope * 0.1 * np.arange(8) for slope in slopes]
     file = error_trace(tmp_path / "errors.csv", segments, 0.1, 1 + 0.01 * np.arange(7))
-    keys = {"robot.error_trace": file, "robot.trace_gain": gain, "robot.bias_m_s": 0.01}
+    keys = {key: file if value is ... else value for key, value in ERRORS[errors].items()}
     scene = pb.load_scene("paper", keys)
     carry = pb.carry(scene, "none", seed=3)
     assert carry.trace is not None
@@ -66,8 +75,18 @@ def test_recorded_errors_are_those_of_a_carry_with_the_same_seed(
     one = ImperfectRobot(Imperfections().of(side), scene, side, 3)
     forward = 1 if side == "left" else -1
     command = RawCommand((forward * 0.06 / RIM, forward * 0.06 / RIM))
-    found = [one.move(command) for _ in range(200)]
+    found = [one.move(command) for _ in range(len(wanted))]
+    assert len(found) > 50
     assert np.array(found)[20:] * forward == pytest.approx(np.column_stack([wanted] * 2)[20:])
+
+
+def test_brakes_leave_the_share_of_the_noise_that_the_scene_states() -> None:
+    scene = pb.load_scene("paper", {"robot.standing_noise_m_s": 0.004})
+    driven, braked = (ImperfectRobot(Imperfections().of("left"), scene, "left", 3) for _ in "ab")
+    for _ in range(50):
+        rim = driven.move(RawCommand((0.06 / RIM, 0.06 / RIM)))[0]
+        creep = braked.move(RawCommand((0.0, 0.0)))[0]
+    assert creep == pytest.approx(0.4 * (rim - 0.06)) != 0
 
 
 def test_dead_zone_and_stiction() -> None:

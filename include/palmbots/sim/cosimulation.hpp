@@ -115,7 +115,7 @@ class CoSimulation : public RobotPair<double, Team> {
     const PerSide<RobotObservation> sensed = sense();
     if (notice(sensed)) think([&](const SentMessage& p) { recorder_.message(p); });
     if (tick_ % block_ticks == 0) collect();
-    const PerSide<double> random = noise();
+    const PerSide<double> random = this->noise();
     statistics_.add(observation_.touched);
     change_biases();
     this->let_palms_fall();
@@ -140,18 +140,9 @@ class CoSimulation : public RobotPair<double, Team> {
   const ObservedWorld& world() const { return world_; }
 
  private:
-  using Base::collect, Base::drop, Base::finish_tick, Base::notice, Base::change_biases, Base::rank;
+  using Base::collect, Base::drop, Base::finish_tick, Base::notice, Base::change_biases;
   using Base::metrics_, Base::robots_, Base::seed_, Base::statistics_, Base::think, Base::tick_;
   using Base::read;
-
-  // The words of a tick as `Carry` draws them: a draw of four words serves two robots for two
-  // ticks.
-  PerSide<double> noise() const {
-    const Words words = draw(seed_, tick_ - tick_ % 2, Stream::noise);
-    const std::size_t first = 2 * (tick_ % 2);
-    return {unit_noise<double>(words[first + rank(left)]),
-            unit_noise<double>(words[first + rank(right)])};
-  }
 
   void finish() {
     recorder_.make_room();

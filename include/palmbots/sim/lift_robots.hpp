@@ -179,14 +179,6 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
     if (records_) heights_.push_back(heights);
   }
 
-  // The words of a tick as `Carry` draws them.
-  PerSide<double> noise() const {
-    const Words words = draw(seed_, tick_ - tick_ % 2, Stream::noise);
-    const std::size_t first = 2 * (tick_ % 2);
-    return {unit_noise<double>(words[first + rank(left)]),
-            unit_noise<double>(words[first + rank(right)])};
-  }
-
   TraceRecorder recorder_;
   PerSide<double> height_{};   // of the pivots, as commanded [m]
   std::uint32_t stalled_ = 0;  // ticks in which wheels stalled

@@ -127,6 +127,9 @@ class RobotPair {
     return found;
   }
 
+  // The random numbers of the wheels' noise in this tick, where blocks of ticks do not draw them.
+  PerSide<double> noise() const { return SpeedErrors::noise(spec_, seed_, tick_); }
+
   // To be called in every tick, before the wheels move.
   [[gnu::always_inline]] void change_biases() {
     if (tick_ < next_bias_change_) [[likely]]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of the robots' speeds that are drawn apart from the Ornstein–Uhlenbeck noise: the gain, once
-// for a carry, and the white part of the noise, once for a tick. A recording takes the place of all.
+// Errors of the robots' speeds: random numbers of the Ornstein–Uhlenbeck noise, the gain, drawn once
+// for a carry, and the white part of the noise, drawn once for a tick. A recording takes the place of
+// all.
 //
 // The white part of a tick is constant during the tick, and independent of those of other ticks: after
 // the time t it has displaced the robot by q √t, as a standard deviation. The leading robot draws the
@@ -47,15 +48,18 @@ struct SpeedErrors {
     return robot.gain + robot.gain_sd * deviation;
   }
 
-  // The white part of both robots' speeds in a tick, along the direction of travel [m/s]. A draw of
-  // four words serves two robots for two ticks.
+  // The random numbers of the Ornstein–Uhlenbeck noise in a tick: mean 0, variance 1.
+  static PerSide<double> noise(const Spec& spec, std::uint64_t seed, std::uint32_t tick) {
+    return of_tick(spec, seed, tick, Stream::noise);
+  }
+
+  // The white part of both robots' speeds in a tick, along the direction of travel [m/s].
   static PerSide<double> white(const Spec& spec, std::uint64_t seed, std::uint32_t tick) {
     PerSide<double> speeds{};
     if (!has_white(spec)) return speeds;
-    const Words words = draw(seed, tick - tick % 2, Stream::white_noise);
+    speeds = of_tick(spec, seed, tick, Stream::white_noise);
     for (const std::size_t side : {left, right}) {
-      const double spread = modelled(spec.robots[side]).white_noise / std::sqrt(spec.period);
-      speeds[side] = spread * unit_noise<double>(words[2 * (tick % 2) + rank(spec, side)]);
+      speeds[side] *= modelled(spec.robots[side]).white_noise / std::sqrt(spec.period);
     }
     return speeds;
   }
@@ -78,6 +82,14 @@ struct SpeedErrors {
   }
 
  private:
+  // A draw of four words serves two robots for two ticks.
+  static PerSide<double> of_tick(const Spec& spec, std::uint64_t seed, std::uint32_t tick,
+                                 Stream::Number stream) {
+    const Words words = draw(seed, tick - tick % 2, stream);
+    const std::size_t first = 2 * (tick % 2);
+    return {unit_noise<double>(words[first + rank(spec, left)]),
+            unit_noise<double>(words[first + rank(spec, right)])};
+  }
   static bool has_white(const Spec& spec) {
     return modelled(spec.robots[left]).white_noise > 0 ||
            modelled(spec.robots[right]).white_noise > 0;

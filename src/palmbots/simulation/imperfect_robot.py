@@ -2,14 +2,13 @@
 """Motors and sensors of one simulated robot with imperfections (`ImperfectRobot`).
 
 A motor turns at the commanded rate less the dead zone, and starts only against stiction. The gain,
-the noise and the bias of the scene's robots are errors of the motors: encoders count them.
+the noise and the bias of the scene's robots are errors of the motors, with the random numbers of a
+carry with the same seed: encoders count them.
 """
 
-import functools
 import math
-import random
-from collections.abc import Callable
 
+from palmbots._core import WheelErrors
 from palmbots._types import SIDES, Side
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.scene.robot_section import Zone
@@ -18,13 +17,6 @@ from palmbots.scene.spec import to_spec
 from palmbots.simulation.imperfections import ImperfectionParameters
 
 REST = RawCommand((0.0, 0.0))
-_NO_ERRORS = {
-    "gain_sd": 0.0,
-    "noise_m_s": 0.0,
-    "standing_noise_m_s": 0.0,
-    "white_noise_m_per_sqrt_s": 0.0,
-    "bias_m_s": 0.0,
-}
 
 
 def zones_of(scene: Scene, side: Side) -> tuple[Zone, ...]:
@@ -51,27 +43,11 @@ class ImperfectRobot:
 
     def __init__(self, params: ImperfectionParameters, scene: Scene, side: Side, seed: int) -> None:
         self._params = params
-        robot, palm = scene.robot_of(side), scene.palm_of(side)
-        self._recorded: Callable[[int], tuple[float, float]] | None = None
-        if robot.error_trace is not None:
-            recorded = to_spec(scene, unrolled=True).recorded_error
-            self._recorded = functools.partial(recorded, SIDES.index(side), seed)
-            robot = robot.model_copy(update=_NO_ERRORS)
-        self._tick = 0
+        palm = scene.palm_of(side)
+        self._errors = WheelErrors(to_spec(scene, unrolled=True), SIDES.index(side), seed)
         self._period_s = scene.control.period_s
         leads = (side == "right") == (scene.task.direction == "forward")
-        self._chance = random.Random(f"{seed} {'leader' if leads else 'follower'}")
-        self._memory = math.exp(-self._period_s / robot.noise_tau_s)
-        self._spread_m_s = robot.noise_m_s
-        kept = min(robot.standing_noise_m_s, robot.noise_m_s)
-        self._creep = kept / robot.noise_m_s if kept else 0.0
-        self._noise_m_s = robot.noise_m_s * self._chance.gauss(0, 1)
-        self._gain = robot.gain
-        if robot.gain_sd:
-            self._gain += robot.gain_sd * self._chance.gauss(0, 1)
-        self._white_m_s = robot.white_noise_m_per_sqrt_s / math.sqrt(self._period_s)
-        self._sense = -1 if leads else 1
-        self._bias_m_s = self._sense * robot.bias_m_s
+        self._sense = -1 if leads else 1  # of its forward direction, along the direction of travel
         self._palm_rate = math.radians(palm.rate_deg_s)
         self._zones = zones_of(scene, side) if params.switches is None else params.switches
         self._rates = [0.0, 0.0]  # of the wheels [rad/s]
@@ -111,18 +87,11 @@ class ImperfectRobot:
             self._rates[wheel] = max(rate - most, min(rate + most, target))
         self._is_turning = any(self._rates)
         self._turning_s += self._period_s * self._is_turning
-        self._noise_m_s *= self._memory
-        drive = self._spread_m_s * math.sqrt(1 - self._memory**2)
-        self._noise_m_s += drive * self._chance.gauss(0, 1)
-        white = self._white_m_s * self._chance.gauss(0, 1) if self._white_m_s else 0.0
-        if self._recorded is not None:
-            self._gain, recorded = self._recorded(self._tick)
-            self._bias_m_s = self._sense * recorded
-            self._tick += 1
-        error = (self._bias_m_s + self._noise_m_s + white) / params.wheel_radius_m
-        creep = self._creep * self._noise_m_s / params.wheel_radius_m
+        error = self._sense * self._errors.step() / params.wheel_radius_m
+        creep = self._sense * self._errors.held / params.wheel_radius_m
+        gain = self._errors.gain
         left, right = (
-            rim * (self._gain * rate + error if rate else creep)  # brakes hold a wheel that rests
+            rim * (gain * rate + error if rate else creep)  # brakes hold a wheel that rests
             for rim, rate in zip(self.rims, self._rates, strict=True)
         )
         self._turn(command.servo_rad)
