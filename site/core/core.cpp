@@ -187,10 +187,10 @@ PAGE_EXPORT(warnings_before) const char* page_warnings_before(std::uint32_t cont
   return answer_text.c_str();
 }
 
-// The places (placement.hpp) at a row of a carry, which the input holds.
+// The places (sim/placement.hpp) at a row of a carry, which the input holds.
 PAGE_EXPORT(places) const double* places() {
   const double* row = given.data();
-  page::Pose pose{};
+  PairPose pose{};
   for (const std::size_t side : {left, right}) {
     pose.configuration.contacts[side] = row[1 + side];
     pose.configuration.palms[side] = PalmAngle<double>::at(row[3 + side]);
@@ -198,9 +198,10 @@ PAGE_EXPORT(places) const double* places() {
   }
   pose.configuration.separation = row[9];
   pose.midpoint = row[10];
-  pose.object_sine = sin_cos(row[11]).sin;
+  const SinCos<double> turn = sin_cos(row[11]);
+  pose.turn = {turn.cos, turn.sin};
   answer.clear();
-  page::append_places(scene, pose, answer);
+  append_places(scene, pose, answer);
   return give(answer);
 }
 

@@ -12,8 +12,8 @@
 #include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/mechanics/sliding.hpp"
 #include "palmbots/sim/build.hpp"
+#include "palmbots/sim/placement.hpp"
 #include "palmbots/stability/operating_envelope.hpp"
-#include "placement.hpp"
 
 namespace palmbots::page {
 
@@ -49,8 +49,8 @@ class StaticsOfState {
   explicit StaticsOfState(const Spec& spec) : spec_(spec), model_(model_of<double>(spec)) {}
 
   // The pose in which the loop is closed, with the pair at the origin.
-  Pose pose(const PalmState& state) const {
-    Pose pose{};
+  PairPose pose(const PalmState& state) const {
+    PairPose pose{};
     for (const std::size_t side : {left, right}) {
       pose.configuration.palms[side] = PalmAngle<double>::at(state.theta[side]);
       pose.configuration.contacts[side] = state.p[side];
@@ -58,11 +58,12 @@ class StaticsOfState {
     pose.configuration.separation =
         closing_separation(pose.configuration, model_.offset, model_.object.width);
     const ContactVector<double> v = contact_vector(pose.configuration, model_.offset);
-    pose.object_sine = v.dy / model_.object.width;
+    const double sine = v.dy / model_.object.width;
+    pose.turn = {std::sqrt((1 - sine) * (1 + sine)), sine};
     return pose;
   }
 
-  Contacts<double> contacts(const Pose& at) const {
+  Contacts<double> contacts(const PairPose& at) const {
     const Statics<double> statics = Statics<double>::at(model_, at.configuration.palms);
     const ActingObject<double> acting = acting_at(at.configuration);
     const ContactVector<double>& v = acting.contact_vector;
@@ -93,7 +94,7 @@ class StaticsOfState {
   // the force on the object, and the heights at which the line of gravity meets them; then the places.
   [[clang::minsize]]
   void append(const PalmState& state, std::vector<double>& out) const {
-    const Pose at = pose(state);
+    const PairPose at = pose(state);
     const bool reaches = at.configuration.separation == at.configuration.separation;
     const Contacts<double> here = contacts(at);
     const Statics<double> statics = Statics<double>::at(model_, at.configuration.palms);
@@ -120,7 +121,7 @@ class StaticsOfState {
          SinCos<double>{palms[right].sin, palms[right].cos}},
         {std::atan(model_.friction[left]), std::atan(model_.friction[right])}, v.dx, v.dy));
     out.insert(out.end(), {is_wedged[left] ? 1.0 : 0.0, is_wedged[right] ? 1.0 : 0.0,
-                           std::asin(at.object_sine), at.configuration.separation});
+                           std::asin(at.turn.y), at.configuration.separation});
     std::vector<double> places;
     append_places(spec_, at, places);
     append_cones(here, places, out);
@@ -134,7 +135,7 @@ class StaticsOfState {
     for (std::size_t j = 0; j < n; ++j) {
       for (std::size_t i = 0; i < n; ++i) {
         const PalmState state{theta, {place(left, i, n, reach), place(right, j, n, reach)}};
-        const Pose at = pose(state);
+        const PairPose at = pose(state);
         if (!(at.configuration.separation == at.configuration.separation)) {
           out.push_back(not_held);
           continue;

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the numbers of a scene may be: the load of the robots, and what properties 1 and 2 allow.
+// The places of robots and object, and what the numbers of a scene may be: the load of the robots, and what properties 1 and 2 allow.
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "bindings.hpp"
 #include "palmbots/sim/limit_warnings.hpp"
+#include "palmbots/sim/placement.hpp"
 
 namespace palmbots::bindings {
 
@@ -33,6 +37,30 @@ nb::list rows_of(const HeaviestLoads& loads) {
                                nb::make_tuple(load.theta[left], load.theta[right])));
   }
   return rows;
+}
+
+using PoseRows = nb::ndarray<const double, nb::shape<-1, 11>, nb::c_contig, nb::device::cpu>;
+
+auto places_of(const Spec& spec, const PoseRows& rows) {
+  auto* places = new std::vector<double>;
+  for (std::size_t i = 0; i < rows.shape(0); ++i) {
+    const double* row = rows.data() + 11 * i;
+    PairPose pose{};
+    pose.configuration.separation = row[0];
+    pose.midpoint = row[1];
+    const SinCos<double> turn = sin_cos(row[6]);
+    pose.turn = {turn.cos, turn.sin};
+    for (const std::size_t side : {left, right}) {
+      pose.configuration.palms[side] = PalmAngle<double>::at(row[2 + side]);
+      pose.configuration.contacts[side] = row[4 + side];
+      pose.configuration.lift[side] = row[7 + side];
+      pose.height[side] = row[9 + side];
+    }
+    append_places(spec, pose, *places);
+  }
+  const std::size_t points = places->size() / 2 / std::max<std::size_t>(1, rows.shape(0));
+  return nb::ndarray<nb::numpy, double, nb::ndim<3>>(places->data(), {rows.shape(0), points, 2},
+                                                     owner_of(places));
 }
 
 }  // namespace
@@ -63,6 +91,11 @@ void bind_scene_limits(nb::module_& m) {
       "The distance of the wheels outward of the pivot [m].");
   m.def("wheel_kg", &wheel_mass, nb::arg("body_kg"),
         "The mass of one wheel, a part of that of the body.");
+  m.def(
+      "places", &places_of, nb::arg("spec"), nb::arg("rows"),
+      "x and y [m] of the points of placement.hpp, one row for each of the rows of separation, "
+      "midpoint, palm angles, contacts, turn of the object, heights of the contact vertices above "
+      "the palms, and heights of the pivots.");
   m.def("floor_level", &floor_level, nb::arg("spec"),
         "The height of the floor over the pivots [m]: low enough for the robots and any object.");
   m.def("mass_text", &mass_text, nb::arg("mass_kg"),

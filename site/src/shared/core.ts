@@ -387,4 +387,4 @@ export class Core {
 }
 
 // Places of the points in the array of `places`: x, y of the left one, then of the right one.
-export const PLACES = { pivot: 0, inner: 4, outer: 8, contact: 12, com: 16, vertex: 18, plate: 20, outline: 48 } as const;
+export const PLACES = { pivot: 0, inner: 4, outer: 8, contact: 12, com: 16, vertex: 18, origin: 20, plate: 22, outline: 50 } as const;

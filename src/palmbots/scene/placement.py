@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 
 import palmbots._core as _core
 from palmbots._core import Spec
-from palmbots.scene.spec import contact_radii
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _OUTWARD = np.array([-1.0, 1.0])  # world x of "outward" for left and right
+_PLATES = 11 + 2 * 7  # behind seven corners of each plate
 
 
 @dataclass(frozen=True)
@@ -55,48 +55,28 @@ def place(
     height: ArrayLike = 0.0,
 ) -> Placement:
     """Positions from separation (n), midpoint (n), palm angle (n, 2), contact (n, 2), turn (n),
-    heights of the contact vertices above the palms (n, 2), and y of the pivots (n, 2).
-
-    The object is placed at its left contact. The loop-closure constraint, which the world keeps,
-    then puts its right contact vertex on the right palm.
-    """
-    separation, midpoint = np.asarray(separation, float), np.asarray(midpoint, float)
-    angle, p, turn = np.asarray(palm, float), np.asarray(contact, float), np.asarray(turn, float)
-    half = np.array([side.length / 2 for side in spec.palms])
-    corners = np.array([side.section for side in spec.palms])[..., None]  # (2 sides, 7, 2, 1)
-    offset = np.array([side.offset for side in spec.palms])
-
-    along = np.stack([_OUTWARD * np.cos(angle), np.sin(angle)], axis=-1)  # u
-    normal = np.stack([-_OUTWARD * np.sin(angle), np.cos(angle)], axis=-1)  # n
-    pivot = np.zeros_like(along)
-    pivot[..., 0] = midpoint[:, None] + _OUTWARD * separation[:, None] / 2
-    pivot[..., 1] = height
-    foot = pivot + offset[:, None] * normal
-    plate = corners[:, :, 0] * along[:, :, None] + corners[:, :, 1] * normal[:, :, None]
-
-    touched = foot + p[..., None] * along
-    vertex = (
-        touched
-        + (np.broadcast_to(lift, p.shape) + np.array(contact_radii(spec)))[..., None] * normal
-    )
-    cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
-
-    def carried(points: ArrayLike) -> Array:
-        x, y = np.asarray(points, float).T
-        turned = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
-        return turned + vertex[:, :1, :]
-
+    heights of the contact vertices above the palms (n, 2), and y of the pivots (n, 2)."""
+    count = np.size(separation)
+    rows = [
+        np.broadcast_to(np.atleast_2d(np.asarray(one, float).T).T, (count, width))
+        for one, width in zip(
+            (separation, midpoint, palm, contact, turn, lift, height),
+            (1, 1, 2, 2, 1, 2, 2),
+            strict=True,
+        )
+    ]
+    points = _core.places(spec, np.ascontiguousarray(np.concatenate(rows, axis=1)))
     return Placement(
-        pivot=pivot,
-        palm_inner=foot - half[:, None] * along,
-        palm_outer=foot + half[:, None] * along,
-        plate=pivot[:, :, None] + plate,
-        palm_turn=_OUTWARD * angle,
-        contact=touched,
-        origin=vertex[:, 0],
-        outline=carried(spec.silhouette),
-        com=carried([(spec.com_left, spec.com_height)])[:, 0],
-        turn=turn,
+        pivot=points[:, 0:2],
+        palm_inner=points[:, 2:4],
+        palm_outer=points[:, 4:6],
+        contact=points[:, 6:8],
+        com=points[:, 8],
+        origin=points[:, 10],
+        plate=points[:, 11:_PLATES].reshape(count, 2, -1, 2),
+        outline=points[:, _PLATES:],
+        palm_turn=_OUTWARD * rows[2],
+        turn=rows[4][:, 0],
     )
 
 
