@@ -101,7 +101,7 @@ def option_of(key: str, option: Option, annotation: str, default: Any) -> Given:
     """The option that a parameter becomes."""
     names = option.names.split() or [_name_of(key, option)]
     kind = _kind(eval(annotation, {}, _TYPES), option, names[0])
-    if option.percent:
+    if option.percent and default is not None:
         default = 100 * default
     if option.is_argument or option.is_file:
         names = [option.metavar or key.upper()]

@@ -38,6 +38,8 @@ LEAST_M_S, MOST_M_S = 1e-4, 1.0
 """The noises that the bracket may reach; the largest is the scene's own limit."""
 LEVELS = 5
 """Noises at which the carries that count run."""
+NARROW, WIDE = 0.01, 0.05
+"""Relative half-width of the interval by default: in the core, and if Python steps the carries."""
 FEW, FEW_IN_PYTHON = 200, 50
 """Fewest carries of the pilot run at each noise: in the core, and if Python steps the carries."""
 MOST_CARRIES_IN_PYTHON = 20_000
@@ -131,7 +133,7 @@ def noise_limit(
     controller: ControllerLike = "distributed",
     *,
     drop_rate: float = 0.01,
-    relative_half_width: float = 0.01,
+    relative_half_width: float | None = None,
     seed: int = 0,
     world: str = "quasistatic",
     threads: int | None = None,
@@ -144,14 +146,13 @@ def noise_limit(
 
     Args:
         scene: as in `palmbots.carry`.
-        controller: as in `palmbots.carry`. A Python controller is slow, so it needs a greater
-            `relative_half_width`.
+        controller: as in `palmbots.carry`.
         drop_rate: share of carries that drop at the limit.
-        relative_half_width: half-width of the 95 % interval, relative to the noise. The interval
-            may be a little wider, because the number of carries is an estimate.
+        relative_half_width: half-width of the 95 % interval, relative to the noise; None: 1 %, or
+            5 % where Python steps the carries. The interval may be a little wider, because the
+            number of carries is an estimate.
         seed: random seed.
-        world: as in `palmbots.carry`. One that Python steps is as slow as a Python controller, and
-            runs in one process per processor.
+        world: as in `palmbots.carry`. MuJoCo runs in one process per processor.
         threads: worker threads; None: one per processor.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
@@ -171,6 +172,8 @@ def noise_limit(
     base = load_scene(scene, overrides)
     place = world_entry(world)
     is_slow = entry.is_python or place.is_stepped
+    if relative_half_width is None:
+        relative_half_width = WIDE if is_slow else NARROW
     few = max(FEW_IN_PYTHON if is_slow else FEW, math.ceil(4 / drop_rate))
     if is_slow:
         _refuse_if_slow(entry, place, drop_rate, relative_half_width, few)
@@ -219,8 +222,9 @@ def _refuse_if_slow(
         if place.is_stepped:
             what, other = f"world: {place.name}", DEFAULT_WORLD
         raise PalmbotsError(
-            f"{what} is stepped in Python and needs about {expected:,} carries; allowed: {other}, "
-            f"or a wider interval (a relative error of {math.ceil(100 * least)} % or more)"
+            f"{what} is stepped in Python, and this interval needs about {expected:,} carries; "
+            f"allowed: {other}, or a relative error (--relative-error-percent, relative_half_width) "
+            f"of {math.ceil(100 * least)} % or more"
         )
 
 
