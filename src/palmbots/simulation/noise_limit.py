@@ -223,8 +223,8 @@ def _refuse_if_slow(
             what, other = f"world: {place.name}", DEFAULT_WORLD
         raise PalmbotsError(
             f"{what} is stepped in Python, and this interval needs about {expected:,} carries; "
-            f"allowed: {other}, or a relative error (--relative-error-percent, relative_half_width) "
-            f"of {math.ceil(100 * least)} % or more"
+            f"allowed: {other}, or a relative error of {math.ceil(100 * least)} % or more "
+            "(--relative-error-percent, relative_half_width)"
         )
 
 
