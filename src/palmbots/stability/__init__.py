@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from palmbots.stability.palm_angles import PAPER_DEG as PAPER_DEG
     from palmbots.stability.palm_angles import GridOptions as GridOptions
     from palmbots.stability.palm_angles import with_angles as with_angles
+    from palmbots.stability.plate_design import Plate as Plate
+    from palmbots.stability.plate_design import PlateDesign as PlateDesign
     from palmbots.stability.problem import StabilityProblem as StabilityProblem
     from palmbots.stability.problem import stability_problem as stability_problem
     from palmbots.stability.reaction_region import Reaction as Reaction

@@ -26,10 +26,13 @@ if TYPE_CHECKING:
 Quantity = Literal["com", "friction", "slope", "acceleration", "region", "angle"]
 """What `palmbots.design` can maximize the tolerance of."""
 
-Objective = Literal["noise"] | Quantity
-"""What `palmbots.design` can maximize: the noise limit σ*, or a tolerance."""
+Lift = Literal["lift"]
+Objective = Literal["noise"] | Lift | Quantity
+"""What `palmbots.design` can maximize: the noise limit σ*, the least margin of a job on the floor,
+or a tolerance."""
 
 NOISE: Literal["noise"] = "noise"
+LIFT: Lift = "lift"
 
 QUANTITIES: dict[Quantity, tuple[int, float, str, float, str]] = {
     "com": (0, math.inf, "m", 1e3, "COM along the object"),

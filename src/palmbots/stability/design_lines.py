@@ -9,7 +9,7 @@ from palmbots._util.report import Item, Line, Table, bold, good, quiet, warn_wor
 from palmbots._util.text import millimetres
 from palmbots.simulation.outcome_counts import OutcomeCounts
 from palmbots.stability.analysis_lines import friction_note
-from palmbots.stability.angle_grid import NOISE, QUANTITIES
+from palmbots.stability.angle_grid import LIFT, NOISE, QUANTITIES
 from palmbots.stability.certificates.obligations import BOTH_TURN
 from palmbots.stability.design_result import limit_text
 
@@ -19,6 +19,19 @@ if TYPE_CHECKING:
 
 def design_lines(design: "Design") -> Iterator[Item]:
     """The angles, what they tolerate beside the scene's own, and how to use them."""
+    if design.plate is None:
+        yield from _angle_lines(design)
+    else:
+        yield from design.plate.lines()
+    settings = " ".join(f"--set {key}={value:g}" for key, value in design.angle_keys.items())
+    controller = "" if design.counts is None else f" -c {design.counts.controller}"
+    run = f"run: palmbots carry {design.scene.spelled}{controller} {settings}"
+    yield Line(run, indent=2, is_whole=True)
+    yield from map(warning, design.warnings)
+
+
+def _angle_lines(design: "Design") -> Iterator[Item]:
+    assert design.quantity != LIFT
     name = QUANTITIES[design.quantity][-1]
     aim = "tolerate the most noise" if design.maximize == NOISE else f"largest tolerance: {name}"
     yield Line(good(f"{design.shallow_deg:g}° and {design.steep_deg:g}°"), bold(f"  {aim}"))
@@ -44,11 +57,6 @@ def design_lines(design: "Design") -> Iterator[Item]:
             yield f"not certified for palms that turn at the same time: {', '.join(missing)}"
     else:
         yield warn_word(f"certificate: {certificate.verdict} ({certificate.undecided})")
-    settings = " ".join(f"--set {key}={angle:g}" for key, angle in design.angle_keys.items())
-    controller = "" if design.counts is None else f" -c {design.counts.controller}"
-    run = f"run: palmbots carry {design.scene.spelled}{controller} {settings}"
-    yield Line(run, indent=2, is_whole=True)
-    yield from map(warning, design.warnings)
 
 
 def _comparison(design: "Design", name: str) -> Iterator[Item]:
@@ -67,7 +75,7 @@ def _comparison(design: "Design", name: str) -> Iterator[Item]:
     short = name.split(" along")[0]
     rows.append((f"  tolerance, {short}", design.tolerance_text(design.tolerance), tolerance))
     if design.counts is not None:
-        rows.append(("  fails in this scene", *map(_failures, (design.counts, own.counts))))
+        rows.append(("  fails in this scene", *map(failures_text, (design.counts, own.counts))))
     clearances = (design.clearance_deg, own.clearance_deg)
     rows.append(("  clearance", *(f"{angle:.2f}°" for angle in clearances)))
     designed = f"designed, {design.shallow_deg:g}° and {design.steep_deg:g}°"
@@ -81,8 +89,8 @@ def _comparison(design: "Design", name: str) -> Iterator[Item]:
         )
 
 
-def _failures(counts: OutcomeCounts | None) -> str:
-    """The share of carries that do not deliver."""
+def failures_text(counts: OutcomeCounts | None) -> str:
+    """The share of carries that do not deliver; None: they are refused."""
     return (
         "refused" if counts is None else rate_text(counts.dropped + counts.stalled, counts.carries)
     )

@@ -12,14 +12,17 @@ from palmbots._types import Interval
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene
+from palmbots.scene.sides import on_every_side
 from palmbots.simulation.noise_limit import NoiseLimit
 from palmbots.simulation.outcome_counts import OutcomeCounts
 from palmbots.stability.angle_certificate import angle_keys
-from palmbots.stability.angle_grid import NOISE, QUANTITIES, Objective, Quantity
+from palmbots.stability.angle_grid import LIFT, NOISE, QUANTITIES, Lift, Objective, Quantity
 from palmbots.stability.certificates.prover import Certificate
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from palmbots.stability.plate_design import PlateDesign
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,7 @@ class OwnAngles:
     angles_deg: Interval | None
     """(shallow, steep); None: the two palms differ."""
     tolerance: float | None
-    """None: a property fails at these angles, or the palms differ."""
+    """None: a property fails at these angles, the plate does not qualify, or the palms differ."""
     noise_limit: NoiseLimit | None = field(metadata=NOT_IN_JSON)
     """None: not measured, or there is no limit."""
     clearance_deg: float
@@ -78,7 +81,7 @@ class Design(Result):
     steep_deg: float
     tolerance: float
     """Of `quantity`, to either side, in its unit (`QUANTITIES`); the certificate, if there is one,
-    proves it."""
+    proves it. With lift: the least margin, relative to what the scene uses up of it."""
     clearance_deg: float
     """How far the object or a palm may turn until an edge lies on a palm."""
     friction: Interval | None
@@ -104,19 +107,21 @@ class Design(Result):
     map: xr.Dataset = field(metadata=NOT_IN_JSON)
     """Tolerance and clearance over all pairs of angles; about σ* of those that were tried."""
     designed_scene: Scene
-    """The scene with the designed angles."""
+    """The scene with the designed angles, and with the designed plate."""
+    plate: PlateDesign | None = None
+    """The designed plate with all margins; None: only angles were designed."""
 
     figure = "palm-angles"
 
     @derived
-    def quantity(self) -> Quantity:
+    def quantity(self) -> Quantity | Lift:
         """The quantity whose tolerance is reported."""
         return "com" if self.maximize == NOISE else self.maximize
 
     @derived
     def unit(self) -> str:
         """The unit of the tolerance."""
-        return QUANTITIES[self.quantity][2]
+        return "" if self.quantity == LIFT else QUANTITIES[self.quantity][2]
 
     @derived
     def controller(self) -> str | None:
@@ -139,8 +144,17 @@ class Design(Result):
         return self.certificate is not None and self.certificate.holds
 
     @property
+    def is_sound(self) -> bool:
+        """Whether the design does what it has to: the certificate proves the tolerance, or no more
+        jobs fail with the plate than with the scene's own."""
+        return self.is_certified if self.plate is None else not self.plate.fails_more
+
+    @property
     def angle_keys(self) -> dict[str, float]:
-        """The scene keys to set, as in ``pb.carry("paper", overrides=best.angle_keys)``."""
+        """The scene keys to set, as in ``pb.carry("paper", overrides=best.angle_keys)``; with lift
+        also those of the plate."""
+        if self.plate is not None:
+            return on_every_side(self.scene, self.plate.best.sizes())
         return angle_keys(self.scene, (self.shallow_deg, self.steep_deg))
 
     @derived
@@ -184,6 +198,8 @@ class Design(Result):
 
     def tolerance_text(self, tolerance: float) -> str:
         """A tolerance of the quantity with its unit."""
+        if self.quantity == LIFT:
+            return f"{tolerance:.3g}"
         scale, unit = QUANTITIES[self.quantity][3], self.shown_unit
         gap = "" if unit in ("", "°") else " "
         return f"±{scale * tolerance:.3g}{gap}{unit}"

@@ -36,6 +36,7 @@ from palmbots.simulation.noise_limit import NoiseLimit, noise_limit
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
 from palmbots.stability.angle_certificate import certify_tolerance, scene_at
 from palmbots.stability.angle_grid import (
+    LIFT,
     NOISE,
     QUANTITIES,
     AngleGrid,
@@ -52,6 +53,8 @@ from palmbots.stability.delivery_race import Race, run_race
 from palmbots.stability.design_result import Design, OwnAngles, ReactionTimes
 from palmbots.stability.interval_sets import around
 from palmbots.stability.margins import friction_ranges
+from palmbots.stability.plate_design import design_plate
+from palmbots.stability.plate_search import PlateLimits, is_on_floor
 from palmbots.stability.problem import Region, StabilityProblem, stability_problem
 from palmbots.stability.reaction_region import implied_reach_m, reaction
 
@@ -68,7 +71,7 @@ _TYPICAL_SLOPE = 4.0
 
 
 class GridOptions(TypedDict, total=False):
-    """The grid of angles, as `palmbots.design` takes it."""
+    """The grid of angles, and of plates for ``lift``, as `palmbots.design` takes it."""
 
     min_angle_difference_deg: float
     """Smallest difference of the two angles; None: 5. It is assumed for all objects."""
@@ -78,13 +81,23 @@ class GridOptions(TypedDict, total=False):
     """Limits of both angles; None: -5 to 50."""
     resolution_deg: float | None
     """Spacing of the angle grid; None: 0.1 for com, otherwise 0.5."""
+    nose_range_m: Interval
+    """Limits of ``palm.nose_m`` for lift; None: 0.0002 to 0.001. No nose is thicker than the
+    plate."""
+    bevel_range_m: Interval
+    """Limits of ``palm.bevel_m`` for lift; None: 0 to 0.02."""
+    heel_range_m: Interval
+    """Limits of ``palm.heel_m`` for lift; None: 0 to 0.02."""
 
 
 @command(
     order=60,
     example="palmbots design --friction 0.3 0.4 --region palm --out out",
     progress="designing",
-    failure=("is_certified", "the tolerance could not be certified"),
+    failure=(
+        "is_sound",
+        "the tolerance could not be certified, or a designed plate fails more often",
+    ),
     maximize=Option(metavar="NAME"),
     friction=Option(),
     common_friction=Option("--common-friction/--independent-friction"),
@@ -96,7 +109,7 @@ class GridOptions(TypedDict, total=False):
 def design(
     scene: SceneLike = "paper",
     *,
-    maximize: str = "noise",
+    maximize: str | None = None,
     controller: ControllerLike | None = "distributed",
     friction: Range = None,
     common_friction: bool = False,
@@ -110,14 +123,18 @@ def design(
 ) -> Design:
     """Find and certify the most noise-tolerant palm angles.
 
-    `maximize` selects the error of another quantity instead of the noise.
+    `maximize` selects the error of another quantity instead of the noise. For a job on the floor
+    the plate of the palms is designed, too.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
-        maximize: ``noise``, or a tolerance: com, friction, slope, acceleration, region or angle.
-            ``noise`` is the speed noise at which 1 % of carries drop the object (σ*); a tolerance
-            is the error of one of `QUANTITIES`.
-        controller: the shipped controller whose σ* is measured; None: no σ*. ``noise`` needs one.
+        maximize: ``noise``, ``lift``, or a tolerance: com, friction, slope, acceleration, region or
+            angle; None: lift for a job on the floor, otherwise noise. ``noise`` is the speed noise
+            at which 1 % of carries drop the object (σ*); a tolerance is the error of one of
+            `QUANTITIES`. ``lift`` finds the nose, bevel and heel of the palms and the angles with
+            the greatest least margin of `analyze`, and simulates jobs with them.
+        controller: the shipped controller whose σ* is measured, or that does the simulated jobs;
+            None: no σ*, no jobs. ``noise`` needs one.
         friction: friction coefficient; None: as in the scene.
         common_friction: use one friction for both palms, or one for each. With one for both, it
             may be any of the interval.
@@ -138,14 +155,24 @@ def design(
         MissingExtra: python-flint is not installed.
     """
     chosen = load_scene(scene, overrides)
-    one_of("maximize", maximize, (NOISE, *QUANTITIES))
+    if maximize is None:
+        maximize = LIFT if is_on_floor(chosen) else NOISE
+    one_of("maximize", maximize, (NOISE, LIFT, *QUANTITIES))
     objective = cast("Objective", maximize)
     entry = _entry(controller, objective)
     seed = seed_of(seed)
     report = on_progress or (lambda fraction: None)
-    quantity: Quantity = "com" if objective == NOISE else objective
+    quantity: Quantity = "com" if objective in (NOISE, LIFT) else objective
     own_deg = _own_angles(chosen)
     limits = _limits(grid, objective, own_deg)
+    if maximize == LIFT:
+        given = (friction, com_y_m, slope_deg, None if region_m == "implied" else region_m)
+        if common_friction or any(one is not None for one in given):
+            raise PalmbotsError(
+                "friction, com_y_m, slope_deg, region_m: allowed with lift: no value; the margins "
+                "are those of the scene for contacts anywhere on the palms"
+            )
+        return design_plate(chosen, entry, PlateLimits.of(grid, limits), own_deg, report)
     problem = _problem(chosen, region_m)
     uncertainty = Uncertainty(
         _frictions(problem, friction, common_friction),

@@ -4,7 +4,8 @@
 A scene uses up a margin in three ways, each of which is defined here once. Noise moves the contacts
 over the carry. The slope of the floor and the acceleration of the robots tilt the weight. A palm is
 at a wrong angle between two control steps. Each margin is compared with the part of that which acts
-on it, in its own unit.
+on it, in its own unit. A job on the floor uses up further margins: those of its noses, of what
+holds against them, and of arms that move together.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from typing import TYPE_CHECKING
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.plain_values import derived
-from palmbots._util.text import millimetres
+from palmbots._util.text import millimetres, rounded_down
+from palmbots.mechanics.lifting import Lifting
 from palmbots.mechanics.load_limits import mass_text
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import on_every_side
@@ -31,12 +33,13 @@ class RankedMargin:
     """A margin, and what the scene uses up of it."""
 
     quantity: str
-    """``contact``, ``clearance``, ``palm angle``, ``slope``, ``com``, ``friction`` or ``mass``."""
+    """``contact``, ``clearance``, ``palm angle``, ``slope``, ``com``, ``friction`` or ``mass``; of
+    a job on the floor also ``nose``, ``heel``, ``partner``, ``floor friction`` or ``rise``."""
     allowed: float
     """< 0: a property fails already."""
     used: float
     unit: str
-    """Of both: ``m``, ``deg``, ``kg`` or ``1``."""
+    """Of both: ``m``, ``deg``, ``kg``, ``N`` or ``1``."""
     limit: str
     """How much is allowed, and what happens beyond it, in words."""
     use: str
@@ -137,6 +140,53 @@ def _margins(analysis: Analysis) -> Iterator[RankedMargin]:
         limit = f"with more than {heaviest} kg {first.meaning}"
         use = f"this object has {mass:g} kg"
         yield RankedMargin("mass", first.heaviest_kg, mass, "kg", limit, use, (first.key,))
+    if analysis.lifting is not None:
+        yield from _lifting(scene, analysis.lifting)
+
+
+def _lifting(scene: Scene, found: Lifting) -> Iterator[RankedMargin]:
+    """What the floor adds, of the palm that has less of it."""
+    palms = tuple(found.palms.values())
+    if found.picks_up:
+        nose = min(palms, key=lambda one: one.thickest_m / max(one.nose_height_m, 1e-12))
+        limit = f"a nose gets under the edge below {1e3 * nose.thickest_m:.2f} mm"
+        use = f"it is {1e3 * nose.nose_height_m:.2f} mm above the floor"
+        keys = ("palm.nose_m", "palm.bevel_m", "object.edge_radius_m")
+        yield RankedMargin("nose", nose.thickest_m, nose.nose_height_m, "m", limit, use, keys)
+        yield from _holding(scene, found)
+        mass, heaviest = scene.object.mass_kg, min(one.heaviest_kg for one in palms)
+        if math.isfinite(heaviest):
+            limit = f"a nose gets under at most {rounded_down(heaviest, 3):g} kg"
+            use = f"this object has {mass:g} kg"
+            yield RankedMargin(
+                "mass", heaviest, mass, "kg", limit, use, ("palm.nose_m", "object.mass_kg")
+            )
+    if found.puts_down:
+        needed = max(one.floor_friction.right for one in palms)
+        limit = f"the floor has a friction of {found.floor_friction:g}"
+        use = f"a steep palm that leaves last drags the object below {needed:.2g}"
+        keys = ("floor.friction", "palm.steep_deg")
+        yield RankedMargin("floor friction", found.floor_friction, needed, "1", limit, use, keys)
+    limit = f"the arms may differ by {millimetres(found.permitted_rise_m)} in height"
+    use = f"while they move, they differ by up to {millimetres(found.arms_differ_m)}"
+    keys = ("arm.rate_m_per_s", "arm.height_error_m", "radio.lease_s")
+    yield RankedMargin("rise", found.permitted_rise_m, found.arms_differ_m, "m", limit, use, keys)
+
+
+def _holding(scene: Scene, found: Lifting) -> Iterator[RankedMargin]:
+    """What holds against the second nose: the other palm, or its heel."""
+    for k, side in enumerate(SIDES):
+        own, partner = found.palms[side], SIDES[1 - k]
+        if own.needs_heel:
+            heel, least = scene.palm_of(partner).heel_m, own.least_heel_m
+            limit = f"the {partner} heel is {millimetres(heel)} high"
+            use = f"the {side} nose certainly gets under against {millimetres(least)}"
+            yield RankedMargin("heel", heel, least, "m", limit, use, ("palm.heel_m",))
+        elif math.isfinite(own.held_n):
+            limit = f"the {partner} palm holds {own.held_n:.2f} N"
+            use = f"the {side} nose needs {own.second_n:.2f} N"
+            keys = ("palm.steep_deg", "palm.nose_m")
+            yield RankedMargin("partner", own.held_n, own.second_n, "N", limit, use, keys)
 
 
 def _contact(analysis: Analysis, noise: float) -> RankedMargin:

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from palmbots.stability.angle_grid import QUANTITIES
+from palmbots.stability.angle_grid import LIFT, QUANTITIES
 from palmbots.stability.design_result import Design, limit_text
 from palmbots.viz.style import (
     BACKGROUND,
@@ -35,6 +35,7 @@ _OWN_LOOK: Any = {
 
 def delivery(result: Design) -> Figure:
     """Draw about σ* of all pairs that were tried, over their angles and over their tolerance."""
+    assert result.quantity != LIFT
     *_, scale, name = QUANTITIES[result.quantity]
     grid = result.map
     sigma = 100 * grid["sigma_star"].to_numpy()

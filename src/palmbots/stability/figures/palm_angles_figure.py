@@ -22,10 +22,11 @@ from matplotlib.ticker import MaxNLocator
 from palmbots._util.atomic_files import folder as writable_folder
 from palmbots._util.atomic_files import write_whole
 from palmbots._util.command import Option, writes
-from palmbots.stability.angle_grid import NOISE, QUANTITIES
+from palmbots.stability.angle_grid import LIFT, NOISE, QUANTITIES
 from palmbots.stability.certificates.prover import write_certificate
 from palmbots.stability.design_result import Design
 from palmbots.stability.figures.delivery_figure import BEST_LOOK, delivery
+from palmbots.stability.figures.lifting_figure import lifting_forces
 from palmbots.stability.palm_angles import PAPER_DEG
 from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import (
@@ -59,10 +60,14 @@ _MARGIN_DEG = 2.0
 def palm_angles(result: Design) -> Figure:
     """Tolerance over shallow and steep angle; pairs that do not qualify are hatched.
 
-    A design for delivery is drawn with about σ* of its candidates instead (`delivery`).
+    A design for delivery is drawn with about σ* of its candidates instead (`delivery`), and a plate
+    with the forces at the floor (`lifting_forces`).
     """
     if result.maximize == NOISE:
         return delivery(result)
+    if result.plate is not None:
+        return lifting_forces(result.plate.analysis)
+    assert result.quantity != LIFT
     *_, scale, name = QUANTITIES[result.quantity]
     grid = result.map
     shallow, steep = grid["shallow"].to_numpy(), grid["steep"].to_numpy()
@@ -149,7 +154,7 @@ def write_design(
     *,
     on_warning: Callable[[str], None] | None = None,
 ) -> list[Path]:
-    """Write a design: its figure, the scene with the designed angles, and the certificate, if there
+    """Write a design: its figure, the scene with what was designed, and the certificate, if there
     is one.
 
     Args:
