@@ -42,6 +42,7 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
         "figure6.png": "out/figure6.png",
     },
     "palmbots analyze lift --out out": {"lifting-forces.png": "out/lifting-forces.png"},
+    "palmbots carry lift --out out": {"lifting-phases.png": "out/phases.png"},
     "palmbots noise-limit --out out": {"noise_limit.png": "out/noise_limit.png"},
     "palmbots bound --out out": {"bound.png": "out/bound.png"},
     "palmbots design --out out": {"design.png": "out/design.png"},

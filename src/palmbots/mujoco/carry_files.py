@@ -17,12 +17,15 @@ from palmbots.mujoco.film import check_film, save_still, save_video
 from palmbots.simulation.result import Carry
 from palmbots.viz import animation as animations
 from palmbots.viz import carry_figure, sequence_chart
+from palmbots.viz.lift_phases_figure import draw_lift_phases
+from palmbots.viz.save_figure import write_figure
 from palmbots.viz.video_files import video_formats
 
 Animation = Literal["gif", "mp4", "none"]
 _VIDEO, _STILL, _PLAN = "carry-3d", "carry-3d.png", "plan.png"
+_PHASES = "phases.png"
 _NAMES = (
-    "message_sequence.png", _PLAN, _STILL,
+    "message_sequence.png", _PHASES, _PLAN, _STILL,
     *(f"{name}{suffix}" for name in ("carry", _VIDEO) for suffix in (".gif", ".mp4")),
 )  # fmt: skip
 """Files that not every carry has."""
@@ -103,6 +106,9 @@ def save_carry(
     if carry.message_log:
         written.append(place / "message_sequence.png")
         sequence_chart.save(carry, written[-1])
+    if carry.floor_job is not None:
+        written.append(place / _PHASES)
+        write_figure(written[-1], draw_lift_phases(carry))
     report(0.15)
     write_log(carry, written[1])
     report(0.3)

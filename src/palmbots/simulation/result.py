@@ -90,7 +90,7 @@ class Carry(Result):
     """A finished carry."""
 
     figure = "carry"
-    more_figures = ("message_sequence",)
+    more_figures = ("message_sequence", "lift_phases")
     lines_of = "palmbots.simulation.carry_lines:carry_lines"
 
     scene: Scene
@@ -167,7 +167,8 @@ class Carry(Result):
         return scene_statistics(prepared, precision=self.precision)
 
     def plot(self, figure: str | None = None, **options: Any) -> Any:
-        """Draw the carry: ``carry`` (its panels over time), or ``message_sequence``.
+        """Draw the carry: ``carry`` (its panels over time), ``message_sequence``, or ``lift_phases``
+        (a job that begins or ends on the floor).
 
         Returns:
             The `matplotlib.figure.Figure`; save it with its ``savefig``.

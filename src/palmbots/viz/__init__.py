@@ -14,6 +14,7 @@ from palmbots._util.results import FIGURES as FIGURES
 if TYPE_CHECKING:
     from palmbots.viz.animation import save_animation as save_animation
     from palmbots.viz.carry_figure import draw_carry as draw_carry
+    from palmbots.viz.lift_phases_figure import draw_lift_phases as draw_lift_phases
     from palmbots.viz.noise_limit_figure import draw_noise_limit as draw_noise_limit
     from palmbots.viz.save_figure import write_figure as write_figure
     from palmbots.viz.sequence_chart import draw_message_sequence as draw_message_sequence
