@@ -167,8 +167,9 @@ class Carry(Result):
         return scene_statistics(prepared, precision=self.precision)
 
     def plot(self, figure: str | None = None, **options: Any) -> Any:
-        """Draw the carry: ``carry`` (its panels over time), ``message_sequence``, or ``lift_phases``
-        (a job that begins or ends on the floor).
+        """Draw the carry: ``carry`` (its panels over time), or ``message_sequence``.
+
+        ``lift_phases`` draws a job that begins or ends on the floor.
 
         Returns:
             The `matplotlib.figure.Figure`; save it with its ``savefig``.
