@@ -255,7 +255,11 @@ void bind_carry(nb::module_& m) {
                    "Of a job on the floor: (side, state, start [s]), in the order of their starts.")
       .def_prop_ro("pivot_heights_m", &pivot_heights)
       .def_prop_ro("moved_m", [](const Run& r) { return r.moved; })
-      .def_prop_ro("stalled_s", [](const Run& r) { return r.stalled * r.period; })
+      .def_prop_ro("stalled_s",
+                   [](const Run& r) {
+                     return std::tuple(r.metrics.stalled_ticks[left] * r.period,
+                                       r.metrics.stalled_ticks[right] * r.period);
+                   })
       .def_prop_ro("ambiguous_events", [](const Run& r) { return r.ambiguous; })
       .def_prop_ro("bumps", [](const Run& r) { return r.metrics.bumps; })
       .def_prop_ro("correction_count", [](const Run& r) { return r.metrics.corrections; })

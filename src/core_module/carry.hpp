@@ -74,7 +74,6 @@ struct Run {
   std::vector<LiftPhase> phases;
   std::vector<PerSide<double>> pivot_heights;  // of each row [m]
   double moved = 0;                            // of the COM along the floor [m]
-  std::uint32_t stalled = 0;                   // ticks in which the wheels stalled
 };
 
 // A carry (or a co-simulation) that is over; what its recorder kept is not in it yet.
@@ -102,7 +101,6 @@ Run run_of_lift(Job& job) {
   run.pivot_heights = job.take_heights();
   run.phases = job.phases();
   run.moved = job.moved();
-  run.stalled = job.stalled_ticks();
   return run;
 }
 

@@ -118,7 +118,7 @@ void bind_cosimulation(nb::module_& m) {
              std::pair<bool, bool> pressed, Two palms, Two wrists, double separation,
              double midpoint, double rise, std::pair<int, int> motion, const std::string& reason,
              double fraction, Two heights, Two rolled, double moved, double object_sine,
-             bool stands, bool stalls, double turn) {
+             bool stands, std::pair<bool, bool> stalls, double turn) {
             const DropReason why = reason_of(reason);
             for (const int one : {motion.first, motion.second}) {
               if (one < -1 || one > 1) throw std::out_of_range("motion is -1, 0 or 1");
@@ -140,15 +140,15 @@ void bind_cosimulation(nb::module_& m) {
                                         moved,
                                         object_sine,
                                         stands,
-                                        stalls,
+                                        sides(stalls),
                                         turn};
           },
           nb::arg("contacts"), nb::arg("lift"), nb::arg("touched"), nb::arg("pressed"),
           nb::arg("palms"), nb::arg("wrists"), nb::arg("separation"), nb::arg("midpoint"),
           nb::arg("rise"), nb::arg("motion"), nb::arg("reason") = "", nb::arg("fraction") = 1.0,
           nb::arg("heights") = Two{}, nb::arg("rolled") = Two{}, nb::arg("moved") = 0.0,
-          nb::arg("object_sine") = 0.0, nb::arg("stands") = false, nb::arg("stalls") = false,
-          nb::arg("turn") = 0.0)
+          nb::arg("object_sine") = 0.0, nb::arg("stands") = false,
+          nb::arg("stalls") = std::pair(false, false), nb::arg("turn") = 0.0)
       .def_prop_ro("contacts", [](const WorldObservation& s) { return pair_of(s.contacts); })
       .def_prop_ro("lift", [](const WorldObservation& s) { return pair_of(s.lift); })
       .def_prop_ro("palms", [](const WorldObservation& s) { return pair_of(s.palms); })

@@ -104,10 +104,13 @@ void bind_world(nb::module_& m) {
           "constant rates. Returns (reason, fraction done, motion left, motion right, segments).")
       .def(
           "move",
-          [](W& w, std::pair<Numbers2, Numbers2> by, Numbers2 palms) {
-            return result_of(w.advance(vectors_of(by), {palms.first, palms.second}));
+          [](W& w, std::pair<Numbers2, Numbers2> by, Numbers2 palms, double push) {
+            return result_of(w.advance(vectors_of(by), {palms.first, palms.second}, push));
           },
-          nb::arg("by"), nb::arg("palms"), "The same, with the way (x, y) of each pivot [m].")
+          nb::arg("by"), nb::arg("palms"), nb::arg("push") = 0.0,
+          "The same, with the way (x, y) of each pivot [m]. A robot that stalls covers less of it.")
+      .def_prop_ro(
+          "is_limited", [](const W& w) { return w.is_limited(); }, "Whether a robot may stall.")
       .def(
           "put",
           [](W& w, std::pair<Numbers2, Numbers2> pivots, Numbers2 palms, Numbers2 at,
@@ -145,9 +148,9 @@ void bind_world(nb::module_& m) {
   m.def(
       "takes_single_steps",
       [](const Spec& spec) { return takes_single_steps(model_of<double>(spec)); }, nb::arg("spec"),
-      "Whether lanes take the steps of a carry one by one: a contact vertex is rounded, or a nose "
-      "or "
-      "a heel may touch the object within reach.");
+      "Whether lanes take the steps of a carry one by one: a contact vertex is rounded, a nose or "
+      "a "
+      "heel may touch the object within reach, or a robot may stall.");
 }
 
 }  // namespace palmbots::bindings

@@ -32,7 +32,13 @@ def test_default_scene_is_paper_which_gives_every_key():
         f"{section}.{key}" for section, keys in PAPER.model_dump().items() for key in keys
     } - {"task.path"} | {f"task.path.{key}" for key in PAPER.task.path.model_dump()}
     optional = {"palm.friction_angle_deg", "tactile.zones", "radio.lease_s", "task.timeout_s"}
-    optional |= {"palm.usable_m", "palm.nose_m", "object.box_m", "mujoco.drive_force_n"}
+    optional |= {
+        "palm.usable_m",
+        "palm.nose_m",
+        "object.box_m",
+        "robot.motor_force_n",
+        "robot.traction_n",
+    }
     optional |= {"mujoco.axle_m", "robot.period_s", "robot.error_trace", "radio.trace"} | {
         k for k in KEYS if k.startswith("task.path.")
     }

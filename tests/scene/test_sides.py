@@ -11,7 +11,8 @@ from palmbots.scene.sides import multiplied, on_every_side, value_of
 from palmbots.scene.spec import to_spec
 
 LIKE: dict[str, Any] = {
-    "palm.usable_m": 0.1, "robot.period_s": 0.02,
+    "palm.usable_m": 0.1, "robot.period_s": 0.02, "robot.motor_force_n": 4.0,
+    "robot.traction_n": 3.0,
     "robot.max_speed_m_s": 0.18, "palm.steep_deg": 14.0,
 }  # fmt: skip
 """Values for keys without a default, or with close relations to others."""

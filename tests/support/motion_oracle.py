@@ -220,6 +220,17 @@ class Oracle:
     def imbalance(self, before: Moment, after: Moment) -> float | None:
         """How far the weight is from what those contacts can carry that persist from one moment to
         the other, moving as they did [weights]; None: nothing moved enough."""
+        rays = self.rays(before, after)
+        if not rays:
+            return None if rays is None else math.inf
+        wrenches = np.array([ray for _, ray in rays]).T
+        return float(nnls(wrenches, np.array([self.slope, 1.0, 0.0]))[1])
+
+    def rays(
+        self, before: Moment, after: Moment, least: float = 1e-6
+    ) -> list[tuple[int, list[float]]] | None:
+        """Carrier and wrench (moment in sizes) of the edges of the cones in which these contacts
+        push; None: nothing moved by at least this [m]."""
         at = before.between(after)
         first, last = self.touches(before), self.touches(after)
         com = np.array(at.pose[:2])
@@ -229,9 +240,9 @@ class Oracle:
             *(math.dist(a, b) for a, b in zip(before.pivots, after.pivots, strict=True)),
             *(abs(a - b) * self.size for a, b in zip(before.palms, after.palms, strict=True)),
         )
-        if moved < 1e-6:
+        if moved < least:
             return None
-        rays = []
+        rays: list[tuple[int, list[float]]] = []
         for name, touch in self.touches(at).items():
             ends = [where.get(name) for where in (first, last)]
             if any(one is None or abs(one.gap) > TOUCHES for one in ends):
@@ -247,12 +258,11 @@ class Oracle:
                 surface = np.subtract(after.pivots[side], before.pivots[side]) + spin * np.array(
                     [-arm[1], arm[0]]
                 )
-            slip = float((body - surface) @ tangent) / moved
+            slip = float((body - surface) @ tangent) / max(moved, 1e-9)
             for sign in (-1.0, 1.0):
                 if sign * slip > SLIPS:
                     continue  # friction opposes slip
                 force = touch.normal + sign * touch.friction * tangent
-                rays.append([*force, (r[0] * force[1] - r[1] * force[0]) / self.size])
-        if not rays:
-            return math.inf
-        return float(nnls(np.array(rays).T, np.array([self.slope, 1.0, 0.0]))[1])
+                moment = (r[0] * force[1] - r[1] * force[0]) / self.size
+                rays.append((touch.carrier, [*force, moment]))
+        return rays

@@ -46,8 +46,11 @@ class Found:
     faults: list[str] = field(default_factory=list)
 
 
-def world_of(rng: np.random.Generator) -> tuple[_core.World, Oracle, bool]:
-    """A random object on two random palms, or beside them on a floor."""
+def world_of(
+    rng: np.random.Generator, limits: tuple[float, float] | None = None
+) -> tuple[_core.World, Oracle, bool]:
+    """A random object on two random palms, or beside them on a floor; `limits` are those of the
+    forces of the robots [weights]."""
     on_floor = bool(rng.random() < 0.6)
     floor = float(rng.choice([0.15, 0.3, 0.6])) if on_floor else None
     thick = float(rng.choice([0.0, 0.0015, 0.003]))
@@ -73,6 +76,11 @@ def world_of(rng: np.random.Generator) -> tuple[_core.World, Oracle, bool]:
             "palm.pivot_offset_m": float(rng.choice([0.0, 0.01])),
         }
     spec = to_spec(load_scene("paper", keys))
+    if limits is not None:
+        robots = spec.robots
+        for robot, limit in zip(robots, limits, strict=True):
+            robot.motor_limit = limit
+        spec.robots = robots
     world = _core.World(spec, floor)
     world.set_on_both(not on_floor)
     if on_floor:

@@ -241,7 +241,18 @@ class LaneCarries {
           const Real then = one.world_.configuration().palms[side].angle;
           return robots.wrists[side].step(then, robots.goal_angle[side]);
         };
-        step = one.world_.take_apart(change.raw[l], {angle(left), angle(right)});
+        const PerSide<Real> angles{angle(left), angle(right)};
+        if (one.is_limited_) {
+          one.robots_ = robots;
+          step = one.world_.advance(one.ways(), angles, one.world_.state().push);
+          Real& midpoint = pack.robots.midpoint.raw[l];
+          midpoint += one.metrics_.note_stalls(step);
+          const bool is_over = midpoint * robots.travel_sense >= pack.goal.raw[l] ||
+                               Real(tick % block_ticks) >= pack.timeout.raw[l];
+          if (!is_over) pack.over &= ~(1U << l);
+        } else {
+          step = one.world_.take_apart(change.raw[l], angles);
+        }
         put_state(pack, l, one.world_.state());
       }
       one.metrics_.observe(one.tick_, one.world_.contact_events(), !one.world_.regime().none());
@@ -257,7 +268,8 @@ class LaneCarries {
     One& one = take(pack, kinematics(pack, tick + 1), l, tick);
     const Real before = pack.midpoint.raw[l];
     if (step.reason != DropReason::none) {
-      one.robots_.midpoint = before + Real(pack.robots.travel().raw[l]) * step.fraction;
+      one.robots_.midpoint = before + Real(pack.robots.travel().raw[l]) * step.fraction +
+                             Real(0.5) * (step.lag[left] + step.lag[right]);
     }
     one.finish_tick(step.reason, double(step.fraction), before);
     finish_lane(pack, l, done);

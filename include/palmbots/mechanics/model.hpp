@@ -3,6 +3,8 @@
 // surroundings.
 #pragma once
 
+#include <limits>
+
 #include "palmbots/mechanics/clearance.hpp"
 
 namespace palmbots {
@@ -46,12 +48,19 @@ struct Surroundings {
   constexpr bool none() const { return !floor; }
 };
 
+// Robots that push as hard as necessary.
+template <class Real>
+inline constexpr PerSide<Real> no_limits{std::numeric_limits<Real>::infinity(),
+                                         std::numeric_limits<Real>::infinity()};
+
 // The constants of a carry, with the object's outline.
 template <class Real>
 struct Model : ModelParams<Real> {
   Outline<Real> outline;
   PerSide<PalmProfile> profile{};
   Surroundings surroundings{};
+  PerSide<double> limit =
+      no_limits<double>;  // of the force of each robot along the floor [weights]
 };
 
 }  // namespace palmbots

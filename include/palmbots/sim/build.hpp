@@ -69,6 +69,7 @@ Model<Real> model_of(const Spec& spec) {
     model.friction[side] = Real(spec.palms[side].friction);
     model.profile[side] = profile_of(spec.palms[side]);
     model.profile[side].touches_within_reach = touches_within_reach(spec, side);
+    model.limit[side] = spec.robots[side].force_limit();
   }
   model.safe_reach = Real(spec.safe_reach);
   return model;

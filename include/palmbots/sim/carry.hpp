@@ -41,7 +41,8 @@ class Carry : public RobotPair<Real, Team> {
       : Base(spec, seed, std::move(team)),
         recorder_(std::move(recorder)),
         world_(world_of(spec, model_of<Real>(spec), seed)),
-        bumps_(spec) {}
+        bumps_(spec),
+        is_limited_(world_.is_limited()) {}
 
   // To be called before the first tick: checks whether the object is held.
   void begin() { metrics_.reason = world_.check(); }
@@ -99,11 +100,14 @@ class Carry : public RobotPair<Real, Team> {
     const Actuation<Real> act =
         actuate(robots_, world_.configuration().palms, {noise_[left][k], noise_[right][k]});
     recorder_.before(*this, sensed);
-    const Advance<Real>& step = world_.advance(act.change, act.angles, act.push);
+    const Advance<Real>& step = is_limited_ ? world_.advance(ways(), act.angles, act.push)
+                                            : world_.advance(act.change, act.angles, act.push);
     metrics_.observe(tick_, world_.contact_events(), !world_.regime().none());
     const Real before = robots_.midpoint;
     robots_.midpoint =
         before + (step.reason == DropReason::none ? act.travel : act.travel * step.fraction);
+    if (is_limited_) [[unlikely]]
+      robots_.midpoint += metrics_.note_stalls(step);
     recorder_.after(*this);
     finish_tick(step.reason, double(step.fraction), before);
   }
@@ -134,6 +138,14 @@ class Carry : public RobotPair<Real, Team> {
   using Base::metrics_, Base::robots_, Base::seed_, Base::sensed_, Base::spec_, Base::tactile_;
   using Base::read, Base::reads_truly, Base::statistics_, Base::team_, Base::tick_,
       Base::next_decision_tick_;
+
+  // The way of each pivot in this tick [m].
+  PerSide<Vec> ways() const {
+    const auto way = [&](std::size_t side) {
+      return Vec{double(robots_.speeds[side]) * double(robots_.period), 0.0};
+    };
+    return {way(left), way(right)};
+  }
 
   bool think() {
     return Base::think([&](const SentMessage& p) { recorder_.message(p); });
@@ -170,6 +182,7 @@ class Carry : public RobotPair<Real, Team> {
   World<Real> world_;
   PerSide<std::array<Real, block_ticks>> noise_{};
   Bumps bumps_;
+  bool is_limited_;
 };
 
 }  // namespace palmbots

@@ -39,7 +39,7 @@ struct WorldObservation {
   double moved = 0;           // of the COM towards +x since the start [m]
   double object_sine = 0;     // of the angle of the object over the floor
   bool stands = false;        // the object is on the floor alone
-  bool stalls = false;        // wheels stalled in the tick
+  PerSide<bool> stalls{};     // wheels of each robot stalled in the tick
   double turn = 0;            // of a pipe, whose contacts do not show it [rad]
 };
 

@@ -4,7 +4,7 @@
 //
 // WHEELS. As long as a nose is on the floor, a motion that mechanics do not allow stops the wheels for
 // the rest of the tick, as wheels that stall. No robot notices that. In the air it ends the job, as in
-// a carry.
+// a carry. The odometry of wheels that spin counts on.
 #pragma once
 
 #include <cmath>
@@ -51,7 +51,7 @@ class LiftCarry : public LiftRobots<Inner> {
   using Base::change_biases, Base::collect, Base::drop, Base::height_, Base::is_airborne;
   using Base::metrics_, Base::note_phases, Base::notice, Base::recorder_, Base::robots_,
       Base::spec_;
-  using Base::stalled_, Base::think, Base::tick_;
+  using Base::think, Base::tick_;
 
   // The object stands on the floor, and the noses are beside it.
   void stand() {
@@ -124,12 +124,13 @@ class LiftCarry : public LiftRobots<Inner> {
     world_.set_on_both(airborne);
     const Advance<double>& step = world_.advance(by, act.angles, act.push);
     const bool stalls = !airborne && step.reason == DropReason::jammed;
-    if (stalls) ++stalled_;
     for (const std::size_t side : {left, right}) {
       height_[side] += step.fraction * by[side].y;
-      this->count_travel(side, step.fraction * by[side].x);
+      const double way = step.fraction * by[side].x + step.lag[side];
+      this->count_travel(side, spec_.robots[side].spins() ? by[side].x : way);
+      if (stalls && by[side].x != 0) metrics_.stalled_ticks[side] += 1 - step.fraction;
     }
-    robots_.midpoint += step.fraction * act.travel;
+    robots_.midpoint += step.fraction * act.travel + metrics_.note_stalls(step);
     recorder_.after(*this);
     const bool goes_on =
         step.reason == DropReason::none || stalls || (!airborne && falls_a_little());

@@ -58,9 +58,10 @@ class LiftCoSimulation : public LiftRobots<Inner> {
 
   // Takes in the world at the end of the tick.
   void observe(const WorldObservation& observation) {
-    for (const std::size_t side : {left, right})
+    for (const std::size_t side : {left, right}) {
       this->count_travel(side, observation.rolled[side] - observation_.rolled[side]);
-    if (observation.stalls) ++stalled_;
+      metrics_.stalled_ticks[side] += observation.stalls[side] ? 1 : 0;
+    }
     observation_ = observation;
     world_.observe(observation);
     robots_.midpoint = observation.midpoint;
@@ -75,7 +76,7 @@ class LiftCoSimulation : public LiftRobots<Inner> {
 
  private:
   using Base::observe, Base::height_, Base::metrics_, Base::recorder_, Base::robots_;
-  using Base::stalled_, Base::tick_;
+  using Base::tick_;
 
   void finish() {
     recorder_.make_room();

@@ -81,7 +81,6 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   TraceRecorder& recorder() { return recorder_; }
   std::vector<PerSide<double>> take_heights() { return std::move(heights_); }
   const std::vector<LiftPhase>& phases() const { return phases_; }
-  std::uint32_t stalled_ticks() const { return stalled_; }
   // Whether an arm follows the floor.
   bool is_low(std::size_t side) const { return team_.arm(side) == ArmMove::follow; }
 
@@ -180,8 +179,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   }
 
   TraceRecorder recorder_;
-  PerSide<double> height_{};   // of the pivots, as commanded [m]
-  std::uint32_t stalled_ = 0;  // ticks in which wheels stalled
+  PerSide<double> height_{};  // of the pivots, as commanded [m]
 
  private:
   void end(Outcome outcome, double fraction) {

@@ -47,16 +47,28 @@ struct RobotBody {
   double wheel_radius = 0;    // [m]
   double floor_friction = 0;  // of the wheels
   double palm_torque = 0;     // of the servos [N m]
-  double drive_force = 0;     // of both wheels [N]; not a number: any
+  PerSide<double> force{};    // of each robot along the floor, at most; infinite: any [N]
   Chassis at{};
 };
 
+// Of a robot's keys [N].
+inline double force_limit_of(const SceneValues& scene, std::size_t side) {
+  constexpr double any = std::numeric_limits<double>::infinity();
+  const auto limit = [](double force) { return force == force ? force : any; };
+  return smaller(limit(scene.of<"robot.motor_force_n">(own(side))),
+                 limit(scene.of<"robot.traction_n">(own(side))));
+}
+
 // `height`: of the pivots over the floor [m].
 inline RobotBody robot_body_of(const SceneValues& scene, double height, bool is_curved) {
-  return {scene.of<"mujoco.body_kg">(),        scene.of<"mujoco.arm_kg">(),
-          scene.of<"mujoco.palm_kg">(),        scene.of<"mujoco.wheel_radius_m">(),
-          scene.of<"mujoco.floor_friction">(), scene.of<"mujoco.palm_torque_n_m">(),
-          scene.of<"mujoco.drive_force_n">(),  chassis_of(height, axle_of(scene, is_curved))};
+  return {scene.of<"mujoco.body_kg">(),
+          scene.of<"mujoco.arm_kg">(),
+          scene.of<"mujoco.palm_kg">(),
+          scene.of<"mujoco.wheel_radius_m">(),
+          scene.of<"mujoco.floor_friction">(),
+          scene.of<"mujoco.palm_torque_n_m">(),
+          {force_limit_of(scene, left), force_limit_of(scene, right)},
+          chassis_of(height, axle_of(scene, is_curved))};
 }
 // While the pair carries.
 inline RobotBody robot_body_of(const SceneValues& scene, const Spec& spec, bool is_curved) {
@@ -241,9 +253,8 @@ class LoadStates {
           limit(LoadKind::servo, body_.palm_torque - sign * servo.own, -sign * servo.by_load);
           limit(LoadKind::traction, body_.floor_friction * wheels.own - sign * along.own,
                 body_.floor_friction * wheels.by_load - sign * along.by_load);
-          if (body_.drive_force == body_.drive_force) {
-            limit(LoadKind::drive, body_.drive_force - sign * along.own, -sign * along.by_load);
-          }
+          if (std::isfinite(body_.force[side]))
+            limit(LoadKind::drive, body_.force[side] - sign * along.own, -sign * along.by_load);
         }
       }
     }

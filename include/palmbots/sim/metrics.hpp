@@ -77,6 +77,7 @@ class Metrics {
   std::uint32_t samples = 0;
   PerSide<std::uint32_t> waiting_ticks{};
   PerSide<std::uint32_t> waits_since{};  // first tick of the present wait
+  PerSide<double> stalled_ticks{};
   PerSide<bool> limit_cycle{};
   std::uint32_t bumps = 0;
   std::uint32_t corrections = 0;
@@ -101,6 +102,14 @@ class Metrics {
       peak[side] = double(statistics.peak[side]);
       statistics.square_sum[side] = Real(0);
     }
+  }
+
+  // Counts robots that stalled in a step. Returns by how much less the midpoint has moved, as a
+  // displacement along x.
+  template <class Real>
+  Real note_stalls(const Advance<Real>& step) {
+    for (const std::size_t side : {left, right}) stalled_ticks[side] += step.stalled[side];
+    return Real(0.5) * (step.lag[left] + step.lag[right]);
   }
 
   // To be called after the controllers have run. In ticks without a call they do the same as

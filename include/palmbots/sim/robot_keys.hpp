@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "palmbots/robot/tactile_sensor.hpp"
 #include "palmbots/sim/scene_key.hpp"
@@ -73,11 +74,18 @@ struct RobotSpec {
   double standing_noise = 0;  // the part of the noise that a robot at rest keeps, as `noise`
   double white_noise = 0;     // standard deviation of the displacement after 1 s [m/√s]
   double bias = 0;
-  double clock_drift = 0;        // share by which its clock runs too fast
-  std::uint64_t stride = 1;      // ticks of the carry between two steps of its program
+  double clock_drift = 0;    // share by which its clock runs too fast
+  std::uint64_t stride = 1;  // ticks of the carry between two steps of its program
+  // The largest forces of its motors and of its wheels on the floor [weights of the object].
+  double motor_limit = std::numeric_limits<double>::infinity();
+  double traction_limit = std::numeric_limits<double>::infinity();
   bool gain_by_segment = false;  // of the recording; otherwise it keeps the gain of the first one
   // A recording that takes the place of gain, noise, white noise and bias, or null.
   const ErrorTrace* recorded = nullptr;
+
+  constexpr double force_limit() const { return smaller(motor_limit, traction_limit); }
+  // Whether the wheels of a robot that stalls go on turning.
+  constexpr bool spins() const { return traction_limit < motor_limit; }
 };
 inline constexpr Key robot_keys[] = {
     number<&RobotSpec::speed>("speed_m_s", Unit::m_s, 0, 10),
@@ -93,8 +101,12 @@ inline constexpr Key robot_keys[] = {
     choice<&RobotSpec::gain_by_segment>("trace_gain", trace_gain_choices),
     number<&RobotSpec::bias>("bias_m_s", Unit::m_s, -1, 1),
     number<&RobotSpec::clock_drift>("clock_ppm", Unit::parts_per_million, -100000, 100000),
+    source_number("motor_force_n", Unit::newton, 0.01, 10000),
+    source_number("traction_n", Unit::newton, 0.01, 10000),
     source_number("period_s", Unit::s, 0.0001, 1),
     derived<&RobotSpec::stride>(),
+    derived<&RobotSpec::motor_limit>(),
+    derived<&RobotSpec::traction_limit>(),
 };
 
 // What raises and lowers the pivot of a palm, in jobs that begin or end on the floor.

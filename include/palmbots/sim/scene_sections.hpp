@@ -29,7 +29,6 @@ inline constexpr Key load_keys[] = {
     source_number("axle_m", Unit::m, 0, 0.25),
     source_number("floor_friction", Unit::none, 0.001, 100, 0.8),
     source_number("palm_torque_n_m", Unit::newton_m, 0.001, 1000, 0.43),
-    source_number("drive_force_n", Unit::newton, 0.01, 10000),
 };
 
 // A rounded ridge across the floor.

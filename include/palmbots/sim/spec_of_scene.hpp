@@ -132,6 +132,18 @@ inline void derive_faults(const SceneValues& scene, Spec& spec) {
   }
 }
 
+// Forces in weights of the object, as everywhere in the mechanics.
+inline void derive_limits(const SceneValues& scene, double weight, Spec& spec) {
+  for (const std::size_t side : {left, right}) {
+    RobotSpec& robot = spec.robots[side];
+    const auto put = [&](double force, double& limit) {
+      if (force == force) limit = force / weight;
+    };
+    put(scene.of<"robot.motor_force_n">(own(side)), robot.motor_limit);
+    put(scene.of<"robot.traction_n">(own(side)), robot.traction_limit);
+  }
+}
+
 }  // namespace detail
 
 // The default time limit [s]: twice the time at the slower speed. The second half is at least twice
@@ -198,7 +210,9 @@ inline Spec spec_of(const SceneValues& scene) {
   Spec spec;
   detail::put_numbers(scene, spec);
   detail::put_lists(scene, spec);
-  static_cast<ObjectSpec&>(spec) = object_frame(object_of(scene));
+  const SceneObject object = object_of(scene);
+  static_cast<ObjectSpec&>(spec) = object_frame(object);
+  detail::derive_limits(scene, object.mass * standard_gravity, spec);
   for (const std::size_t side : {left, right}) {
     PalmSpec& palm = spec.palms[side];
     palm.friction = detail::friction_of(scene, side);

@@ -15,6 +15,10 @@ struct Advance {
   Real fraction = Real(1);    // of the step that was done
   ContactMode motion{};       // of its last piece
   std::int32_t segments = 1;  // regimes passed through
+  // Of robots that stalled: how far the pivots are along x from where the step should have brought
+  // them [m], and in which part of the step each robot stalled.
+  PerSide<Real> lag{};
+  PerSide<double> stalled{};
 };
 
 // Times at which the object rested on a further contact, and the latest: what it was, and when it

@@ -7,6 +7,8 @@
 // the rest: with two contacts that both slide, the object takes the pose in which the two forces and
 // the weight are in balance. If even then something is left (a flat object between two flat
 // surfaces that both slide, or a pipe, which may turn in place), both sides slide alike.
+//
+// A robot that stalls (world/force_limits.hpp) and yields is a fourth unknown: where its palm is.
 #pragma once
 
 #include "palmbots/base/small_linear.hpp"
@@ -23,13 +25,21 @@ struct ActivePair {
   Vec reference;  // of a tip on an arc (feature_contact.hpp)
 };
 
+// How a robot moves. One that stalls stands, or yields: the contacts determine its speed.
+enum class Drive : std::uint8_t { as_commanded, yields, stands };
+
 struct Regime {
   std::array<ActivePair, max_supports> active;  // up to `count`
   std::size_t count = 0;
+  PerSide<Drive> drives{};
   double alike = 0.0;  // difference of the runs of both sides, where nothing else decides [m]
   bool pushed = true;  // whether forces balance with the push, or only without it
 
   constexpr bool none() const { return count == 0; }
+  constexpr bool yields() const {
+    return drives[left] == Drive::yields || drives[right] == Drive::yields;
+  }
+  constexpr bool stalls() const { return drives != PerSide<Drive>{}; }
   constexpr bool has(FeaturePair pair) const {
     for (std::size_t i = 0; i < count; ++i)
       if (active[i].pair == pair) return true;
@@ -62,7 +72,11 @@ struct ContactProblem {
   double slope;         // sideways specific force
   double push;          // more of it, from acceleration
   bool on_both = true;  // whether the step ends when the object leaves one palm
+  PerSide<double> limit =
+      no_limits<double>;        // of the force of each robot along the floor [weights]
+  PerSide<double> commanded{};  // the way of each robot along x in the step [m]
 
+  bool is_limited() const { return limit != no_limits<double>; }
   const Surface& surface(FeaturePair pair) const { return shapes.surfaces.at[pair.surface]; }
   std::size_t carrier(FeaturePair pair) const {
     return static_cast<std::size_t>(surface(pair).carrier);
@@ -143,13 +157,14 @@ inline double unbalanced(const ContactProblem& problem, const Regime& regime,
 
 // The equations of a regime at a pose. With `rates`, of the object's twist instead: the right-hand
 // sides are the velocities that the surfaces give.
+// The fourth unknown is the place of the palm that yields, or its speed, along x.
 struct RegimeEquations {
-  EchelonForm<double, 3> system{};
+  EchelonForm<double, 4> system{};
   bool balance = false;  // the last one is that of balance
   bool spare = false;    // some depend on others
 
-  void add(Triple<double> row, double value) {
-    if (!system.add({row.x, row.y, row.z}, value)) spare = true;
+  void add(Triple<double> row, double value, double palm = 0.0) {
+    if (!system.add({row.x, row.y, row.z, palm}, value)) spare = true;
   }
 };
 
@@ -160,9 +175,16 @@ inline RegimeEquations equations(const ContactProblem& problem, const Regime& re
   const auto given = [&](std::size_t i, Vec direction) {
     return problem.given(frames, pose, regime.active[i].pair, contacts[i], direction);
   };
+  // A palm that yields moves a contact on it by this per metre.
+  const auto by_palm = [&](std::size_t i, Vec direction) {
+    const std::size_t carrier = problem.carrier(regime.active[i].pair);
+    return carrier < 2 && regime.drives[carrier] == Drive::yields ? -direction.x : 0.0;
+  };
+  if (!regime.yields()) equations.add({0.0, 0.0, 0.0}, 0.0, 1.0);
   for (std::size_t i = 0; i < regime.count; ++i) {
     const FeatureContact& c = contacts[i];
-    equations.add(problem.row(c, c.normal), rates ? given(i, c.normal) : c.gap);
+    equations.add(problem.row(c, c.normal), rates ? given(i, c.normal) : c.gap,
+                  by_palm(i, c.normal));
   }
   std::size_t rays = regime.count;
   for (std::size_t i = 0; i < regime.count; ++i) {
@@ -170,9 +192,10 @@ inline RegimeEquations equations(const ContactProblem& problem, const Regime& re
     const FeatureContact& c = contacts[i];
     ++rays;
     equations.add(problem.row(c, c.tangent),
-                  rates ? given(i, c.tangent) : c.run - regime.active[i].held);
+                  rates ? given(i, c.tangent) : c.run - regime.active[i].held,
+                  by_palm(i, c.tangent));
   }
-  if (equations.system.full()) return equations;
+  if (equations.system.full() || regime.yields()) return equations;
   if (rays == 2) {
     // Central differences: in the mirror they round alike.
     const double h = 1e-6;
@@ -186,7 +209,7 @@ inline RegimeEquations equations(const ContactProblem& problem, const Regime& re
     const double size = problem.shapes.size;
     const Triple<double> row{by({size, 0.0}, 0.0), by({0.0, size}, 0.0), by({0.0, 0.0}, 1.0)};
     constexpr double none = 1e-8;  // above the rounding of the differences
-    equations.balance = decltype(equations.system)::largest({row.x, row.y, row.z}) > none;
+    equations.balance = decltype(equations.system)::largest({row.x, row.y, row.z, 0.0}) > none;
     const double off = unbalanced(problem, regime, contacts);
     if (!equations.balance) {
       if (magnitude(off) > none) return equations;  // nowhere in balance
@@ -232,16 +255,19 @@ inline bool holds(const ContactProblem& problem, const Regime& regime,
   return true;
 }
 
-// Moves the pose to where the regime holds the object. False if that is not near.
-inline bool settle(const ContactProblem& problem, const Regime& regime, const Frames& frames,
-                   Pose& pose, ActiveContacts& contacts) {
+// Moves the pose, and a palm that yields, to where the regime holds the object. False if that is not
+// near.
+inline bool settle(const ContactProblem& problem, const Regime& regime, Frames& frames, Pose& pose,
+                   ActiveContacts& contacts) {
   for (int i = 0; i < 40; ++i) {
     contacts = contacts_of(problem, regime, frames, pose);
     const auto made = detail::equations(problem, regime, frames, pose, contacts, false);
     if (!made.system.full()) return false;
     const auto step = made.system.solution();
-    const double most = EchelonForm<double, 3>::largest(step);
+    const double most = decltype(made.system)::largest(step);
     if (!(most < problem.shapes.size)) return false;
+    for (const std::size_t side : {left, right})
+      if (regime.drives[side] == Drive::yields) frames[side].origin.x -= step[3];
     pose = Pose::of(pose.at - Vec{step[0], step[1]}, pose.angle - step[2] / problem.shapes.size);
     // Convergence is quadratic: after so small a step, the remaining error is far below rounding.
     if (most < 1e-10 * problem.shapes.size) {

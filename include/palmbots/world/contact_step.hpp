@@ -3,7 +3,8 @@
 //
 // Between events a regime (world/contact_regime.hpp) holds. An event is the first instant at which
 // one of its conditions fails (world/regime_conditions.hpp). What follows there is chosen among all
-// modes that mechanics allow (world/regime_choice.hpp). Source: docs/theory/contacts.md.
+// modes that mechanics allow (world/regime_choice.hpp). Where robots stall, their pivots fall behind
+// the step. Source: docs/theory/contacts.md.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/root_finding.hpp"
-#include "palmbots/world/regime_choice.hpp"
+#include "palmbots/world/contact_trial.hpp"
 
 namespace palmbots {
 
@@ -36,113 +37,75 @@ struct ContactStepResult {
   DropReason reason = DropReason::none;
   double fraction = 1.0;
   std::int32_t pieces = 1;
+  PerSide<double> lag{};      // of each pivot, along x, from where it should be then [m]
+  PerSide<double> stalled{};  // the part of the step in which each robot stalled
 };
 
-// `rounding` is the error of the pose at the start [m]; `noted(t)` is called whenever a regime has
-// been chosen.
+// `rounding` is the error of the pose at the start [m]; `noted(frames, t)` is called whenever a regime
+// has been chosen.
 template <class Noted>
-class ContactStep {
-  using Tolerance = ContactTolerance;
-
+class ContactStep : ContactTrial {
  public:
   static constexpr int most_events = 200;
 
   ContactStep(const ContactProblem& problem, const Travel& travel, Pose& pose, Regime& regime,
               Neighbourhood& around, AmbiguousEvents& ambiguous, double rounding, Noted noted)
-      : problem_(problem),
-        travel_(travel),
-        pose_(pose),
-        regime_(regime),
-        around_(around),
+      : ContactTrial(problem, travel, pose, regime, around, rounding),
         ambiguous_(ambiguous),
-        noted_(noted) {
-    double most = 0.0;
-    for (const PalmTravel& palm : travel.palms) {
-      const double moved = length(palm.by);
-      const double turned = magnitude(palm.turn);
-      most = larger(
-          most, larger(moved / (0.01 * problem.shapes.size), turned / radians_per_degree<double>));
-      pace_ = larger(pace_, moved + turned * problem.shapes.size);
-    }
-    look_ = most > 1.0 ? 1.0 / most : 1.0;
-    closed_ = rounding + Tolerance::closed * problem.shapes.size +
-              4.0 * instant_tolerance<double> * pace_;
-  }
+        noted_(noted) {}
 
   // From the instant `done` on. Without a regime, or where it has ended, it begins with a choice.
   ContactStepResult run(double done = 0.0) {
     ContactStepResult result{};
     if (travel_.none()) return result;
-    look_around(done);
-    if (regime_.count == 0 || !goes_along(done)) {
-      if (!choose(done, result)) return result;
-    }
-    double ahead = look_;
-    while (done < 1.0) {
-      const double goal = done + ahead < 1.0 ? done + ahead : 1.0;
-      Pose there = pose_;
-      const Conditions then = reach(goal, there, regime_);
-      if (then.settled && goal - done > shortest && moved(there) > near_move()) {
-        ahead = 0.5 * (goal - done);  // slow palms can turn the object fast
-        continue;
-      }
-      ahead = look_;
-      if (then.least() >= 0.0) {
-        pose_ = there;
-        done = goal;
-        if (done < 1.0) look_around(done);
-        continue;
-      }
-      done = event_between(done, goal, then);
-      look_around(done);
-      if (++result.pieces > most_events) {
-        return {DropReason::jammed, done, result.pieces};
-      }
-      if (!choose(done, result)) return result;
-    }
+    now_.t = done;
+    go(done, result);
+    result.lag = now_.lag;
+    result.stalled = stalled_;
     return result;
   }
 
  private:
   static constexpr double shortest = 1e-6;  // piece of a step
 
-  // How far a point of the object may move between two looks at what is near, and how far it has.
-  double near_move() const { return 0.02 * problem_.shapes.size; }
-  double apart(const Pose& one, const Pose& other) const {
-    return length(one.at - other.at) + magnitude(one.angle - other.angle) * problem_.shapes.size;
-  }
-  double moved(const Pose& there) const { return apart(there, pose_); }
-
-  void look_around(double done) {
-    const Frames frames = travel_.frames(done);
-    near_ = around_.near(problem_, leading_side(frames), frames, pose_, near_move() + look_ * pace_,
-                         closed_);
-  }
-
-  // Settles at an instant; the conditions there.
-  Conditions reach(double t, Pose& pose, const Regime& regime) const {
-    const Frames frames = travel_.frames(t);
-    ActiveContacts contacts;
-    if (!settle(problem_, regime, frames, pose, contacts)) {
-      Conditions none;
-      none.settled = false;
-      return none;
+  void go(double done, ContactStepResult& result) {
+    look_around();
+    // Robots that stall try again in every step.
+    if (regime_.count == 0 || regime_.stalls() || !goes_along(done)) {
+      if (!choose(done, result)) return;
     }
-    return conditions_of(problem_, regime, frames, pose, contacts, near_, pace_);
-  }
-
-  // The same where the object is.
-  Conditions here(double t) const {
-    const Frames frames = travel_.frames(t);
-    return conditions_of(problem_, regime_, frames, pose_,
-                         contacts_of(problem_, regime_, frames, pose_), near_, pace_);
+    double ahead = look_;
+    while (done < 1.0) {
+      const double goal = done + ahead < 1.0 ? done + ahead : 1.0;
+      Place there = here();
+      const Conditions then = reach(goal, there, regime_);
+      if (then.settled && goal - done > shortest && moved(there.pose) > near_move()) {
+        ahead = 0.5 * (goal - done);  // slow palms can turn the object fast
+        continue;
+      }
+      ahead = look_;
+      if (then.least() >= 0.0) {
+        go_to(there);
+        done = goal;
+        if (done < 1.0) look_around();
+        continue;
+      }
+      done = event_between(done, goal, then);
+      look_around();
+      if (++result.pieces > most_events) {
+        result.reason = DropReason::jammed;
+        result.fraction = done;
+        return;
+      }
+      if (!choose(done, result)) return;
+    }
   }
 
   // Moves the pose to the first instant at which a condition that fails at `goal` does, and returns
   // it. Only those take part in the search: others may be near zero all the time.
   double event_between(double done, double goal, Conditions then) {
-    const Conditions now = here(done);
-    const Pose start = pose_;
+    const Conditions now = conditions_here();
+    const Place start = here();
     for (int i = 0; i < most_events; ++i) {
       const auto worst = [&](const Conditions& at) {
         if (!at.settled) return -1.0;
@@ -156,7 +119,7 @@ class ContactStep {
         }
         return least;
       };
-      Pose there = start;
+      Place there = start;
       const double from = worst(now);
       const auto at = [&](double t) {
         there = start;
@@ -170,7 +133,7 @@ class ContactStep {
       if (found.least() >= 0.0 && then.least() == Conditions::behind)
         found = passed(done, when, start);
       if (found.least() >= 0.0) {
-        pose_ = there;
+        go_to(there);
         return when;
       }
       goal = when;
@@ -181,12 +144,12 @@ class ContactStep {
 
   // A pair that is behind where it can touch came there past another one, which closed for a while.
   // Looks for that; `when` becomes an instant at which it is closed.
-  Conditions passed(double done, double& when, const Pose& start) const {
+  Conditions passed(double done, double& when, const Place& start) const {
     constexpr int looks = 16;
     Conditions found{};
     const double end = when;
     for (int k = 1; k <= looks && found.least() >= 0.0; ++k) {
-      Pose there = start;
+      Place there = start;
       when = done + (end - done) * (double(k) / looks);
       found = reach(when, there, regime_);
     }
@@ -195,45 +158,24 @@ class ContactStep {
 
   // Chooses the regime that continues from here. False if the object is not held; `result` says why.
   bool choose(double done, ContactStepResult& result) {
-    const Frames frames = travel_.frames(done);
+    const Frames frames = this->frames(now_);
     const ClosedPairs closed = closed_pairs(frames);
     result.reason =
         off_palm(problem_, frames, pose_, closed_) ? DropReason::off_palm : DropReason::none;
     if (result.reason == DropReason::none) result.reason = choose_among(closed, frames, done);
     if (result.reason == DropReason::none) {
-      noted_(done);
+      noted_(frames, done);
       return true;
     }
     result.fraction = done;
     return false;
   }
 
-  // The best candidate that goes on becomes the regime, or one of those that are as good and move the
-  // object elsewhere.
+  // Robots stall only if there is no motion in which both drive.
   DropReason choose_among(const ClosedPairs& closed, const Frames& frames, double done) {
-    constexpr double elsewhere = 1e-3;  // of the way of the surfaces
-    const RegimeCandidates found = candidates_at(problem_, frames, pose_, closed);
-    for (double ahead = 1e-7; ahead < 0.1; ahead *= 16.0) {
-      const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
-      std::array<const RegimeCandidate*, RegimeCandidates::most> best;
-      std::array<Pose, RegimeCandidates::most> ends;
-      std::size_t count = 0;
-      for (std::size_t k = 0; k < found.count; ++k) {
-        const RegimeCandidate& one = found.at[k];
-        if (count > 0 && !one.is_as_good_as(*best[0])) break;
-        ends[count] = pose_;
-        if (!goes_on(done, then, one.regime, ends[count])) continue;
-        const auto is_there = [&](const Pose& other) {
-          return apart(ends[count], other) < elsewhere * (then - done) * pace_;
-        };
-        if (std::none_of(ends.begin(), ends.begin() + count, is_there)) best[count++] = &one;
-      }
-      if (count == 0) continue;
-      if (problem_.on_both && !best[0]->on_both) return DropReason::lifting;
-      regime_ = best[ambiguous_.pick(count)]->regime;
-      return DropReason::none;
-    }
-    if (choose_later(found, done)) return DropReason::none;
+    const Found as_commanded = go_on_with(candidates_at(problem_, frames, pose_, closed), done);
+    if (as_commanded.any) return as_commanded.reason;
+    if (problem_.is_limited() && stall(closed, frames, done)) return DropReason::none;
     const DropReason why = reason_of(problem_, closed);
     if (why != DropReason::none) return why;
     // What has run off its feature holds the object no more.
@@ -244,6 +186,98 @@ class ContactStep {
     }
     const DropReason then = reason_of(problem_, rest);
     return then == DropReason::none ? DropReason::jammed : then;
+  }
+
+  // Chooses a regime in which a robot stalls: the weaker one; otherwise the stronger one; otherwise
+  // both, the weaker one up to standing. False if there is none.
+  bool stall(const ClosedPairs& closed, const Frames& frames, double done) {
+    constexpr auto ground = static_cast<std::size_t>(Carrier::ground);
+    const PerSide<double>& limit = problem_.limit;
+    std::size_t weaker = limit[left] < limit[right] ? left : right;
+    if (limit[left] == limit[right]) weaker = leading_side(frames);
+    for (const bool both : {false, true}) {
+      for (const std::size_t side :
+           {both ? other(weaker) : weaker, both ? weaker : other(weaker)}) {
+        const std::size_t partner = other(side);
+        const double sense = problem_.commanded[side] < 0.0 ? -1.0 : 1.0;
+        if (problem_.commanded[side] == 0.0 || (both && problem_.commanded[partner] == 0.0))
+          continue;
+        Frames moving = frames;
+        PerSide<Drive> drives{};
+        if (both) {
+          drives[partner] = Drive::stands;
+          moving[partner].velocity.x = 0.0;
+        }
+        for (const std::size_t held_by : {partner, ground, side}) {
+          moving[side].velocity.x = 0.0;
+          drives[side] = held_by == side ? Drive::stands : Drive::yields;
+          if (held_by != side) {
+            const double speed = speed_with(closed, moving, side, held_by);
+            const double least = Tolerance::rate * pace_;
+            if (!(sense * speed > least && sense * (problem_.commanded[side] - speed) > -least))
+              continue;
+            moving[side].velocity.x = speed;
+          }
+          RegimeCandidates found = candidates_at(problem_, moving, pose_, closed);
+          for (std::size_t k = 0; k < found.count; ++k) found.at[k].regime.drives = drives;
+          const Found stalled = go_on_with(found, done);
+          if (stalled.any && stalled.reason == DropReason::none) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  // The speed of a palm along x if its contacts, and those of another carrier, stick; not a number: they
+  // do not determine it.
+  double speed_with(const ClosedPairs& closed, const Frames& frames, std::size_t side,
+                    std::size_t partner) const {
+    EchelonForm<double, 4> system;
+    for (std::size_t i = 0; i < closed.count; ++i) {
+      const auto& [pair, c] = closed.at[i];
+      const std::size_t carrier = problem_.carrier(pair);
+      if (carrier != side && carrier != partner) continue;
+      for (const Vec direction : {c.normal, c.tangent}) {
+        const Triple<double> row = problem_.row(c, direction);
+        system.add({row.x, row.y, row.z, carrier == side ? -direction.x : 0.0},
+                   problem_.given(frames, pose_, pair, c, direction));
+      }
+    }
+    return system.full() ? system.solution()[3] : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  // Whether any candidate goes on; a reason, if the object is then on one palm only.
+  struct Found {
+    bool any;
+    DropReason reason;
+  };
+
+  // The best candidate that goes on becomes the regime, or one of those that are as good and move the
+  // object elsewhere.
+  Found go_on_with(const RegimeCandidates& found, double done) {
+    constexpr double elsewhere = 1e-3;  // of the way of the surfaces
+    for (double ahead = 1e-7; ahead < 0.1; ahead *= 16.0) {
+      const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
+      std::array<const RegimeCandidate*, RegimeCandidates::most> best;
+      std::array<Pose, RegimeCandidates::most> ends;
+      std::size_t count = 0;
+      for (std::size_t k = 0; k < found.count; ++k) {
+        const RegimeCandidate& one = found.at[k];
+        if (count > 0 && !one.is_as_good_as(*best[0])) break;
+        Place end = here();
+        if (!goes_on(done, then, one.regime, end)) continue;
+        ends[count] = end.pose;
+        const auto is_there = [&](const Pose& other) {
+          return apart(ends[count], other) < elsewhere * (then - done) * pace_;
+        };
+        if (std::none_of(ends.begin(), ends.begin() + count, is_there)) best[count++] = &one;
+      }
+      if (count == 0) continue;
+      if (problem_.on_both && !best[0]->on_both) return {true, DropReason::lifting};
+      regime_ = best[ambiguous_.pick(count)]->regime;
+      return {true, DropReason::none};
+    }
+    return {choose_later(found, done), DropReason::none};
   }
 
   // Where contacts stick for an instant only, as on a palm that turns through level, the first order
@@ -264,7 +298,7 @@ class ContactStep {
       for (std::size_t leaving = 0; leaving < instant.count; ++leaving) {
         for (std::size_t way = 1; way < ways; ++way) {
           const Regime regime = varied(instant, way);
-          Pose end = pose_;
+          Place end = here();
           if (regime.count + leaving != instant.count || !goes_on(done, then, regime, end))
             continue;
           regime_ = regime;
@@ -297,61 +331,6 @@ class ContactStep {
     return regime;
   }
 
-  // Whether a regime holds at a later instant, and its contacts slide in their directions until
-  // then. They are compared from the middle on: at first the pose may jump by a rounding error. `end`,
-  // the pose before, becomes that at the later instant.
-  bool goes_on(double from, double to, const Regime& regime, Pose& end) const {
-    if (!(reach(to, end, regime).least() >= 0.0)) return false;
-    if (!lasts(from, regime)) return false;
-    const double middle = 0.5 * (from + to);
-    Pose half = pose_;
-    if (!reach(middle, half, regime).settled) return false;
-    const Frames before = travel_.frames(middle);
-    const Frames after = travel_.frames(to);
-    for (std::size_t i = 0; i < regime.count; ++i) {
-      const ActivePair& a = regime.active[i];
-      if (a.motion == Motion::stick) continue;
-      const double ran = problem_.contact(after, end, a.pair, a.reference).run -
-                         problem_.contact(before, half, a.pair, a.reference).run;
-      if (double(static_cast<int>(a.motion)) * ran < -8.0 * Tolerance::epsilon) return false;
-    }
-    return true;
-  }
-
-  // Whether the regime of the last step also holds in the motion of this one. The pose is the same.
-  bool goes_along(double done) const {
-    const Frames frames = travel_.frames(done);
-    const ActiveContacts contacts = contacts_of(problem_, regime_, frames, pose_);
-    const auto twist = detail::equations(problem_, regime_, frames, pose_, contacts, true);
-    if (!twist.system.full()) return false;
-    const Conditions all =
-        conditions_of_motion(problem_, regime_, frames, pose_, contacts, twist, pace_);
-    return all.least() >= 0.0 && (!twist.balance || is_here(done)) && lasts(done, regime_, twist);
-  }
-
-  // Whether the pose in which the forces of the regime balance is that of the object. Another push
-  // than in the last step moves that pose, but not the object.
-  bool is_here(double done) const {
-    Pose there = pose_;
-    ActiveContacts contacts;
-    return settle(problem_, regime_, travel_.frames(done), there, contacts) &&
-           moved(there) <= closed_;
-  }
-
-  bool lasts(double from, const Regime& regime) const {
-    const Frames now = travel_.frames(from);
-    const ActiveContacts contacts = contacts_of(problem_, regime, now, pose_);
-    return lasts(from, regime, detail::equations(problem_, regime, now, pose_, contacts, true));
-  }
-  // Whether more contacts stick than the pose has unknowns, and do so for longer than an instant.
-  bool lasts(double from, const Regime& regime, const detail::RegimeEquations& twist) const {
-    if (!twist.spare) return true;
-    const double later = from + 0.01 * look_ < 1.0 ? from + 0.01 * look_ : 1.0;
-    Pose there = pose_;
-    ActiveContacts then;
-    return settle(problem_, regime, travel_.frames(later), there, then);
-  }
-
   // The pairs that touch, those of the palm that leads first.
   ClosedPairs closed_pairs(const Frames& frames) const {
     ClosedPairs closed;
@@ -376,42 +355,8 @@ class ContactStep {
     closed.at[closed.count++] = {pair, problem_.contact(frames, pose_, pair)};
   }
 
-  // The palm that is computed first, so that the mirrored problem rounds alike. Left comes first
-  // only if nothing distinguishes left from right.
-  std::size_t leading_side(const Frames& frames) const {
-    const auto ranks = [&](std::size_t side) {
-      const Frame& frame = frames[side];
-      const Vec com = frame.from_world(pose_.at - frame.origin);
-      std::array<std::size_t, 2> touching{};
-      for (std::size_t i = 0; i < regime_.count; ++i) {
-        if (problem_.carrier(regime_.active[i].pair) == side)
-          ++touching[regime_.active[i].motion == Motion::stick ? 1 : 0];
-      }
-      return std::array<double, 7>{double(touching[0] + touching[1]),
-                                   frame.angle,
-                                   frame.rate,
-                                   com.x,
-                                   com.y,
-                                   double(touching[1]),
-                                   mirrored(side, problem_.weight(true).x)};
-    };
-    const auto of_left = ranks(left);
-    const auto of_right = ranks(right);
-    if (of_left != of_right) return of_right > of_left ? right : left;
-    return problem_.shapes.lopsided < 0 ? right : left;
-  }
-
-  const ContactProblem& problem_;
-  const Travel& travel_;
-  Pose& pose_;
-  Regime& regime_;
-  Neighbourhood& around_;
   AmbiguousEvents& ambiguous_;
   Noted noted_;
-  double look_ = 1.0;
-  double pace_ = 0.0;    // how far a point of a surface moves in the step, at most [m]
-  double closed_ = 0.0;  // a gap that counts as closed at an event [m]
-  NearPairs near_;
 };
 
 }  // namespace palmbots

@@ -38,12 +38,12 @@ bool rolls(const Model<Real>& model) {
   return radius[left] > Real(0) || radius[right] > Real(0);
 }
 
-// Whether no step can be one of lanes: a contact vertex rolls, or a nose or a heel may touch the
-// object within reach.
+// Whether no step can be one of lanes: a contact vertex rolls, a nose or a heel may touch the object
+// within reach, or a robot may stall.
 template <class Real>
 bool takes_single_steps(const Model<Real>& model) {
-  return rolls(model) || model.profile[left].touches_within_reach ||
-         model.profile[right].touches_within_reach;
+  return rolls(model) || model.limit != no_limits<double> ||
+         model.profile[left].touches_within_reach || model.profile[right].touches_within_reach;
 }
 
 // The world of one carry.
@@ -126,6 +126,8 @@ class World {
     return places;
   }
   const Advance<Real>& last() const { return last_; }
+  // Whether robots may stall: the ways of both then matter, and not only their difference.
+  bool is_limited() const { return model_.limit != no_limits<double>; }
 
   // The moving state, for a caller that runs several worlds in lanes and copies states out and
   // back.
@@ -190,7 +192,7 @@ class World {
   const Advance<Real>& advance(const PerSide<Vec>& by, const PerSide<Real>& angles,
                                Real push = Real(0)) {
     const bool level = height_[left] == height_[right] && by[left].y == by[right].y;
-    if (model_.surroundings.none() && level && !posed_) {
+    if (model_.surroundings.none() && level && !posed_ && !is_limited()) {
       height_ = {height_[left] + by[left].y, height_[right] + by[right].y};
       middle_ += 0.5 * (by[left].x + by[right].x);
       return advance(Real(by[right].x - by[left].x), angles, push);
@@ -228,9 +230,9 @@ class World {
     return last_;
   }
 
-  // Whether every step looks for further contacts.
+  // Whether every step looks for further contacts, or for robots that stall.
   bool is_general() const {
-    return model_.profile[left].touches_within_reach ||
+    return is_limited() || model_.profile[left].touches_within_reach ||
            model_.profile[right].touches_within_reach || is_pipe(model_.object);
   }
 
@@ -268,7 +270,7 @@ class World {
   }
 
   ContactProblem problem() const {
-    return {shapes(), double(model_.object.slope), double(state_.push), on_both_};
+    return {shapes(), double(model_.object.slope), double(state_.push), on_both_, model_.limit};
   }
 
   PerSide<Real> angles() const {
@@ -316,7 +318,7 @@ class World {
 
   // A whole step: on the two vertices alone and, from a further contact on, on any contacts.
   [[gnu::noinline]] Advance<Real> go(const PerSide<Vec>& by, const PerSide<Real>& goals) {
-    const Travel step = travel(by, goals);
+    Travel step = travel(by, goals);
     const double widens = by[right].x - by[left].x;
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
     bool on_vertices = rests_on_vertices();
@@ -334,18 +336,25 @@ class World {
       separation_ = separation();
       posed_ = true;
     }
-    const ContactProblem problem = this->problem();
+    ContactProblem problem = this->problem();
+    problem.commanded = {by[left].x, by[right].x};
     const double rounding = double(Real(64) * std::numeric_limits<Real>::epsilon()) * shapes().size;
-    const auto note = [&](double t) {
+    const auto note = [&](const Frames& frames, double t) {
       const bool before = on_vertices;
       on_vertices = rests_on_vertices();
-      if (before && !on_vertices) begin_contact_event(step.frames(t), Real(t));
+      if (before && !on_vertices) begin_contact_event(frames, Real(t));
       if (!before && on_vertices) contact_events_.ended = Real(t);
     };
     ContactStep contact_step(problem, step, pose_, regime_, around_, ambiguous_, rounding, note);
     const ContactStepResult done = contact_step.run(double(total.fraction));
     total = {done.reason, Real(done.fraction), motion_of_palms(), total.segments + done.pieces};
     carry_on(by, done.fraction);
+    if (is_limited()) {
+      total.lag = {Real(done.lag[left]), Real(done.lag[right])};
+      total.stalled = done.stalled;
+      middle_ += 0.5 * (done.lag[left] + done.lag[right]);
+      for (const std::size_t side : {left, right}) step.palms[side].pivot.x += done.lag[side];
+    }
     place_vertices(step, done.fraction);
     if (on_vertices && !is_general() && model_.surroundings.none() &&
         height_[left] == height_[right] && !(may_leave_reach() && is_beyond_reach())) {

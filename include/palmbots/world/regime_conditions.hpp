@@ -3,6 +3,7 @@
 // number that is ≥ 0 while it holds, so that the first instant at which it fails is a root:
 //
 //   balance   the least share of a force, in the combination of forces that balances best;
+//   limits    the forces of the robots, and the speed of one that stalls (world/force_limits.hpp);
 //   slides    the speed of each sliding contact in its direction;
 //   features  how far each contact is inside the features that touch;
 //   corners   how far each contact corner is inside the part of its palm that may be used, or above
@@ -10,7 +11,7 @@
 //   gaps      those of pairs near by.
 #pragma once
 
-#include "palmbots/world/contact_regime.hpp"
+#include "palmbots/world/force_limits.hpp"
 
 namespace palmbots {
 
@@ -139,7 +140,7 @@ class Neighbourhood {
 };
 
 struct Conditions {
-  static constexpr std::size_t most = 2 * max_supports + most_near + 3;
+  static constexpr std::size_t most = 2 * max_supports + most_near + 8;
   std::array<double, most> value;  // up to `count`
   std::size_t count = 0;
   bool settled = true;
@@ -196,6 +197,26 @@ inline bool is_clear(const ContactProblem& problem, const Frames& frames, const 
   return false;
 }
 
+// Adds those of robots with limits. `speed` is that of one that yields.
+inline void add_limits(Conditions& all, const ContactProblem& problem, const Regime& regime,
+                       const ActiveContacts& contacts, double speed, double pace) {
+  using Tolerance = ContactTolerance;
+  const BalancedForces forces(problem, regime, contacts, Tolerance::force);
+  all.add(Tolerance::force - forces.least_excess());
+  if (!regime.stalls()) return;
+  double most = -1.0;
+  for (const std::size_t side : {left, right}) {
+    const double commanded = problem.commanded[side];
+    const double sense = commanded < 0.0 ? -1.0 : 1.0;
+    if (regime.drives[side] != Drive::as_commanded)
+      most = larger(most, forces.most_push(side, sense));
+    if (regime.drives[side] != Drive::yields) continue;
+    all.add(sense * speed / pace + Tolerance::rate);
+    all.add(sense * (commanded - speed) / pace + Tolerance::rate);
+  }
+  all.add(most + 10.0 * Tolerance::force);
+}
+
 // The conditions that depend on how the surfaces move: forces and slides. `twist` holds the
 // regime's rate equations; `pace` bounds how far a point of a surface moves in the step [m].
 inline Conditions conditions_of_motion(const ContactProblem& problem, const Regime& regime,
@@ -207,13 +228,17 @@ inline Conditions conditions_of_motion(const ContactProblem& problem, const Regi
   all.add(balance(rays_of(problem, regime, contacts), problem.weight(regime.pushed)) +
           Tolerance::force);
   const auto moves = twist.system.solution();
+  if (problem.is_limited()) add_limits(all, problem, regime, contacts, moves[3], pace);
   const double least = twist.balance ? Tolerance::balanced_rate : Tolerance::rate;
   for (std::size_t i = 0; i < regime.count; ++i) {
     const ActivePair& a = regime.active[i];
     if (a.motion == Motion::stick) continue;
     const FeatureContact& c = contacts[i];
+    const std::size_t carrier = problem.carrier(a.pair);
+    const bool yields = carrier < 2 && regime.drives[carrier] == Drive::yields;
     const double speed = dot(problem.row(c, c.tangent), {moves[0], moves[1], moves[2]}) -
-                         problem.given(frames, pose, a.pair, c, c.tangent);
+                         problem.given(frames, pose, a.pair, c, c.tangent) -
+                         (yields ? c.tangent.x * moves[3] : 0.0);
     all.add(double(static_cast<int>(a.motion)) * speed / pace + least);
   }
   return all;

@@ -328,7 +328,7 @@ def _traction(
     for k, carried in ((side, load), (1 - side, body.weight - load)):
         nose = -0.5 * spec.palms[k].length
         limit, by_load = _core.push_of_robot(as_given(scene), k, nose, plates[k].pivot)
-        most = scene.mujoco.drive_force_n
+        most = scene.robot_of(SIDES[k]).force_limit_n
         pushes[k] = max(0.0, limit + by_load * carried)
         if most is not None:
             pushes[k] = min(pushes[k], most)

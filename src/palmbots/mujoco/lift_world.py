@@ -117,7 +117,7 @@ class LiftWorld(MujocoWorld):
             "moved": self._com_x() - self._first_x,
             "object_sine": max(-1.0, min(1.0, float(self._object_mat[6]))),
             "stands": self._stands,
-            "stalls": max(self._slow_s) > _STALLS_S,
+            "stalls": tuple(slow > _STALLS_S for slow in self._slow_s),
         }
 
     def _pressing(self, p: Pair, loads: PalmLoads) -> list[list[list[float]]]:

@@ -103,8 +103,9 @@ def _wheels(
             wheel, "joint", name=f"{side}_{name}", type="hinge", axis="0 1 0",
             armature=numbers(servo.armature),
         )  # fmt: skip
-        if scene.mujoco.drive_force_n is not None:
-            most = 0.5 * scene.mujoco.drive_force_n * radius
+        force = scene.robot_of(side).force_limit_n
+        if force is not None:
+            most = 0.5 * force * radius
             joint.set("actuatorfrcrange", numbers(-most, most))
         ET.SubElement(
             wheel, "inertial", pos="0 0 0", mass=numbers(mass),

@@ -56,9 +56,6 @@ class MujocoParameters(Section):
     """MuJoCo world: torque with which a palm's servo still holds the palm within a quarter of a
     degree of its commanded angle; less than the stall torque of a data sheet. Under more, a robot
     waits for a palm that does not arrive."""
-    drive_force_n: float | None = key("mujoco.drive_force_n")
-    """MuJoCo world: largest force of both wheels of a robot together on the floor. Not set: as much
-    as the floor's friction allows."""
     ridges: tuple[Ridge, ...] = records("mujoco.ridges")
     """MuJoCo world: ridges across the floor, a list of tables {at_m, height_m, length_m}."""
     switch_force_n: Force = 0.1

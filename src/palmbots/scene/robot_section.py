@@ -52,9 +52,22 @@ class RobotParameters(Section):
     clock_ppm: float = key("robot.clock_ppm")
     """Rate error of the robot's clock, > 0 if it runs fast. Controllers that measure no time ignore
     it: centralized and distributed."""
+    motor_force_n: float | None = key("robot.motor_force_n")
+    """Largest force along the floor of both motors of a robot together. A robot that would need
+    more stalls, and its wheels stand. Not set: no limit."""
+    traction_n: float | None = key("robot.traction_n")
+    """Largest force of a robot's wheels on the floor. A robot that would need more stalls, and its
+    wheels spin (in MuJoCo they stand, and mujoco.floor_friction limits the force as well). Not set:
+    no limit."""
     period_s: float | None = key("robot.period_s")
     """Time between two steps of the robot's program: a whole multiple of control.period_s, and at
     most control.watchdog_s. Without it: control.period_s."""
+
+    @property
+    def force_limit_n(self) -> float | None:
+        """The largest force of the robot along the floor [N]; None: no limit."""
+        given = [f for f in (self.motor_force_n, self.traction_n) if f is not None]
+        return min(given) if given else None
 
 
 @override_of(RobotParameters)

@@ -77,8 +77,6 @@ def _floor_job(job: "FloorJob") -> Iterator[Item]:
         f"the object moved {job.moved_m:.2f} m, {100 * abs(job.missed_m):.1f} cm {off} than the "
         "distance of the task"
     )
-    if job.stalled_s > 0:
-        yield f"wheels stalled for {job.stalled_s:.2f} s"
     yield Line("phases", quiet("   begun at"))
     starts: dict[str, dict[str, str]] = {}
     for one in job.phases:
@@ -99,6 +97,8 @@ def _contacts(carry: "Carry") -> Table:
         rows.append(("wheel slip", *map(millimetres, carry.wheel_slip_m.values())))
     if carry.messages and describe(carry.controller).team == "robots":
         rows.append(("waiting time", *(f"{waited:.1f} s" for waited in carry.waiting_s.values())))
+    if any(carry.stalled_s.values()):
+        rows.append(("stalled", *(f"{stalled:.1f} s" for stalled in carry.stalled_s.values())))
     return Table(rows)
 
 

@@ -70,6 +70,7 @@ class QuasistaticWorld:
         spec = to_spec(scene)
         self._tilt = raise_right_pivot(spec, pivot_heights_m[1] - pivot_heights_m[0])
         self._world = _core.World(spec)
+        self._spins = [robot.traction_limit < robot.motor_limit for robot in spec.robots]
         self._period_s = scene.control.period_s
         self._inertia = _core.InertiaFilter(spec)
         self._rolled: Wheels = ((0.0, 0.0), (0.0, 0.0))
@@ -96,10 +97,26 @@ class QuasistaticWorld:
             raise PalmbotsError("world: the object is no longer held")
         left, right = (0.5 * sum(wheels) for wheels in rims)
         t = self._period_s
-        change = (right - left) * t * math.cos(self._tilt)
+        cos = math.cos(self._tilt)
         palms = angles[0] + self._tilt, angles[1] - self._tilt
-        self.end = self._world.advance(change, palms, self._inertia.step(left + right))[0]
-        self.advance += 0.5 * (left + right) * t
+        push = self._inertia.step(left + right)
+        lags = [0.0, 0.0]  # of robots that stalled
+        if self._world.is_limited:
+            ways = left * t * cos, right * t * cos
+            before = self._world.pivots
+            self.end = self._world.move(((ways[0], 0.0), (ways[1], 0.0)), palms, push)[0]
+            if not self.end:
+                lags = [
+                    (now[0] - then[0] - way) / cos
+                    for now, then, way in zip(self._world.pivots, before, ways, strict=True)
+                ]
+        else:
+            self.end = self._world.advance((right - left) * t * cos, palms, push)[0]
+        self.advance += 0.5 * (left + right) * t + 0.5 * sum(lags)
         (a, b), (c, d) = self._rolled
         (va, vb), (vc, vd) = rims
-        self._rolled = ((a + va * t, b + vb * t), (c + vc * t, d + vd * t))
+        e, f = (0.0 if spin else lag for spin, lag in zip(self._spins, lags, strict=True))
+        self._rolled = (
+            (a + va * t + e, b + vb * t + e),
+            (c + vc * t + f, d + vd * t + f),
+        )

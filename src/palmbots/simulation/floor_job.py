@@ -57,8 +57,6 @@ class FloorJob:
     """How far the centre of mass moved in the direction of travel."""
     missed_m: float
     """How much farther that is than the distance of the task; < 0: it fell short."""
-    stalled_s: float
-    """How long wheels stalled, because the object could not give way."""
 
 
 def stages(job: FloorJob, robot: str) -> list[tuple[str, float, float]]:
@@ -89,7 +87,6 @@ def floor_job(scene: Scene, measured: Any) -> FloorJob:
         failure=_failure(measured.outcome, measured.reason, phases),
         moved_m=moved,
         missed_m=moved - scene.task.distance_m,
-        stalled_s=measured.stalled_s,
     )
 
 

@@ -76,6 +76,10 @@ class FloorWorld:
     ) -> None:
         chosen = load_scene(scene, overrides)
         self._spec = spec = to_spec(chosen, unrolled=True)
+        robots = spec.robots
+        for robot in robots:
+            robot.motor_limit = robot.traction_limit = math.inf
+        spec.robots = robots
         for name, value in (
             *(("gaps_m", gap) for gap in gaps_m),
             ("floor_friction", floor_friction),

@@ -85,6 +85,9 @@ class LinkStatistics:
     present boot."""
 
 
+_NEVER = BySide(0.0, 0.0)
+
+
 @dataclass(frozen=True, repr=False)
 class Carry(Result):
     """A finished carry."""
@@ -144,6 +147,10 @@ class Carry(Result):
     ambiguous_events: int = 0
     """How often several contact modes could follow, among further contacts or under a pipe;
     `world.ambiguity` says which one did (0 in worlds other than the quasistatic one)."""
+    stalled_s: BySide[float] = _NEVER
+    """How long each robot stalled: it was slower than commanded, because the force that this takes
+    was more than its motors or its traction give, or because the object could not give way (0 in
+    the MuJoCo world from palms to palms, and in logs of robots)."""
     controller_source: ControllerSource | None = None
     """Where a Python controller is defined; None: the controller is a shipped one."""
     controller_entry: ControllerEntry | None = field(
@@ -185,7 +192,7 @@ _AS_MEASURED = (
     "outcome", "reason", "time_s", "distance_m", "correction_count", "messages", "messages_lost",
     "trace_hash", "ambiguous_events",
 )  # fmt: skip
-_BY_SIDE = ("contact_rms_m", "contact_peak_m", "waiting_s")
+_BY_SIDE = ("contact_rms_m", "contact_peak_m", "waiting_s", "stalled_s")
 
 
 def make_carry(

@@ -169,9 +169,9 @@ ContactStepResult step(Scene& s, Regime& regime, double slope, const PalmPose (&
   const Travel travel = travel_of(s, by, share);
   AmbiguousEvents ambiguous;
   const double rounding = 1e-14 * s.shapes.size;
-  const ContactStepResult done =
-      ContactStep(problem, travel, s.pose, regime, s.around, ambiguous, rounding, [](double) {
-      }).run();
+  const ContactStepResult done = ContactStep(problem, travel, s.pose, regime, s.around, ambiguous,
+                                             rounding, [](const Frames&, double) {})
+                                     .run();
   for (const std::size_t side : {left, right}) {
     s.palms[side].pivot.x += done.fraction * travel.palms[side].by.x;
     s.palms[side].pivot.y += done.fraction * travel.palms[side].by.y;
@@ -329,8 +329,9 @@ void two_vertices(int scenes) {
       Regime regime{};
       Neighbourhood around;
       AmbiguousEvents ambiguous;
-      const ContactStepResult done =
-          ContactStep(problem, travel, pose, regime, around, ambiguous, 1e-13, [](double) {}).run();
+      const ContactStepResult done = ContactStep(problem, travel, pose, regime, around, ambiguous,
+                                                 1e-13, [](const Frames&, double) {})
+                                         .run();
       CHECK(done.reason == DropReason::none && regime.count == 2);
       for (const std::size_t side : {left, right}) {
         const double place = problem.contact(travel.frames(1), pose, shapes.own[side]).place;

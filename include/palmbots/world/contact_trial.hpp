@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// An object among any surfaces at an instant of a step, and what a regime (world/contact_regime.hpp)
+// would do from there.
+#pragma once
+
+#include "palmbots/world/regime_choice.hpp"
+
+namespace palmbots {
+
+class ContactTrial {
+ protected:
+  using Tolerance = ContactTolerance;
+
+  // `rounding` is the error of the pose at the start [m].
+  ContactTrial(const ContactProblem& problem, const Travel& travel, Pose& pose, Regime& regime,
+               Neighbourhood& around, double rounding)
+      : problem_(problem), travel_(travel), pose_(pose), regime_(regime), around_(around) {
+    double most = 0.0;
+    for (const PalmTravel& palm : travel.palms) {
+      const double moved = length(palm.by);
+      const double turned = magnitude(palm.turn);
+      most = larger(
+          most, larger(moved / (0.01 * problem.shapes.size), turned / radians_per_degree<double>));
+      pace_ = larger(pace_, moved + turned * problem.shapes.size);
+    }
+    look_ = most > 1.0 ? 1.0 / most : 1.0;
+    closed_ = rounding + Tolerance::closed * problem.shapes.size +
+              4.0 * instant_tolerance<double> * pace_;
+  }
+
+  // The pivots at an instant of the step: how far along x each is from where the step has it [m].
+  struct Pivots {
+    double t = 0.0;
+    PerSide<double> lag{};
+  };
+  // Object and pivots.
+  struct Place : Pivots {
+    Pose pose;
+  };
+
+  Place here() const { return {now_, pose_}; }
+  void go_to(const Place& there) {
+    for (const std::size_t side : {left, right})
+      stalled_[side] += regime_.drives[side] == Drive::as_commanded ? 0.0 : there.t - now_.t;
+    now_ = there;
+    pose_ = there.pose;
+  }
+
+  // The surfaces at an instant. From `from` on, robots drive like this; one that yields is drawn where
+  // it was.
+  Frames frames(double t, const Pivots& from, const PerSide<Drive>& drives) const {
+    Frames frames = travel_.frames(t);
+    if (!problem_.is_limited()) return frames;
+    for (const std::size_t side : {left, right}) {
+      frames[side].origin.x += from.lag[side];
+      if (drives[side] == Drive::as_commanded) continue;
+      frames[side].origin.x -= problem_.commanded[side] * (t - from.t);
+      frames[side].velocity.x = 0.0;
+    }
+    return frames;
+  }
+  Frames frames(const Pivots& at) const { return frames(at.t, at, {}); }
+
+  // How far a point of the object may move between two looks at what is near, and how far it has.
+  double near_move() const { return 0.02 * problem_.shapes.size; }
+  double apart(const Pose& one, const Pose& other) const {
+    return length(one.at - other.at) + magnitude(one.angle - other.angle) * problem_.shapes.size;
+  }
+  double moved(const Pose& there) const { return apart(there, pose_); }
+
+  void look_around() {
+    const Frames frames = this->frames(now_);
+    near_ = around_.near(problem_, leading_side(frames), frames, pose_, near_move() + look_ * pace_,
+                         closed_);
+  }
+
+  // Settles at an instant; the conditions there.
+  Conditions reach(double t, Place& place, const Regime& regime) const {
+    Frames frames = this->frames(t, place, regime.drives);
+    ActiveContacts contacts;
+    if (!settle(problem_, regime, frames, place.pose, contacts)) {
+      Conditions none;
+      none.settled = false;
+      return none;
+    }
+    place.t = t;
+    for (const std::size_t side : {left, right}) {
+      if (regime.drives[side] == Drive::as_commanded) continue;
+      place.lag[side] =
+          frames[side].origin.x - travel_.palms[side].pivot.x - problem_.commanded[side] * t;
+    }
+    return conditions_of(problem_, regime, frames, place.pose, contacts, near_, pace_);
+  }
+
+  // The same where the object is.
+  Conditions conditions_here() const {
+    const Frames frames = this->frames(now_.t, now_, regime_.drives);
+    return conditions_of(problem_, regime_, frames, pose_,
+                         contacts_of(problem_, regime_, frames, pose_), near_, pace_);
+  }
+
+  // Whether a regime holds at a later instant, and its contacts slide in their directions until
+  // then. They are compared from the middle on: at first the pose may jump by a rounding error. `end`,
+  // the place before, becomes that at the later instant.
+  bool goes_on(double from, double to, const Regime& regime, Place& end) const {
+    if (!(reach(to, end, regime).least() >= 0.0)) return false;
+    if (!lasts(from, regime)) return false;
+    const double middle = 0.5 * (from + to);
+    Place half = here();
+    if (!reach(middle, half, regime).settled) return false;
+    const Frames before = frames(half);
+    const Frames after = frames(end);
+    for (std::size_t i = 0; i < regime.count; ++i) {
+      const ActivePair& a = regime.active[i];
+      if (a.motion == Motion::stick) continue;
+      const double ran = problem_.contact(after, end.pose, a.pair, a.reference).run -
+                         problem_.contact(before, half.pose, a.pair, a.reference).run;
+      if (double(static_cast<int>(a.motion)) * ran < -8.0 * Tolerance::epsilon) return false;
+    }
+    return true;
+  }
+
+  // Whether the regime of the last step also holds in the motion of this one. The pose is the same.
+  bool goes_along(double done) const {
+    const Frames frames = this->frames(now_);
+    const ActiveContacts contacts = contacts_of(problem_, regime_, frames, pose_);
+    const auto twist = detail::equations(problem_, regime_, frames, pose_, contacts, true);
+    if (!twist.system.full()) return false;
+    const Conditions all =
+        conditions_of_motion(problem_, regime_, frames, pose_, contacts, twist, pace_);
+    return all.least() >= 0.0 && (!twist.balance || is_here()) && lasts(done, regime_, twist);
+  }
+
+  // Whether the pose in which the forces of the regime balance is that of the object. Another push
+  // than in the last step moves that pose, but not the object.
+  bool is_here() const {
+    Pose there = pose_;
+    Frames frames = this->frames(now_);
+    ActiveContacts contacts;
+    return settle(problem_, regime_, frames, there, contacts) && moved(there) <= closed_;
+  }
+
+  bool lasts(double from, const Regime& regime) const {
+    const Frames now = frames(now_.t, now_, regime.drives);
+    const ActiveContacts contacts = contacts_of(problem_, regime, now, pose_);
+    return lasts(from, regime, detail::equations(problem_, regime, now, pose_, contacts, true));
+  }
+  // Whether more contacts stick than the pose has unknowns, and do so for longer than an instant.
+  bool lasts(double from, const Regime& regime, const detail::RegimeEquations& twist) const {
+    if (!twist.spare) return true;
+    const double later = from + 0.01 * look_ < 1.0 ? from + 0.01 * look_ : 1.0;
+    Pose there = pose_;
+    Frames frames = this->frames(later, now_, regime.drives);
+    ActiveContacts then;
+    return settle(problem_, regime, frames, there, then);
+  }
+
+  // The palm that is computed first, so that the mirrored problem rounds alike. Left comes first
+  // only if nothing distinguishes left from right.
+  std::size_t leading_side(const Frames& frames) const {
+    const auto ranks = [&](std::size_t side) {
+      const Frame& frame = frames[side];
+      const Vec com = frame.from_world(pose_.at - frame.origin);
+      std::array<std::size_t, 2> touching{};
+      for (std::size_t i = 0; i < regime_.count; ++i) {
+        if (problem_.carrier(regime_.active[i].pair) == side)
+          ++touching[regime_.active[i].motion == Motion::stick ? 1 : 0];
+      }
+      return std::array<double, 7>{double(touching[0] + touching[1]),
+                                   frame.angle,
+                                   frame.rate,
+                                   com.x,
+                                   com.y,
+                                   double(touching[1]),
+                                   mirrored(side, problem_.weight(true).x)};
+    };
+    const auto of_left = ranks(left);
+    const auto of_right = ranks(right);
+    if (of_left != of_right) return of_right > of_left ? right : left;
+    return problem_.shapes.lopsided < 0 ? right : left;
+  }
+
+  const ContactProblem& problem_;
+  const Travel& travel_;
+  Pose& pose_;
+  Regime& regime_;
+  Neighbourhood& around_;
+  Pivots now_;
+  PerSide<double> stalled_{};
+  double look_ = 1.0;
+  double pace_ = 0.0;    // how far a point of a surface moves in the step, at most [m]
+  double closed_ = 0.0;  // a gap that counts as closed at an event [m]
+  NearPairs near_;
+};
+
+}  // namespace palmbots
