@@ -29,6 +29,7 @@ Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team,
   run.hash = carry.recorder().hash();
   run.rows = carry.recorder().take_rows();
   run.sent_messages = carry.recorder().take_sent_messages();
+  run.choices = carry.recorder().take_choices();
   return run;
 }
 
@@ -177,6 +178,18 @@ nb::list contact_events(const Run& run) {
   return list;
 }
 
+// (time [s], contacts that persist as (carrier, motion)) of each choice after an ambiguous event.
+nb::list choices(const Run& run) {
+  nb::list list;
+  for (const ChoiceRow& choice : run.choices) {
+    nb::list contacts;
+    for (const ChoiceRow::Contact& c : choice.contacts)
+      contacts.append(nb::make_tuple(static_cast<int>(c.carrier), static_cast<int>(c.motion)));
+    list.append(nb::make_tuple(choice.when * run.period, contacts));
+  }
+  return list;
+}
+
 // Of each link (sent, lost, duplicated, late, rejected): from the left robot, from the right one,
 // from the station to the left and to the right one.
 nb::list links(const Run& run) {
@@ -261,6 +274,7 @@ void bind_carry(nb::module_& m) {
                                        r.metrics.stalled_ticks[right] * r.period);
                    })
       .def_prop_ro("ambiguous_events", [](const Run& r) { return r.ambiguous; })
+      .def_prop_ro("choices", &choices)
       .def_prop_ro("bumps", [](const Run& r) { return r.metrics.bumps; })
       .def_prop_ro("correction_count", [](const Run& r) { return r.metrics.corrections; })
       .def_prop_ro("corrections", &corrections)

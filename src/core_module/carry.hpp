@@ -70,6 +70,7 @@ struct Run {
   std::uint64_t hash = 0;
   std::vector<Row> rows;
   std::vector<SentMessage> sent_messages;
+  std::vector<ChoiceRow> choices;
   // Of a job that begins or ends on the floor.
   std::vector<LiftPhase> phases;
   std::vector<PerSide<double>> pivot_heights;  // of each row [m]
@@ -98,6 +99,7 @@ Run run_of_lift(Job& job) {
   run.hash = job.recorder().hash();
   run.rows = job.recorder().take_rows();
   run.sent_messages = job.recorder().take_sent_messages();
+  run.choices = job.recorder().take_choices();
   run.pivot_heights = job.take_heights();
   run.phases = job.phases();
   run.moved = job.moved();

@@ -31,6 +31,61 @@ std::tuple<std::string, double, int, int, int> result_of(const Advance<double>& 
           static_cast<int>(a.motion[right]), a.segments};
 }
 
+using SupportTuple = std::tuple<std::size_t, double, double, double, double, double>;
+using Touched = std::tuple<std::string, std::size_t, double, SupportTuple>;
+
+const char* name_of(const Surface& surface) {
+  if (surface.tip) return "tip";
+  if (surface.carrier == Carrier::ground) return "floor";
+  if (surface.normal.y > 0.5) return "vertex";
+  return surface.at.x < 0.0 ? "nose" : "heel";
+}
+
+// Whether an earlier pair is the same contact: a feature and its neighbour, where one hands over to
+// the other.
+bool is_known(const ClosedPairs& closed, std::size_t i, double near) {
+  const FeatureContact& own = closed.at[i].contact;
+  for (std::size_t k = 0; k < i; ++k) {
+    const FeatureContact& other = closed.at[k].contact;
+    if (length(other.point - own.point) <= near && length(other.normal - own.normal) <= 1e-4)
+      return true;
+  }
+  return false;
+}
+
+std::vector<Touched> touching(const World<double>& w, double within) {
+  const ClosedPairs closed = w.touching(within);
+  std::vector<Touched> found;
+  for (std::size_t i = 0; i < closed.count; ++i) {
+    if (is_known(closed, i, 2.0 * within)) continue;
+    const auto& [pair, c] = closed.at[i];
+    const Surface& surface = w.shapes().surfaces.at[pair.surface];
+    const auto carrier = static_cast<std::size_t>(surface.carrier);
+    found.emplace_back(name_of(surface), carrier, surface.tip ? surface.at.x : c.place,
+                       SupportTuple{carrier == left ? left : right, c.point.x, c.point.y,
+                                    c.normal.x, c.normal.y, surface.friction});
+  }
+  return found;
+}
+
+// The palm whose faces, moved by `deep` into it, still lie in the object.
+std::optional<std::size_t> pierced(const World<double>& w, double deep) {
+  Travel still{};
+  for (const std::size_t side : {left, right}) {
+    const double angle = w.configuration().palms[side].angle;
+    still.palms[side] = {w.pivot(side), {}, angle, 0.0, angle};
+  }
+  const Frames frames = still.frames(0.0);
+  const Surfaces& surfaces = w.shapes().surfaces;
+  for (std::size_t i = 0; i < surfaces.count; ++i) {
+    const Surface& face = surfaces.at[i];
+    const auto carrier = static_cast<std::size_t>(face.carrier);
+    if (face.tip || carrier > right) continue;
+    if (is_pierced(w.shapes().body, w.pose(), frames[carrier], face, deep)) return carrier;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 void bind_world(nb::module_& m) {
@@ -120,6 +175,11 @@ void bind_world(nb::module_& m) {
           },
           nb::arg("pivots"), nb::arg("palms"), nb::arg("at"), nb::arg("angle"),
           "Puts pivots and the object's COM at these places (x, y) [m].")
+      .def("touching", &touching, nb::arg("within"),
+           "Contacts with at most this gap [m]: (vertex, tip, nose, heel or floor; palm, or 2: the "
+           "floor; place on it [m]; support), points from the COM.")
+      .def("pierced", &pierced, nb::arg("deep"),
+           "The palm that is in the object by more than this [m]; None: neither is.")
       .def("set_on_both", &W::set_on_both, nb::arg("on_both"),
            "Whether a step ends when the object leaves one palm.")
       .def_prop_ro(

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from palmbots.logs.mcap_reader import read_log as read_log
     from palmbots.logs.mcap_writer import write_log as write_log
     from palmbots.logs.replaying import replay as replay
+    from palmbots.mechanics.consistent_modes import consistent_modes as consistent_modes
     from palmbots.mechanics.contact_modes import contact_modes as contact_modes
     from palmbots.mechanics.contact_modes import contact_modes_batch as contact_modes_batch
     from palmbots.mechanics.contact_modes import feasible_contact_modes as feasible_contact_modes

@@ -17,6 +17,7 @@ import pytest
 
 import palmbots as pb
 from palmbots._util.results import Result
+from palmbots.mechanics import SurfaceContact
 from palmbots.scene.spec import to_spec
 from palmbots.studies import load_plan
 from sampled import in_soak
@@ -46,6 +47,7 @@ CALLS: dict[str, dict[str, Any]] = {
     "certify": {"max_boxes": 1000, "region_m": (-0.03125, 0.03125), "beyond_m": 0.0,
                 "friction": (0.3125, 0.3125)},
     "compare": {"values": [0, 0.25], "carries": 3, "seed": 2, "overrides": SHORT},
+    "consistent_modes": {"slope": 0.125},
     "contact_modes": PALMS,
     "contact_modes_batch": STATE,
     "contacts": PALMS,
@@ -165,6 +167,8 @@ def completed(name: str, given: dict[str, Any], folder: Path) -> tuple[list[Any]
     if name == "import_object":
         box = prism([(0, 0), (250, 0), (250, 160), (0, 160)], 100)
         return [written(folder / "box.stl", stl(box))], given
+    if name == "consistent_modes":
+        return [[SurfaceContact("floor", (x, -0.1), (0, 1), 0.25) for x in (-0.1, 0.1)]], given
     if name == "learn.run_episode":
         from palmbots.learn.carry_v0 import parallel_env
 

@@ -189,6 +189,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "Clearance": lambda folder: analysis().clearance,
     "Comparison": lambda folder: pb.compare(values=[0.1], carries=2, overrides=SHORT),
     "ControllerList": lambda folder: pb.controllers(),
+    "ConsistentModes": lambda folder: pb.simulation.FloorWorld("plate").contact_modes(0.01),
     "ContactModes": lambda folder: pb.contact_modes("paper"),
     "ContactModesBatch": lambda folder: states(),
     "Cost": lambda folder: Cost(

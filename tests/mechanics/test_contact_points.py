@@ -314,9 +314,12 @@ def test_command_prints_contacts_and_motions(capsys: pytest.CaptureFixture[str])
 
     assert cli.run(["contact-modes", "--theta-left-deg", "0"]) == cli.DONE
     result = capsys.readouterr().out
-    assert "held with all 3 sticking: yes" in result
-    assert "closing: left SL SL, right ST\n" in result
-    assert "opening: left BR ST, right SL\n" in result
+    assert result.startswith("HELD  with all 3 contacts sticking")
+    rows = [line.split()[:3] for line in result.splitlines()]
+    for k, motion in ((1, "SL"), (2, "SL")):
+        assert ["left", str(k), motion] in rows
+    opening = rows[[row[:1] for row in rows].index(["opening"]) :]
+    assert [row[-1] if row[0] == "left" else row[1] for row in opening[1:4]] == ["BR", "ST", "SL"]
     assert "If only the two contact vertices touched the palms:" in result
 
 

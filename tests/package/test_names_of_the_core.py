@@ -14,7 +14,7 @@ from palmbots.control import interface
 from palmbots.control.registry import ControllerEntry, describe
 from palmbots.derivation import contact_motion, global_policy
 from palmbots.learn import rendering, spaces
-from palmbots.mechanics import contact_points
+from palmbots.mechanics import consistent_modes, contact_points
 from palmbots.mujoco import contact_events
 from palmbots.simulation import batch, reason_words, result
 from palmbots.stability import clearance, first_contact
@@ -42,7 +42,7 @@ ALIASES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "fault": (wire.FaultCode, _core.wire.fault_codes),
     "operation": (wire.Operation, _core.wire.operations),
     "outcome": (result.Carry.__annotations__["outcome"], _core.carry_outcomes[1:]),
-    "contact": (contact_points.Kind, _core.contact_kinds[1:]),
+    "contact": (contact_points.Kind, (*_core.contact_kinds[1:], "nose", "heel")),
     "contact event": (get_type_hints(result.ContactEvent)["kind"], TOUCHES),
     "contact event of MuJoCo": (contact_events.Kind, TOUCHES),
     "closest contact": (clearance.Kind, (*TOUCHES, "back end")),
@@ -61,7 +61,7 @@ def test_alias_has_the_names_of_the_core(name: str) -> None:
         (timeline._MARKERS, (*MESSAGES, "Hello")),
         (reason_words.REASONS, _core.drop_reasons[1:]),
         (rendering._MOVE_TEXTS, MOVES),
-        (first_contact.MOTION_NAMES, contact_points.MOTION_CODES),
+        (first_contact.MOTION_NAMES, consistent_modes.MOTION_CODES),
     ],
 )
 def test_table_has_an_entry_for_every_name(table: dict[str, Any], names: tuple[str, ...]) -> None:

@@ -30,6 +30,11 @@ def test_each_of_the_possible_motions_is_drawn_as_often_as_the_others() -> None:
     for seed in range(150):
         carry, motion = first_motion(seed, LEVEL)
         assert carry.ambiguous_events == 1  # the motion persists
+        (choice,) = carry.ambiguous_choices
+        assert choice.time_s == 0.0
+        # Inward is to the right on the left palm, and to the left on the right one.
+        expected = [("left", "SR" if motion[0] else "ST"), ("right", "SL" if motion[1] else "ST")]
+        assert sorted((one.surface, one.motion) for one in choice.contacts) == expected
         counts[motion] += 1
     assert set(counts) == {(-1, -1), (-1, 0), (0, -1)}
     assert min(counts.values()) > 30  # of 50; 4 standard deviations are 23
@@ -57,6 +62,9 @@ def test_a_carry_draws_alike_alone_and_side_by_side() -> None:
         assert alone.contact_rms_m.left == lanes["contact_rms_m"][seed][0]
         differ += alone.trace_hash != other.trace_hash
         assert alone.ambiguous_events > 0 or alone.trace_hash == other.trace_hash
+        times = [choice.time_s for choice in alone.ambiguous_choices]
+        assert len(times) == alone.ambiguous_events and times == sorted(times)
+        assert all(choice.contacts for choice in alone.ambiguous_choices)
     assert differ > 8
 
 

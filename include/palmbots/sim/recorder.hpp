@@ -70,6 +70,17 @@ struct Row {
   }
 };
 
+// A choice of the world after an ambiguous event: when [ticks], and how each contact that persists
+// moves.
+struct ChoiceRow {
+  struct Contact {
+    Carrier carrier;
+    Motion motion;
+  };
+  double when;
+  std::vector<Contact> contacts;
+};
+
 // The row of the present tick.
 template <class Carry>
 Row row_of(const Carry& carry, const PerSide<RobotObservation>& sensed) {
@@ -110,6 +121,7 @@ class TraceRecorder {
   }
   template <class Carry>
   void after(const Carry& carry) {
+    if constexpr (requires { carry.world().choices(); }) note_choices(carry.world(), carry.ticks());
     if (!stores_rows_) return;
     const ContactMode motion = carry.world().last().motion;
     rows_.back().motion = {static_cast<std::int8_t>(motion[left]),
@@ -122,8 +134,24 @@ class TraceRecorder {
   std::uint64_t hash() const { return hash_.value(); }
   std::vector<Row> take_rows() { return std::move(rows_); }
   std::vector<SentMessage> take_sent_messages() { return std::move(sent_messages_); }
+  std::vector<ChoiceRow> take_choices() { return std::move(choices_); }
 
  private:
+  // Events are rarely ambiguous: this allocates memory inside a tick.
+  template <class Real>
+  void note_choices(const World<Real>& world, std::uint32_t tick) {
+    if (world.ambiguous_events() == ambiguous_) return;
+    ambiguous_ = world.ambiguous_events();
+    for (const AmbiguousChoice& choice : world.choices()) {
+      ChoiceRow row{double(tick) + choice.fraction, {}};
+      for (std::size_t i = 0; i < choice.regime.count; ++i) {
+        const ActivePair& active = choice.regime.active[i];
+        const Carrier carrier = world.shapes().surfaces.at[active.pair.surface].carrier;
+        row.contacts.push_back({carrier, active.motion});
+      }
+      choices_.push_back(std::move(row));
+    }
+  }
   template <class Carry>
   void add(const Carry& carry) {
     const Row row = row_of(carry, sensed_);
@@ -145,6 +173,8 @@ class TraceRecorder {
   TraceHash hash_;
   std::vector<Row> rows_;
   std::vector<SentMessage> sent_messages_;
+  std::uint32_t ambiguous_ = 0;  // events so far
+  std::vector<ChoiceRow> choices_;
 };
 
 }  // namespace palmbots

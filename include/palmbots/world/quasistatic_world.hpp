@@ -18,6 +18,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "palmbots/mechanics/contact_detection.hpp"
 #include "palmbots/world/contact_shapes.hpp"
@@ -45,6 +46,12 @@ bool takes_single_steps(const Model<Real>& model) {
   return rolls(model) || model.limit != no_limits<double> ||
          model.profile[left].touches_within_reach || model.profile[right].touches_within_reach;
 }
+
+// A regime that the world took although others were as good, at a fraction of the last step.
+struct AmbiguousChoice {
+  double fraction;
+  Regime regime;
+};
 
 // The world of one carry.
 template <class Real>
@@ -93,6 +100,8 @@ class World {
   }
   // How many events were ambiguous so far.
   std::uint32_t ambiguous_events() const { return ambiguous_.count; }
+  // Those of the last step that was not fast; empty where no event in it was ambiguous.
+  const std::vector<AmbiguousChoice>& choices() const { return choices_; }
 
   Pose pose() const { return posed_ ? pose_ : pose_on_vertices(); }
   // The position of a pivot.
@@ -143,6 +152,18 @@ class World {
     return *shapes_;
   }
   const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
+  // All pairs whose gap is at most `closed` [m].
+  ClosedPairs touching(double closed) const {
+    const Frames frames = here();
+    const Pose pose = this->pose();
+    const NearPairs near = Neighbourhood{}.near(problem(), left, frames, pose, closed, closed);
+    ClosedPairs found{};
+    for (std::size_t k = 0; k < near.count && found.count < ClosedPairs::most; ++k) {
+      const FeatureContact c = problem().contact(frames, pose, near.at[k].pair);
+      if (c.inside >= -closed) found.at[found.count++] = {near.at[k].pair, c};
+    }
+    return found;
+  }
   // Whether the object rests on anything but its two contact vertices.
   bool rests_elsewhere() const { return !rests_on_vertices(); }
 
@@ -258,15 +279,9 @@ class World {
       const Frame& frame = frames[static_cast<std::size_t>(face.carrier)];
       if (is_pierced(shapes().body, pose, frame, face, double(deep))) return DropReason::flush;
     }
-    const NearPairs near =
-        Neighbourhood{}.near(problem(), left, frames, pose, double(closed), double(closed));
-    ClosedPairs touching{};
-    for (std::size_t k = 0; k < near.count && touching.count < ClosedPairs::most; ++k) {
-      const FeatureContact c = problem().contact(frames, pose, near.at[k].pair);
-      if (c.inside >= -double(closed)) touching.at[touching.count++] = {near.at[k].pair, c};
-    }
-    return off_palm(problem(), frames, pose, double(closed)) ? DropReason::off_palm
-                                                             : reason_of(problem(), touching);
+    return off_palm(problem(), frames, pose, double(closed))
+               ? DropReason::off_palm
+               : reason_of(problem(), touching(double(closed)));
   }
 
   ContactProblem problem() const {
@@ -339,7 +354,11 @@ class World {
     ContactProblem problem = this->problem();
     problem.commanded = {by[left].x, by[right].x};
     const double rounding = double(Real(64) * std::numeric_limits<Real>::epsilon()) * shapes().size;
+    choices_.clear();
+    std::uint32_t seen = ambiguous_.count;
     const auto note = [&](const Frames& frames, double t) {
+      if (ambiguous_.count != seen) choices_.push_back({t, regime_});
+      seen = ambiguous_.count;
       const bool before = on_vertices;
       on_vertices = rests_on_vertices();
       if (before && !on_vertices) begin_contact_event(frames, Real(t));
@@ -436,6 +455,7 @@ class World {
   Pose pose_{};               // valid if `posed_`
   Neighbourhood around_;
   AmbiguousEvents ambiguous_{};
+  std::vector<AmbiguousChoice> choices_;
   double separation_ = 0;  // valid if `posed_`; unlike the configuration's, not rounded to Real
   WorldState<Real> state_{};
   Advance<Real> last_{};

@@ -30,7 +30,9 @@ from palmbots.logs.mcap_writer import FORMAT, JSON_FACTS, RECORD, TEXT_FACTS
 from palmbots.logs.run_log_reader import is_run_log
 from palmbots.scene.file_kinds import LOG, refuse_other_kind
 from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
 from palmbots.simulation.result import Carry, Correction, Message
+from palmbots.simulation.trace import with_pose
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -156,9 +158,10 @@ def _assemble(facts: dict[str, str], messages: dict[str, list[bytes]]) -> Log:
         )
         for m in sent
     )
+    scene = load_scene(json.loads(facts["scene"]))
     return Log(
-        scene=load_scene(json.loads(facts["scene"])),
-        trace=_trace(facts, messages),
+        scene=scene,
+        trace=with_pose(_trace(facts, messages), to_spec(scene, unrolled=True)),
         format=facts["format"],
         **fields,
     )

@@ -21,13 +21,16 @@ import palmbots._core as _core
 from palmbots._types import SIDES, BySide, MaybeNaN, Overrides
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
+from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.mechanics._state_arguments import with_state_arguments
 from palmbots.mechanics.acting_object import acting_object
 from palmbots.mechanics.array_arguments import FloatArray, columns_of
-from palmbots.mechanics.contact_points import CODE_OF, Contact, Motions, touching
+from palmbots.mechanics.consistent_modes import CODE_OF
+from palmbots.mechanics.contact_points import Contact, Motions, touching
+from palmbots.mechanics.mode_forces import ConsistentMode
 from palmbots.mechanics.state import palm_state
 from palmbots.scene.scene import Scene, SceneLike
 
@@ -210,11 +213,21 @@ class ContactModes(Result):
     contact vertices touch; with more contacts, the fields below hold instead."""
     held: bool | None = None
     """With more than two contacts: whether all sticking balances."""
-    motions_closing: tuple[Motions, ...] | None = None
-    """With more than two contacts: what may happen when the palms are driven together, for each
-    contact ST, SL, SR or BR (it leaves the palm). There may be none, or several."""
-    motions_opening: tuple[Motions, ...] | None = None
+    modes_closing: tuple[ConsistentMode, ...] | None = None
+    """With more than two contacts: the contact modes that may occur when the palms are driven
+    together, with forces and margins. There may be none, or several."""
+    modes_opening: tuple[ConsistentMode, ...] | None = None
     """The same when they are driven apart."""
+
+    @derived
+    def motions_closing(self) -> tuple[Motions, ...] | None:
+        """Of `modes_closing`: for each contact ST, SL, SR or BR (it leaves the palm)."""
+        return None if self.modes_closing is None else tuple(m.motions for m in self.modes_closing)
+
+    @derived
+    def motions_opening(self) -> tuple[Motions, ...] | None:
+        """The same when they are driven apart."""
+        return None if self.modes_opening is None else tuple(m.motions for m in self.modes_opening)
 
 
 @command(
@@ -250,8 +263,7 @@ def contact_modes(
     Raises:
         SceneError: the scene cannot be read or is invalid.
         PalmbotsError: a coordinate is beyond its palm, an angle is not between -80° and 80°, the
-            object cannot span the two contacts, a palm would lie inside it, or a contact vertex is
-            rounded and the object may touch a palm elsewhere.
+            object cannot span the two contacts, or a palm would lie inside it.
     """
     state = palm_state(scene, p_left_m, p_right_m, theta_left_deg, theta_right_deg, overrides)
     touched = touching(state)
@@ -292,6 +304,6 @@ def contact_modes(
         margin_rad=_core.margin(numbers, *friction_angles),
         contacts=touched.contacts,
         held=touched.held if touched.several else None,
-        motions_closing=touched.closing() if touched.several else None,
-        motions_opening=touched.opening() if touched.several else None,
+        modes_closing=touched.modes_closing() if touched.several else None,
+        modes_opening=touched.modes_opening() if touched.several else None,
     )

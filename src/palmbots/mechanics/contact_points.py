@@ -6,7 +6,8 @@ vertex, or lie on a palm's tip. Points are in the object's frame (`scene.object_
 at the left contact vertex, x towards the right one, y up, metres. The motions of a contact have the
 names of the paper: ST sticks, SL and SR slide to the left and right on the palm, and BR breaks (the
 contact leaves the palm). The core has the mechanics (`mechanics/contact_detection.hpp`,
-`mechanics/wrench_cone.hpp`, `mechanics/twist_feasibility.hpp`).
+`mechanics/wrench_cone.hpp`, `mechanics/twist_feasibility.hpp`). Rounded contact vertices, noses and
+heels are found by the quasistatic world, which knows all of them.
 """
 
 from __future__ import annotations
@@ -20,21 +21,16 @@ import palmbots._core as _core
 from palmbots._types import SIDES, Overrides, Side
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
+from palmbots.mechanics.consistent_modes import CODE_OF, MOST_CONTACTS, modes_of
+from palmbots.mechanics.mode_forces import ConsistentMode, Support
 from palmbots.mechanics.state import PalmState, palm_state
 from palmbots.scene.scene import SceneLike
 from palmbots.scene.spec import contact_radii
 
-Kind = Literal["vertex", "flush", "tip"]
+Kind = Literal["vertex", "flush", "tip", "nose", "heel"]
 Motions = tuple[str, ...]
 """How each contact moves, in the order of the contacts."""
-MOTION_CODES = ("ST", "SL", "SR", "BR")
-"""A contact sticks, slides to the left, slides to the right, or breaks."""
 
-_ST, _SL, _SR, _BR = MOTION_CODES
-CODE_OF = ({0: _ST, 1: _SL, -1: _SR, 2: _BR}, {0: _ST, 1: _SR, -1: _SL, 2: _BR})
-"""The code of a motion by palm and by the number that the core gives it: 1 slides up the palm."""
-
-_MOST = 8
 _PalmMotion = tuple[float, float, float]  # velocity of the pivot [m/s], anticlockwise turn [rad/s]
 _CLOSING: tuple[_PalmMotion, _PalmMotion] = ((0.5, 0.0, 0.0), (-0.5, 0.0, 0.0))
 _OPENING: tuple[_PalmMotion, _PalmMotion] = ((-0.5, 0.0, 0.0), (0.5, 0.0, 0.0))
@@ -47,14 +43,12 @@ class Contact:
     side: Side
     kind: Kind
     """``vertex``: a vertex of the object on the palm; ``flush``: one end of an edge that lies on
-    the palm; ``tip``: the palm's tip on an edge."""
+    the palm; ``tip``: the palm's tip on an edge; ``nose``, ``heel``: a vertex of the object on the
+    face of the palm's inner end, or of the stop at its outer end."""
     place_m: float
     """Coordinate on the palm, from the foot of the pivot, outward."""
     point_m: tuple[float, float]
     """The point in the object's frame."""
-
-
-_Support = tuple[int, float, float, float, float, float]
 
 
 @dataclass(frozen=True)
@@ -63,7 +57,7 @@ class Touching:
 
     contacts: tuple[Contact, ...]
     slope: float
-    supports: tuple[_Support, ...]
+    supports: tuple[Support, ...]
     """The contacts as the core takes them."""
     pivots: tuple[tuple[float, float], tuple[float, float]]
     """Pivots of the palms, relative to the COM, in the world frame [m]."""
@@ -94,6 +88,18 @@ class Touching:
         still, turned = (0.0, 0.0, 0.0), (0.0, 0.0, spin)
         return self._outcomes((turned, still) if side == "left" else (still, turned))
 
+    def modes_closing(self) -> tuple[ConsistentMode, ...]:
+        """The same as `closing`, with forces and margins."""
+        return self._modes(_CLOSING)
+
+    def modes_opening(self) -> tuple[ConsistentMode, ...]:
+        """The same as `opening`, with forces and margins."""
+        return self._modes(_OPENING)
+
+    def _modes(self, palms: tuple[_PalmMotion, _PalmMotion]) -> tuple[ConsistentMode, ...]:
+        velocities = _core.palm_velocities(self.supports, self.pivots, palms)
+        return modes_of(self.supports, velocities, self.slope, [c.side for c in self.contacts])
+
     def _outcomes(self, palms: tuple[_PalmMotion, _PalmMotion]) -> tuple[Motions, ...]:
         velocities = _core.palm_velocities(self.supports, self.pivots, palms)
         return tuple(
@@ -106,11 +112,10 @@ def touching(state: PalmState) -> Touching:
     """The contacts of a state.
 
     Raises:
-        PalmbotsError: a palm lies in the object, there are more than 8 contacts, or a contact
-            vertex is rounded and the object may touch a palm elsewhere.
+        PalmbotsError: a palm lies in the object, or there are more than 8 contacts.
     """
     if any(contact_radii(state.spec)):
-        return _on_arcs(state)
+        return _with_others(state, _on_arcs(state))
     points, count, sunk, pivots = _core.contacts(state.spec, state.theta_rad, state.p_m)
     near = _core.contact_tolerance * state.spec.width
     for i, side in enumerate(SIDES):
@@ -120,35 +125,88 @@ def touching(state: PalmState) -> Touching:
                 f"palm {1e3 * sunk[i]:.3g} mm inside the object's outline; allowed: angles and "
                 f"contacts at which they overlap by at most {1e3 * near:.2g} mm"
             )
-    if count > _MOST:
-        raise PalmbotsError(
-            f"object.vertices_m: the outline touches the palms in {count} points; allowed: {_MOST}"
-        )
+    if count > MOST_CONTACTS:
+        raise _too_many(count)
     contacts = tuple(
         Contact(SIDES[support[0]], cast(Kind, kind), place, (x, y))
         for kind, place, x, y, support in points
     )
-    return Touching(contacts, state.spec.slope, tuple(p[4] for p in points), pivots)
+    found = Touching(contacts, state.spec.slope, tuple(p[4] for p in points), pivots)
+    has_ends = any(palm.nose > 0 or palm.heel > 0 for palm in state.spec.palms)
+    return _with_others(state, found) if has_ends else found
+
+
+def _too_many(count: int) -> PalmbotsError:
+    return PalmbotsError(
+        f"object.vertices_m: the outline touches the palms in {count} points; allowed: "
+        f"{MOST_CONTACTS}"
+    )
 
 
 def _on_arcs(state: PalmState) -> Touching:
-    """Rounded contact vertices alone; palms count as infinitely long."""
+    """The rounded contact vertices alone."""
     spec, turn = state.spec, state.object_rad
-    points: list[Contact] = []
+    contacts: list[Contact] = []
+    supports: list[Support] = []
     for i, side in enumerate(SIDES):
         theta = state.theta_rad[i]
-        low, high = _core.clear_cones(spec)[i]
-        if not low < math.tan(theta + (turn if i == 0 else -turn)) < high:
-            raise PalmbotsError(
-                f"theta_{side}_deg: value is {show(state.theta_deg[i])}, at which the object may "
-                f"touch the {side} palm elsewhere; allowed, with rounded contact vertices: angles "
-                "at which the rest of the object is above the line of the palm"
-            )
         down = contact_radii(spec)[i] * cmath.rect(1, (-0.5 * math.pi) + (-1, 1)[i] * theta - turn)
-        points.append(
-            Contact(side, "vertex", state.p_m[i], (i * spec.width + down.real, down.imag))
+        point = i * spec.width + down.real, down.imag
+        contacts.append(Contact(side, "vertex", state.p_m[i], point))
+        from_com = (complex(*point) - complex(spec.com_left, spec.com_height)) * cmath.rect(1, turn)
+        lean = (1, -1)[i] * theta
+        normal = math.sin(lean), math.cos(lean)
+        supports.append((i, from_com.real, from_com.imag, *normal, spec.palms[i].friction))
+    com, pivots = _placed(state)
+    left, right = (pivot - com for pivot in pivots)
+    from_com = ((left.real, left.imag), (right.real, right.imag))
+    return Touching(tuple(contacts), spec.slope, tuple(supports), from_com)
+
+
+def _placed(state: PalmState) -> tuple[complex, tuple[complex, complex]]:
+    """The COM and both pivots (x + iy), with the left pivot at the origin."""
+    spec, turned = state.spec, cmath.rect(1, state.object_rad)
+    feet = []  # of the contact vertices, or the centres of their arcs, from the pivots
+    for i, palm in enumerate(spec.palms):
+        along = (-1, 1)[i] * cmath.rect(1, (-1, 1)[i] * state.theta_rad[i])
+        across = cmath.rect(1, 0.5 * math.pi + (-1, 1)[i] * state.theta_rad[i])
+        feet.append(state.p_m[i] * along + (palm.offset + contact_radii(spec)[i]) * across)
+    com = feet[0] + complex(spec.com_left, spec.com_height) * turned
+    return com, (0j, feet[0] + spec.width * turned - feet[1])
+
+
+def _with_others(state: PalmState, known: Touching) -> Touching:
+    """The contacts that are known, and all others that the quasistatic world finds."""
+    spec = state.spec
+    near = _core.contact_tolerance * spec.width
+    com, (left, right) = _placed(state)
+    world = _core.World(spec)
+    pivots = (left.real, left.imag), (right.real, right.imag)
+    world.put(pivots, state.theta_rad, (com.real, com.imag), state.object_rad)
+    if (pierced := world.pierced(near)) is not None:
+        side = SIDES[pierced]
+        raise PalmbotsError(
+            f"theta_{side}_deg: value is {show(state.theta_deg[pierced])}, which puts the {side} "
+            "palm inside the object's outline; allowed: angles and contacts at which they overlap "
+            f"by at most {1e3 * near:.2g} mm"
         )
-    return Touching(tuple(points), spec.slope, (), ((0.0, 0.0), (0.0, 0.0)))
+    contacts, supports = list(known.contacts), list(known.supports)
+    for kind, side, place, support in world.touching(near):
+        point = complex(*support[1:3])
+        if any(abs(point - complex(*one[1:3])) <= 4 * near for one in supports if one[0] == side):
+            continue
+        seen = point * cmath.rect(1, -state.object_rad) + complex(spec.com_left, spec.com_height)
+        contacts.append(Contact(SIDES[side], cast(Kind, kind), place, (seen.real, seen.imag)))
+        supports.append(support)
+    if len(contacts) > MOST_CONTACTS:
+        raise _too_many(len(contacts))
+    order = sorted(range(len(contacts)), key=lambda k: SIDES.index(contacts[k].side))
+    return Touching(
+        tuple(contacts[k] for k in order),
+        spec.slope,
+        tuple(supports[k] for k in order),
+        known.pivots,
+    )
 
 
 def contacts(
@@ -177,8 +235,7 @@ def contacts(
     Raises:
         SceneError: the scene cannot be read or is invalid.
         PalmbotsError: a coordinate is beyond its palm, an angle is not between -80° and 80°, the
-            object cannot span the two contacts, a palm would lie inside it, or a contact vertex is
-            rounded and the object may touch a palm elsewhere.
+            object cannot span the two contacts, or a palm would lie inside it.
     """
     state = palm_state(scene, p_left_m, p_right_m, theta_left_deg, theta_right_deg, overrides)
     return list(touching(state).contacts)

@@ -146,6 +146,10 @@ def _further_contacts(carry: "Carry") -> Iterator[Item]:
             f"{plural(carry.ambiguous_events, 'event')} after which several contact modes were "
             f"possible (world.ambiguity: {carry.scene.world.ambiguity})"
         )
+    if carry.ambiguous_choices:
+        first_choice = carry.ambiguous_choices[0]
+        contacts = ", ".join(f"{one.surface} {one.motion}" for one in first_choice.contacts)
+        yield quiet(f"  first: at {first_choice.time_s:.2f} s, chosen: {contacts}")
     if not carry.contact_events:
         return
     first = carry.contact_events[0]

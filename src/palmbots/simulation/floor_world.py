@@ -16,6 +16,12 @@ import palmbots._core as _core
 from palmbots._types import BySide, Overrides
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
+from palmbots.mechanics.consistent_modes import (
+    MOST_CONTACTS,
+    ConsistentModes,
+    SurfaceContact,
+    consistent_modes,
+)
 from palmbots.mechanics.lifting import check_stands
 from palmbots.scene.scene import SceneLike, load_scene
 from palmbots.scene.spec import contact_radii, to_spec
@@ -23,6 +29,7 @@ from palmbots.scene.spec import contact_radii, to_spec
 Point = tuple[float, float]
 
 _MOST_DEG = 80.0
+_SURFACES = ("left palm", "right palm", "floor")
 _LONGEST_TURN = math.radians(1.0)  # of a palm that follows the floor, in one piece of a motion
 
 
@@ -164,6 +171,49 @@ class FloorWorld:
             if self._end:
                 break
         return self.state
+
+    def contact_modes(
+        self,
+        left_m_s: float = 0.0,
+        right_m_s: float = 0.0,
+        *,
+        up_m_s: tuple[float, float] = (0.0, 0.0),
+        turn_deg_s: tuple[float, float] = (0.0, 0.0),
+        within_m: float | None = None,
+    ) -> ConsistentModes:
+        """All contact modes that may occur now if the palms move with these velocities.
+
+        The surfaces are called ``left palm``, ``right palm`` and ``floor``.
+
+        Args:
+            left_m_s: velocity of the left palm along the floor; positive: to the right.
+            right_m_s: velocity of the right palm, in the same direction.
+            up_m_s: velocities at which the pivots rise.
+            turn_deg_s: rates at which the palm angles grow.
+            within_m: the largest gap of what counts as touching; None: 10⁻⁵ of the distance between
+                the contact vertices.
+
+        Raises:
+            PalmbotsError: an argument is no finite number, or there are more than 8 contacts.
+        """
+        numbers = (left_m_s, right_m_s, *up_m_s, *turn_deg_s)
+        if not all(map(math.isfinite, numbers)):
+            raise PalmbotsError(f"contact_modes: value is {show(numbers)}; allowed: finite numbers")
+        x, y, _ = self._world.pose
+        velocities = tuple(zip((left_m_s, right_m_s), up_m_s, strict=True))
+        found = []
+        near = _core.contact_tolerance * self._spec.width if within_m is None else within_m
+        for _, carrier, _, (_, px, py, nx, ny, friction) in self._world.touching(near):
+            velocity = (0.0, 0.0)
+            if carrier < 2:
+                # A palm whose angle grows turns clockwise on the left.
+                spin = (-1, 1)[carrier] * math.radians(turn_deg_s[carrier])
+                pivot, (vx, vy) = self._world.pivots[carrier], velocities[carrier]
+                velocity = (vx - spin * (y + py - pivot[1]), vy + spin * (x + px - pivot[0]))
+            found.append(SurfaceContact(_SURFACES[carrier], (px, py), (nx, ny), friction, velocity))
+        if len(found) > MOST_CONTACTS:
+            raise PalmbotsError(f"contact_modes: {len(found)} contacts; allowed: {MOST_CONTACTS}")
+        return consistent_modes(found, slope=self._spec.slope)
 
     @property
     def state(self) -> FloorState:

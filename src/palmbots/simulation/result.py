@@ -4,7 +4,7 @@
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from palmbots._types import SIDES, BySide
 from palmbots._util.plain_values import NOT_IN_JSON, derived
@@ -14,11 +14,12 @@ from palmbots._version import __version__
 from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import ControllerEntry
 from palmbots.control.resilient_timing import Bounds
+from palmbots.mechanics.consistent_modes import CODE_OF
 from palmbots.scene.scene import Scene
 from palmbots.simulation.floor_job import FloorJob, floor_job
 from palmbots.simulation.outcome_counts import SceneStatistics, scene_statistics
 from palmbots.simulation.prepare import Prepared, prepare
-from palmbots.simulation.trace import trace_dataset
+from palmbots.simulation.trace import trace_dataset, with_pose
 from palmbots.simulation.worlds import WorldRun
 
 if TYPE_CHECKING:
@@ -53,6 +54,25 @@ class ContactEvent:
     edge."""
     start_s: float
     end_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ContactMotion:
+    """How one contact moves after an ambiguous event."""
+
+    surface: Literal["left", "right", "floor"]
+    """The palm that the object touches there, or the floor."""
+    motion: Literal["ST", "SL", "SR"]
+    """It sticks, slides to the left or to the right."""
+
+
+@dataclass(frozen=True, slots=True)
+class AmbiguousChoice:
+    """What the world chose where several contact modes could follow."""
+
+    time_s: float
+    contacts: tuple[ContactMotion, ...]
+    """The contacts that persist; all others open."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +171,8 @@ class Carry(Result):
     """How long each robot stalled: it was slower than commanded, because the force that this takes
     was more than its motors or its traction give, or because the object could not give way (0 in
     the MuJoCo world from palms to palms, and in logs of robots)."""
+    ambiguous_choices: tuple[AmbiguousChoice, ...] = ()
+    """When each ambiguous event was, and how the contacts moved on."""
     controller_source: ControllerSource | None = None
     """Where a Python controller is defined; None: the controller is a shipped one."""
     controller_entry: ControllerEntry | None = field(
@@ -206,7 +228,9 @@ def make_carry(
 ) -> Carry:
     """The result of a carry that a world has run, with its trace if `record`."""
     measured, entry = run.measured, prepared.controller
-    trace = trace_dataset(measured.trace, run.trace) if record else None
+    trace = None
+    if record:
+        trace = with_pose(trace_dataset(measured.trace, run.trace), prepared.spec)
     values: dict[str, Any] = {name: getattr(measured, name) for name in _AS_MEASURED}
     values |= {name: BySide.of(getattr(measured, name)) for name in _BY_SIDE}
     events = measured.contact_events if run.contact_events is None else run.contact_events
@@ -240,8 +264,26 @@ def make_carry(
         lateral_peak_m=None if run.lateral_peak_m is None else BySide.of(run.lateral_peak_m),
         wheel_slip_m=None if run.wheel_slip_m is None else BySide.of(run.wheel_slip_m),
         floor_job=floor_job(prepared.scene, measured) if prepared.spec.uses_floor else None,
+        ambiguous_choices=_choices(measured.choices),
         controller_source=entry.source,
         controller_entry=entry,
+    )
+
+
+_SURFACES: tuple[Literal["left", "right", "floor"], ...] = ("left", "right", "floor")
+
+
+def _choices(rows: list[Any]) -> tuple[AmbiguousChoice, ...]:
+    return tuple(
+        AmbiguousChoice(
+            time_s,
+            tuple(
+                # The floor counts outward as the right palm.
+                ContactMotion(_SURFACES[surface], cast(Any, CODE_OF[min(surface, 1)][motion]))
+                for surface, motion in contacts
+            ),
+        )
+        for time_s, contacts in rows
     )
 
 

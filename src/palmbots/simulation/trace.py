@@ -8,7 +8,9 @@ logs, so that a log writer needs no list of its own.
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from palmbots._core import Spec
 from palmbots._types import SIDES
+from palmbots.scene.placement import floor_level, placements
 
 if TYPE_CHECKING:
     import numpy as np
@@ -41,6 +43,26 @@ HEIGHTS = {
     )
 }
 """Attributes of the variables that every world adds in a job that begins or ends on the floor."""
+
+
+POSE = {
+    "object_x": {
+        "units": "m",
+        "long_name": "x of the object's COM, from the middle between the pivots at the start",
+    },
+    "object_height": {"units": "m", "long_name": "height of the object's COM above the floor"},
+}
+"""Attributes of the variables that follow from others, and that logs therefore do not have. With
+``object`` they are the pose of the object."""
+
+
+def with_pose(trace: "xr.Dataset", spec: Spec) -> "xr.Dataset":
+    """A trace with the variables of `POSE` added."""
+    com = placements(spec, trace, slice(None)).com
+    values = com[:, 0], com[:, 1] - floor_level(spec)
+    return trace.assign(
+        {name: ("time", one, dict(POSE[name])) for name, one in zip(POSE, values, strict=True)}
+    )
 
 
 def heights_of(measured: Any) -> dict[str, "tuple[np.ndarray, Mapping[str, str]]"]:
