@@ -145,7 +145,8 @@ nb::object trace(const Run& run) {
 nb::list phases(const Run& run) {
   nb::list list;
   for (const LiftPhase& phase : run.phases) {
-    list.append(nb::make_tuple(phase.side, name_of(phase.state), phase.start * run.period));
+    list.append(
+        nb::make_tuple(phase.side, name_of(phase.state), phase.start * run.period, phase.moved));
   }
   return list;
 }
@@ -265,7 +266,8 @@ void bind_carry(nb::module_& m) {
           "One sentence for each thing that went wrong unnoticed. stops_in_silence: of the "
           "controller.")
       .def_prop_ro("phases", &phases,
-                   "Of a job on the floor: (side, state, start [s]), in the order of their starts.")
+                   "Of a job on the floor: (side, state, start [s], displacement of the COM [m]), "
+                   "in the order of their starts.")
       .def_prop_ro("pivot_heights_m", &pivot_heights)
       .def_prop_ro("moved_m", [](const Run& r) { return r.moved; })
       .def_prop_ro("stalled_s",

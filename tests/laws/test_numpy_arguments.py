@@ -64,6 +64,7 @@ CALLS: dict[str, dict[str, Any]] = {
                       "unit": "mm"},
     "learn.run_episode": {"seed": 3},
     "mujoco.forecast_drift": {"seeds": 1, "scene": pb.load_scene("paper", ARC)},
+    "final_place": {"jobs": 100},
     "noise_limit": {"drop_rate": 0.25, "relative_half_width": 0.0625, "seed": 1, "threads": 1,
                     "overrides": SHORT},
     "simulation.count_outcomes": {"seeds": 3, "overrides": SHORT},

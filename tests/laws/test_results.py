@@ -223,6 +223,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "KeyList": lambda folder: pb.keys("start"),
     "Log": lambda folder: pb.read_log(logged(folder)),
     "MotionFit": lambda folder: pb.fit(recorded(folder, HIDDEN, seed=1, stretches=6), motion=True),
+    "FinalPlace": lambda folder: pb.final_place("lift", jobs=100),
     "NoiseLimit": lambda folder: noise_limit(),
     "OutcomeCounts": lambda folder: OutcomeCounts("silent", 40, 2, 0),
     "ObjectList": lambda folder: pb.objects(),

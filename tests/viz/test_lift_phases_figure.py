@@ -44,8 +44,8 @@ def test_moments_are_within_their_phases(job: Carry) -> None:
 
 
 def test_a_phase_in_which_the_robots_never_were_is_left_out() -> None:
-    phases = (JobPhase("left", "dock", 0.0, 2.0), JobPhase("right", "under", 3.0, 4.0))
-    assert time_of(FloorJob(phases, None, 0.0, 0.0, 0.0), MOMENTS[1]) is None
+    phases = (JobPhase("left", "dock", 0.0, 2.0, 0.0), JobPhase("right", "under", 3.0, 4.0, 0.0))
+    assert time_of(FloorJob(phases, None, 0.0, 0.0), MOMENTS[1]) is None
 
 
 def test_a_carry_on_the_palms_has_no_phases() -> None:

@@ -8,6 +8,7 @@
 //   dock      palms steep, noses on the floor, closer, until the own sign is not −. The first robot
 //             waits there with its brakes on; the object slides along its palm, to the heel if need
 //             be, while the partner gets under it
+//   stand_by  one robot first: the other one begins here and docks when the first one is under
 //   centre    both are under it: the ordinary corrections, still on the floor
 //   raise     an arm moves only while a message younger than the lease says that the partner is
 //             ready, or moves as well; so do both arms that lower
@@ -116,10 +117,11 @@ struct Lifting {
     stand_back,
     failed,
     held,
+    stand_by,
   };
   using S = State;
   using M = MessageKind;
-  static constexpr int states = 22;
+  static constexpr int states = 23;
   static constexpr State initial = S::dock;
 
   // The name of each state, and its meaning for people.
@@ -146,6 +148,8 @@ struct Lifting {
       {"stand_back", "waits for its partner to drive back, too"},
       {"failed", "has tried as often as it may"},
       {"held", "holds everything after a boot, until it hears its partner"},
+      {"stand_by",
+       "stands beside the object with its brakes on, until its partner's palm is under it"},
   };
 
   enum class Limit : std::uint8_t { dock, wait, centre, leave, back };
@@ -173,6 +177,8 @@ struct Lifting {
 
   static constexpr Command stands{Palm::steep, Move::hold, true};
   static constexpr Command closer{Palm::steep, Move::closer, true};
+  // A shallow palm rests on the end of its bevel, so its nose is higher, and the partner's gets under first.
+  static constexpr Command stands_shallow{Palm::shallow, Move::hold, true};
   static constexpr Command away{Palm::steep, Move::away, true};
   static constexpr Command away_shallow{Palm::shallow, Move::away, true};
 
@@ -200,6 +206,7 @@ struct Lifting {
       /* stand_back    */ {' ', stands, M::empty, wait},
       /* failed        */ {' ', stands, M::backing},
       /* held          */ {' ', stands, M::holding},
+      /* stand_by      */ {' ', stands_shallow, M::docking, wait},
   };
 
   // What arm and controller do in each state.
@@ -230,11 +237,14 @@ struct Lifting {
       /* stand_back    */ {ArmMove::follow, Driver::table},
       /* failed        */ {ArmMove::follow, Driver::table},
       /* held          */ {ArmMove::hold, Driver::controller_in_place},
+      /* stand_by      */ {ArmMove::follow, Driver::table},
   };
 
   using P = ContactCondition;
   using Set = EnumSet<State>;
-  static constexpr Set on_trial = {S::dock, S::under, S::centre, S::ready, S::recentre};
+  static constexpr Set on_trial = {S::dock,  S::under,    S::centre,
+                                   S::ready, S::recentre, S::stand_by};
+  static constexpr Set docking = {S::dock, S::stand_by};
   static constexpr Set leaving = {S::leave_steep, S::leave_shallow};
   // A robot in one of these states may have the object on its palm, or has put it down. It stores that.
   static constexpr Set assisting = Set::all() - on_trial - Set{S::back_off, S::stand_back, S::failed};
@@ -249,7 +259,9 @@ struct Lifting {
       // in state      contact          hears                                  if               go to
       {on_trial,       P::any,          M::backing,                            {},              S::back_off},
       // pick up
-      {S::dock,        P::not_negative, any_message,                           If::touches,     S::under},
+      {docking,        P::not_negative, any_message,                           If::touches,     S::under},
+      {S::stand_by,    P::any,          M::under,                              {},              S::dock},
+      {S::stand_by,    P::any,          any_message,                           If::timed_out,   S::back_off},
       {S::dock,        P::any,          any_message,                           If::timed_out,   S::back_off},
       {S::under,       P::any,          joins,                                 {},              S::centre},
       {S::under,       P::any,          M::under,                              {},              S::centre},

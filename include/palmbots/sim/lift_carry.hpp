@@ -29,7 +29,7 @@ class LiftCarry : public LiftRobots<Inner> {
     spec.begins_on == StandsOn::floor ? stand() : hold();
     first_ = world_.pose().at;
     world_.set_on_both(spec.begins_on != StandsOn::floor);
-    note_phases();
+    note_phases(0.0);
   }
 
   void run() {
@@ -109,7 +109,7 @@ class LiftCarry : public LiftRobots<Inner> {
     }
     const PerSide<RobotObservation> sensed = sense();
     if (notice(sensed)) think([&](const SentMessage& p) { recorder_.message(p); });
-    note_phases();
+    note_phases(moved());
     if (tick_ % block_ticks == 0) collect();
     const bool airborne = is_airborne();
     this->add_statistics();

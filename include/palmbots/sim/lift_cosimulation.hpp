@@ -26,7 +26,7 @@ class LiftCoSimulation : public LiftRobots<Inner> {
     metrics_.reason = first.reason;
     robots_.midpoint = first.midpoint;
     world_.observe(first);
-    this->note_phases();
+    this->note_phases(first.moved);
     if (metrics_.reason == DropReason::none) return;
     this->drop();
     finish();
@@ -38,7 +38,7 @@ class LiftCoSimulation : public LiftRobots<Inner> {
     const PerSide<RobotObservation> sensed =
         this->observe(observation_.pressed, observation_.touched, observation_.wrists, slack_);
     if (this->notice(sensed)) this->think([&](const SentMessage& p) { recorder_.message(p); });
-    this->note_phases();
+    this->note_phases(observation_.moved);
     if (tick_ % block_ticks == 0) this->collect();
     this->add_statistics();
     this->change_biases();

@@ -29,6 +29,7 @@ struct LiftPhase {
   std::size_t side;
   Lifting::State state;
   std::uint32_t start;
+  double moved;  // displacement of the COM until then [m]
 };
 inline constexpr std::size_t most_lift_phases = 128;
 
@@ -164,13 +165,13 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
     if (this->done()) close();
   }
 
-  void note_phases() {
+  void note_phases(double moved) {
     for (const std::size_t side : {left, right}) {
       const State now = team_.state(side);
       if (known_[side] && now == noted_[side]) continue;
       known_[side] = true;
       noted_[side] = now;
-      if (phases_.size() < most_lift_phases) phases_.push_back({side, now, tick_});
+      if (phases_.size() < most_lift_phases) phases_.push_back({side, now, tick_, moved});
     }
   }
 

@@ -24,7 +24,11 @@ class LiftTeam {
 
   LiftTeam(const Spec& spec, std::uint64_t seed, Inner inner)
       : inner_(std::move(inner)), phases_(phases_of(spec, seed)) {
-    if (spec.begins_on == StandsOn::floor) return;
+    if (spec.begins_on == StandsOn::floor) {
+      if (spec.docking == Docking::one_first)
+        phases_.wake(1 - leader_of(spec)).enter(State::stand_by);
+      return;
+    }
     for (const std::size_t side : {left, right}) phases_.wake(side).enter(State::carry);
   }
 

@@ -151,9 +151,13 @@ inline constexpr Key world_keys[] = {
 // What an object stands on before a job, or after it.
 enum class StandsOn : std::uint8_t { palms, floor };
 
+// Which robots drive at first to get under an object on the floor: both, or the one that leads.
+enum class Docking : std::uint8_t { together, one_first };
+
 struct TaskSpec {
   StandsOn begins_on = StandsOn::palms;
   StandsOn ends_on = StandsOn::palms;
+  Docking docking = Docking::together;
   double distance = 1.5;
   double slope = 0;           // specific force towards −x
   bool inertia = true;        // false: accelerations have no effect, as the paper assumes
@@ -164,9 +168,11 @@ struct TaskSpec {
 };
 inline constexpr Choices direction_choices(0, "forward", "backward");
 inline constexpr Choices support_choices(0, "palms", "floor");
+inline constexpr Choices docking_choices(0, "together", "one-first");
 inline constexpr Key task_keys[] = {
     choice<&TaskSpec::begins_on>("from", support_choices),
     choice<&TaskSpec::ends_on>("to", support_choices),
+    choice<&TaskSpec::docking>("dock", docking_choices),
     number<&TaskSpec::distance>("distance_m", Unit::m, 0.001, 10000),
     between(source_number("slope_deg", Unit::degrees, -80, 80, 0)),
     source_number("timeout_s", Unit::s, 0.001, 1e6),

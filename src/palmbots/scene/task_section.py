@@ -86,6 +86,10 @@ class Task(Section):
     to: str = key("task.to")
     """What the object is on after the job. palms: the job ends at its distance. floor: the robots
     put it down there and leave."""
+    dock: str = key("task.dock")
+    """Which robots begin to pick the object up. together: both. one-first: the one that leads; the
+    other one stands with its brakes on until its partner's palm is under the object. After an
+    attempt that failed, both dock together."""
     distance_m: float = key("task.distance_m")
     """Distance that the midpoint of the pivots has to travel."""
     slope_deg: float = key("task.slope_deg")

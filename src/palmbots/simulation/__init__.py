@@ -13,6 +13,7 @@ from palmbots._util.lazy_names import lazy_names
 if TYPE_CHECKING:
     from palmbots.simulation.batch import run_batch as run_batch
     from palmbots.simulation.batch import run_seeds as run_seeds
+    from palmbots.simulation.final_place import FinalPlace as FinalPlace
     from palmbots.simulation.floor_world import FloorState as FloorState
     from palmbots.simulation.floor_world import FloorWorld as FloorWorld
     from palmbots.simulation.noise_limit import NoiseLimit as NoiseLimit

@@ -15,7 +15,9 @@ MEANINGS: dict[str, str] = _core.lift_states
 
 # What a job did not achieve that ends in one of these phases, in their order.
 _GOALS = {
-    "did not get under the object": ("dock", "under", "stand_back", "back_off", "failed"),
+    "did not get under the object": (
+        "stand_by", "dock", "under", "stand_back", "back_off", "failed",
+    ),
     "did not centre the contacts on the floor": ("centre", "ready", "recentre"),
     "did not raise the object": ("raise", "raise_hold", "up"),
     "did not arrive": ("carry", "arrived"),
@@ -27,7 +29,11 @@ _GOALS = {
 }  # fmt: skip
 MISSED = {phase: goal for goal, phases in _GOALS.items() for phase in phases}
 """What a job did not achieve that ends in a phase."""
-STAGES = {phase: phases[0].partition("_")[0] for phases in _GOALS.values() for phase in phases}
+STAGES = {
+    phase: "dock" if "dock" in phases else phases[0].partition("_")[0]
+    for phases in _GOALS.values()
+    for phase in phases
+}
 """The stage to which a phase belongs, dock, centre, raise, carry, lower, leave or held."""
 _ENDS = {"tipping": "toppled", "jammed": "jammed", "robot tipped": "a robot tipped"}
 """What happened, by the reason of a drop; otherwise the object fell."""
@@ -43,6 +49,8 @@ class JobPhase:
     """Its name in the table of phases (`palmbots.simulation.floor_job.MEANINGS` explains them)."""
     start_s: float
     end_s: float
+    moved_m: float
+    """How far the centre of mass had moved in the direction of travel when the phase began."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +83,12 @@ def stages(job: FloorJob, robot: str) -> list[tuple[str, float, float]]:
 def floor_job(scene: Scene, measured: Any) -> FloorJob:
     """The job of a finished carry."""
     end = measured.time_s
-    rows = [(SIDES[side], name, start) for side, name, start in measured.phases]
+    rows = [(SIDES[side], *row) for side, *row in measured.phases]
     phases = []
-    for i, (side, name, start) in enumerate(rows):
-        later = (begin for other, _, begin in rows[i + 1 :] if other == side)
-        phases.append(JobPhase(side, name, start, next(later, end)))
     sense = 1 if scene.task.direction == "forward" else -1
+    for i, (side, name, start, place) in enumerate(rows):
+        later = (begin for other, _, begin, _ in rows[i + 1 :] if other == side)
+        phases.append(JobPhase(side, name, start, next(later, end), sense * place))
     moved = sense * measured.moved_m
     return FloorJob(
         phases=tuple(phases),

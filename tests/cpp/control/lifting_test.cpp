@@ -25,6 +25,7 @@ void random_jobs(unsigned number) {
     job.restarts = chance() % 3 == 0;
     job.blackouts = chance() % 4 == 0;
     for (int& gap : job.gaps) gap = 20 + static_cast<int>(chance() % 200);
+    job.one_first = chance() % 3 == 0;
     LiftWorld world(job);
     const bool done = world.run();
     delivered += done;
@@ -119,7 +120,8 @@ void deaf() {
 // Phases that a partner has to distinguish have different messages, and messages of arms that go up or
 // down are those of the phases in which they may.
 void messages() {
-  const Names same[] = {{"centre", "recentre"},
+  const Names same[] = {{"stand_by", "dock"},
+                        {"centre", "recentre"},
                         {"raise", "raise_hold"},
                         {"lower", "lower_hold"},
                         {"leave_steep", "leave_shallow"},

@@ -43,7 +43,7 @@ inline bool is_one_of(std::string_view name, Names names) {
 
 // The phases of the guide in their order. A robot goes to the next one, or stays in a group.
 inline int stage(std::string_view name) {
-  const Names order[] = {{"dock"},
+  const Names order[] = {{"stand_by", "dock"},
                          {"under"},
                          {"centre"},
                          {"ready", "recentre"},
@@ -90,8 +90,9 @@ struct LiftJob {
   int knocked_for = 0;
   bool knocked_in_raise = false;  // once the partner raises
   bool knock_restarts = false;
-  int deaf = -1;          // which side hears nothing in `up` until its partner has arrived
-  bool is_glued = false;  // the object stays on the palms
+  int deaf = -1;           // which side hears nothing in `up` until its partner has arrived
+  bool is_glued = false;   // the object stays on the palms
+  bool one_first = false;  // the robot that follows stands by until its partner is under
   unsigned seed = 0;
 
   bool is_faultless() const { return loss == 0 && !restarts && !is_silent && !blackouts; }
@@ -160,6 +161,7 @@ class LiftWorld {
       times.limits[k] = static_cast<std::uint16_t>(std::lround(s / period));
     }
     LiftSide made{LiftRobot(times, {job_.leader == i, false})};
+    if (job_.one_first && job_.leader != i) made.robot.enter(Lifting::State::stand_by);
     made.p = -half - job_.gaps[i];
     return made;
   }
@@ -257,7 +259,12 @@ class LiftWorld {
   void enter(int i, std::string_view before) {
     LiftSide& own = sides_[i];
     own.phases += " " + std::string(own.name());
-    if (own.name() == "dock") ++own.docks;
+    if (own.name() == "dock" && before == "stand_by")
+      CHECK(heard_of(i, {"under"}));
+    else if (own.name() == "dock")
+      ++own.docks;
+    if (own.name() == "under" && before == "dock" && job_.one_first && job_.is_faultless())
+      CHECK(job_.leader == i || heard_of(i, {"under"}));
     // An arm never begins to move, nor wheels to leave, while the contact is not on the palm.
     if (own.name() == "ready") CHECK(std::abs(own.p) <= zone + 1 && own.turning == 0);
     if (own.name() == "centre")
@@ -305,7 +312,8 @@ class LiftWorld {
     if (role.driver == Driver::table) {
       CHECK((command.move != Move::hold) == says_drives);
       CHECK((command.move == Move::closer) == (own.name() == "dock"));
-      CHECK((command.palm == Palm::shallow) == (own.name() == "leave_shallow"));
+      CHECK((command.palm == Palm::shallow) ==
+            is_one_of(own.name(), {"leave_shallow", "stand_by"}));
       turn(own, command.palm == Palm::steep);
       drive(own, other, command.move);
     } else {

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where a job on the floor will put its object down: an interval that is stated before the start.
+
+The miss is the distance of the object from the wanted place; it is positive where the object went
+too far. Jobs with other seeds than those of users have it, and its interval is that between two of
+their order statistics. The expected share of further jobs between them is 95 %, whatever the
+distribution is: the miss has two clusters if either robot may be the first one under the object.
+Source: order statistics of a sample, Wilks (1941).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import palmbots._core as _core
+from palmbots._types import Interval, Overrides
+from palmbots._util.arguments import whole_number
+from palmbots._util.command import Option, command
+from palmbots._util.confidence_intervals import rate_interval, rate_text
+from palmbots._util.plain_values import derived
+from palmbots._util.report import Item, Line, Table, bold, quiet
+from palmbots._util.results import Result
+from palmbots.control.registry import ControllerLike, refuse_reference, resolve
+from palmbots.errors import PalmbotsError
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.simulation.batch import available_cores
+from palmbots.simulation.floor_job import FloorJob, floor_job
+from palmbots.simulation.prepare import prepare
+
+COVERED = 0.95
+FEWEST, MOST = 100, 10**6
+_SEEDS_APART = 2**41
+"""These jobs do not share seeds with those of users."""
+
+_PARTS = ("docking", "travel", "leaving")
+
+
+@dataclass(frozen=True)
+class PlacePart:
+    """What one part of the job contributes to the miss."""
+
+    name: str
+    """docking: until both robots carry; travel: until both noses are on the floor again; leaving:
+    the rest."""
+    mean_m: float
+    interval_m: Interval
+    """95 % of the jobs."""
+    share: float
+    """Of the variance of the miss: cov(part, miss) / var(miss). The shares add up to 1."""
+
+
+@dataclass(frozen=True, repr=False)
+class FinalPlace(Result):
+    """Where jobs of a scene with a controller put the object down."""
+
+    controller: str
+    jobs: int
+    failed: int
+    """They have no place."""
+    interval_m: Interval
+    """95 % of the jobs that succeed miss the wanted place by this much; > 0: too far."""
+    median_m: float
+    parts: tuple[PlacePart, ...]
+    scene: Scene
+
+    @derived
+    def half_width_m(self) -> float:
+        """Half of the width of the interval."""
+        return 0.5 * (self.interval_m[1] - self.interval_m[0])
+
+    @derived
+    def failure_interval(self) -> Interval:
+        """Of the share of jobs that fail, 95 %."""
+        return rate_interval(self.failed, self.jobs)
+
+    def lines(self) -> Iterator[Item]:
+        """The interval, and what docking, travel and leaving contribute."""
+        yield Line(
+            bold(f"{_mm(self.interval_m)} from the wanted place"),
+            f"  95 % of the jobs, half width {1e3 * self.half_width_m:.0f} mm",
+        )
+        rows = [("", "mean", "95 %", "share of variance")]
+        for part in self.parts:
+            share = f"{100 * part.share:.0f} %"
+            rows.append((
+                f"  {part.name}", f"{_rounded(part.mean_m)} mm", _mm(part.interval_m), share
+            ))  # fmt: skip
+        yield Table(rows)
+        yield f"failed jobs: {rate_text(self.failed, self.jobs)}"
+        yield quiet(f"{self.controller}: {self.jobs:,} jobs with other seeds than those of carries")
+
+
+def _rounded(value_m: float) -> str:
+    return f"{round(1e3 * value_m)}".replace("-", "−")
+
+
+def _mm(ends: Interval) -> str:
+    return f"{_rounded(ends[0])} to {_rounded(ends[1])} mm"
+
+
+@command(
+    order=66,
+    example="palmbots final-place lift -c shared-sign",
+    progress="simulating",
+    jobs=Option(least=100, most=1000000),
+)
+def final_place(
+    scene: SceneLike = "lift",
+    controller: ControllerLike = "distributed",
+    *,
+    jobs: int = 1000,
+    overrides: Overrides = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> FinalPlace:
+    """State where jobs on the floor will put the object down.
+
+    Args:
+        scene: a built-in name, a file, a table or a `Scene`; its job begins and ends on the floor.
+        controller: the controller.
+        jobs: how many jobs to simulate; with 1000, between 93 and 97 % of further jobs end in the
+            interval.
+        overrides: scene keys to set.
+        on_progress: called with the completed fraction.
+
+    Raises:
+        SceneError: the scene cannot be read or is not valid, or its controller refuses it.
+        PalmbotsError: the job does not begin and end on the floor, or no job succeeds.
+    """
+    count = whole_number("jobs", jobs, FEWEST, MOST)
+    chosen, entry = load_scene(scene, overrides), resolve(controller)
+    refuse_reference(entry, "the final place")
+    if "palms" in (getattr(chosen.task, "from"), chosen.task.to):
+        raise PalmbotsError(
+            "scene: the job does not begin and end on the floor; allowed: a scene with "
+            'task.from = "floor" and task.to = "floor"'
+        )
+    prepared = prepare(chosen, entry)
+    shared = None if entry.is_python else entry.for_core(prepared.spec)
+    done = 0
+
+    def run(seed: int) -> FloorJob:
+        nonlocal done
+        core: Any = entry.for_core(prepared.spec) if shared is None else shared
+        found = floor_job(chosen, _core.run(prepared.spec, core, seed, "double", False))
+        done += 1
+        if on_progress is not None and done % 20 == 0:
+            on_progress(done / count)
+        return found
+
+    with ThreadPoolExecutor(1 if entry.is_python else available_cores()) as pool:
+        found = list(pool.map(run, range(_SEEDS_APART, _SEEDS_APART + count)))
+    succeeded = [one for one in found if one.failure is None]
+    if len(succeeded) < 2:
+        raise PalmbotsError(f"final-place: {count - len(succeeded)} of {count} jobs failed")
+    parts = np.array([contributions(one, chosen.task.distance_m) for one in succeeded])
+    miss = parts.sum(axis=1)
+    spread = float(miss.var())
+    return FinalPlace(
+        controller=entry.name,
+        jobs=count,
+        failed=count - len(succeeded),
+        interval_m=_covered(miss),
+        median_m=float(np.median(miss)),
+        parts=tuple(
+            PlacePart(
+                name,
+                float(column.mean()),
+                _covered(column),
+                float(np.mean((column - column.mean()) * (miss - miss.mean()))) / spread
+                if spread > 0
+                else 0.0,
+            )
+            for name, column in zip(_PARTS, parts.T, strict=True)
+        ),
+        scene=chosen,
+    )
+
+
+def contributions(job: FloorJob, distance_m: float) -> tuple[float, float, float]:
+    """What docking, travel and leaving contribute to the miss of a job that succeeded [m]."""
+    begun = {
+        name: max((one.start_s, one.moved_m) for one in job.phases if one.phase == name)[1]
+        for name in ("carry", "down")
+    }
+    return begun["carry"], begun["down"] - begun["carry"] - distance_m, job.moved_m - begun["down"]
+
+
+def _covered(values: NDArray[np.float64]) -> Interval:
+    """Between the order statistics with the numbers (n + 1) (1 ∓ `COVERED`) / 2."""
+    ends = np.quantile(values, [(1 - COVERED) / 2, (1 + COVERED) / 2], method="weibull")
+    return float(ends[0]), float(ends[1])
