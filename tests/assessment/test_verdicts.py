@@ -138,7 +138,7 @@ LOADS: list[tuple[float, OutcomeCounts | None, LoadTrial | None, str, list[str]]
     (0.5, GOOD, load(4, 3), "partly", [UNCLEAR, "not: off-palm"]),
     (0.5, GOOD, load(0, None, ("wheels slip", "more")), "partly", ["; wheels slip", "not: more"]),
     # held where the contacts get, and not there
-    (2, GOOD, load(0), "likely", ["within 10.0 mm", "up to 4.75 kg", "but wheels may slip at"]),
+    (2, GOOD, load(0), "likely", ["within 10.0 mm", "above 4.75 kg", "a wheel slips above"]),
     (2, GOOD, load(5, 5), "likely", [NOT_WEIGHT]),
     (2, counts("shared-sign", 0, reach=0.07), load(0), "partly", ["within 70.0 mm"]),
     (2, counts("shared-sign", 0, reach=None), load(0), "partly", ["not: keeps the contacts"]),

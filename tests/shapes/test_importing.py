@@ -102,7 +102,7 @@ def test_half_ellipse_on_a_box(tolerance_mm: float | None, tmp_path: Path) -> No
                 assert abs(y - b * math.sqrt(1 - (x / a) ** 2)) < 2.5 * 1000 * found.tolerance_m
 
 
-def test_rounded_corners_are_found_as_arcs_of_their_radius(tmp_path: Path) -> None:
+def test_rounded_corners_are_found_with_their_radius() -> None:
     from palmbots.shapes.fitting import polygon_of
 
     turns = np.radians(np.arange(0, 91, 3))
@@ -116,11 +116,41 @@ def test_rounded_corners_are_found_as_arcs_of_their_radius(tmp_path: Path) -> No
         ]
     )
     fitted = polygon_of(ring, 0.001, 32)
-    radii = [piece.radius_m for piece in fitted.pieces if piece.centre is not None]
-    assert radii == pytest.approx([0.02] * 4, abs=1e-6)
-    sweeps = [piece.sweep_rad for piece in fitted.pieces if piece.centre is not None]
-    assert sum(sweeps) == pytest.approx(2 * math.pi, rel=0.05)
+    assert fitted.radii == pytest.approx([0.02] * 4, abs=1e-6)
+    assert len(fitted.arc_ends) == 0
+    box = np.array([(0.0, 0.0), (0.24, 0.0), (0.24, 0.12), (0.0, 0.12)])
+    apart = np.hypot(*(fitted.vertices[:, None] - box).transpose(2, 0, 1))
+    assert apart.min(axis=0).max() < 5e-4
     assert fitted.deviation_m <= 0.001
+
+
+@pytest.mark.parametrize("box", [(1200, 30, 6), (250, 160, 20), (60, 60, 3)])
+def test_a_rounded_box_becomes_one(box: tuple[int, int, int], tmp_path: Path) -> None:
+    """Of a flat plank the tolerance follows the height. The object fares like one from a ruler."""
+    length, height, radius = box
+    text = svg(f'<rect x="10" y="10" width="{length}" height="{height}" rx="{radius}"/>')
+    found = imported(tmp_path, "box.svg", text, depth_mm=200.0, mass_kg=1.0)
+    assert found.tolerance_m <= 0.02 * height / 1000
+    assert len(found.vertices_m) == 4 and not found.remarks
+    assert found.edge_radius_m == pytest.approx(radius / 1000, rel=0.01)
+    measured = [length / 1000, height / 1000]
+    sides = np.ptp(np.array(found.vertices_m), axis=0)
+    assert sides == pytest.approx(measured, abs=found.tolerance_m)
+    assert found.com_m == pytest.approx(np.array(measured) / 2, abs=found.tolerance_m)
+    drawn = pb.load_scene("paper", {"object": found.object.model_dump(exclude={"box_m"})})
+    ruler = {"box_m": measured, "edge_radius_m": radius / 1000, "mass_kg": 1.0}
+    ends = [pb.carry(one, "shared-sign").outcome for one in (drawn, {"object": ruler})]
+    assert ends[0] == ends[1]
+
+
+def test_only_convex_corners_between_lines_are_rounded(tmp_path: Path) -> None:
+    """A hollow keeps its chords, and so does a whole half circle."""
+    path = "M0 100 H200 V50 A50 50 0 0 0 100 50 V30 A10 10 0 0 1 90 20 H10 A10 10 0 0 0 0 30 Z"
+    found = imported(tmp_path, "o.svg", svg(f'<path d="{path}"/>'), depth_mm=90.0)
+    radii = [radius for radius in found.radii_m if radius]
+    assert radii == pytest.approx([0.01], abs=1e-5)
+    assert found.arcs >= 2
+    assert found.deviation_m <= found.tolerance_m
 
 
 def test_lines_and_arcs_of_a_dxf_are_joined_in_any_order_and_direction(tmp_path: Path) -> None:

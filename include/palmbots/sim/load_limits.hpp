@@ -23,8 +23,8 @@ struct LoadMeaning {
 inline constexpr LoadMeaning load_meanings[load_kinds] = {
     {"tipping", "a robot tips over", "mujoco.body_kg"},
     {"servo", "a palm sags", "mujoco.palm_torque_n_m"},
-    {"traction", "the wheels of a robot slip", "mujoco.floor_friction"},
-    {"drive", "the motors of a robot are too weak", "robot.motor_force_n"},
+    {"traction", "a wheel slips", "mujoco.floor_friction"},
+    {"drive", "a motor is too weak", "robot.motor_force_n"},
 };
 // No carry can begin beyond the first two. Wheels that slip only end a squeeze.
 inline constexpr std::size_t decisive_kinds = 2;

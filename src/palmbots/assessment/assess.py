@@ -245,8 +245,8 @@ def assess(
         turn_angle_deg: angle of this turn.
         overrides: scene keys to set.
         on_progress: called with the completed fraction, which follows the time on this machine.
-        on_line: called with each answer as soon as it is known, if it takes over a minute to know
-            all of them.
+        on_line: called with each question and the first word of its answer as soon as it is known,
+            if it takes over a minute to know all of them.
 
     Raises:
         SceneError: the scene cannot be read or is not valid.
@@ -264,7 +264,7 @@ def assess(
     def known(name: str, answer: Answer) -> None:
         answers[name] = answer
         if on_line is not None and left.total_s > _LONG_S:
-            on_line(f"{answer.question} {answer.word}: {answer.text}")
+            on_line(f"{answer.question} {answer.word}")
 
     counts = _counted(straight, left)
     best = best_of(counts)

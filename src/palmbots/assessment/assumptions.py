@@ -37,14 +37,22 @@ def assumed(scene: Scene) -> dict[str, Any]:
 def on_assumptions(scene: Scene) -> Answer:
     """What the answers take for granted. Whether it is true palmbots cannot know."""
     values = assumed(scene)
-    listed = ", ".join(f"{key} {_text(value)}" for key, value in values.items())
-    text = f"defaults: {listed}; set those that you have measured"
-    if not values:
-        text = f"none of these has its default: {', '.join(DECISIVE)}"
+    keys = on_every_side(scene, dict.fromkeys(DECISIVE))
+    given = {key: value_of(scene, key) for key in keys if key not in values}
+    texts = []
+    if values:
+        texts += [f"defaults: {_listed(values)}", "set those that you have measured"]
+    if given:
+        texts.append(f"from your scene: {_listed(given)}")
+    text = "; ".join(texts)
     return Answer("Are the values measured?", "open", text, "palmbots keys")
 
 
+def _listed(values: dict[str, Any]) -> str:
+    return ", ".join(f"{key} {_text(value)}" for key, value in values.items())
+
+
 def _text(value: Any) -> str:
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return f"[{', '.join(f'{one:g}' for one in value)}]"
     return f"{value:g}"

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from palmbots._util.atomic_files import check_suffix, write_whole
 from palmbots._util.command import Option, writes
 from palmbots._util.report import Item, Table, as_text
+from palmbots.assessment.answer import WORDS
 from palmbots.assessment.assess import Assessment
 
 if TYPE_CHECKING:
@@ -92,7 +93,9 @@ def _text(assessment: Assessment) -> Iterator[tuple[str, dict[str, Any]]]:
     bold: dict[str, Any] = {"weight": "bold"}
     quiet: dict[str, Any] = {"color": "#555555", "family": "monospace", "size": 7}
     yield assessment.scene.spelled, bold
-    yield assessment.conclusion, bold | {"color": _COLOURS[assessment.verdict]}
+    headline = f"{WORDS[assessment.verdict]}: {assessment.conclusion}"
+    looks = bold | {"color": _COLOURS[assessment.verdict]}
+    yield from ((line, looks) for line in textwrap.wrap(headline, _COLUMNS))
     for answer, table in assessment.paragraphs():
         yield "", {}
         yield answer.question, bold
@@ -109,8 +112,9 @@ def _page(assessment: Assessment) -> Iterator[str]:
     colours = "".join(f".{verdict} {{ color: {hue}; }}\n" for verdict, hue in _COLOURS.items())
     yield f"<style>{_STYLE}{colours}</style>"
     yield f"<h1>{name}</h1>"
-    conclusion = html.escape(assessment.conclusion)
-    yield f'<p><strong class="{assessment.verdict}">{conclusion}</strong></p>'
+    verdict = assessment.verdict
+    headline = html.escape(f"{WORDS[verdict]}: {assessment.conclusion}")
+    yield f'<p><strong class="{verdict}">{headline}</strong></p>'
     for figure in _outcomes(assessment):
         yield _image(figure, "how often each controller fails")
     for answer, table in assessment.paragraphs():
@@ -119,6 +123,7 @@ def _page(assessment: Assessment) -> Iterator[str]:
         yield f'<p><strong class="{answer.verdict}">{word}</strong> {html.escape(answer.text)}</p>'
         yield from (_table(table) for table in [table] if table is not None)
         yield f"<p><code>{html.escape(answer.command)}</code></p>"
+    yield "<h2>Contacts at which each property holds, on the whole palms</h2>"
     yield _image(assessment.analysis.plot(), "the contacts at which the object is held")
     yield "</html>"
 

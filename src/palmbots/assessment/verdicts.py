@@ -23,7 +23,7 @@ from palmbots.assessment.load import LoadTrial
 from palmbots.control.dead_band import overrun_m, zero_zone_m
 from palmbots.control.registry import WIDE_ZONE, describe
 from palmbots.control.tolerated_noise import RECOMMENDED
-from palmbots.mechanics.load_limits import LoadLimits, mass_text
+from palmbots.mechanics.load_limits import LoadLimits
 from palmbots.mujoco.curve_trial import respelled
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import value_of
@@ -105,9 +105,7 @@ def on_load(
         if best is not None and reach is not None:
             texts.append(
                 f"{best.controller} keeps the contacts within {millimetres(reach)} of the "
-                f"pivots; there no robot tips and no palm sags up to "
-                f"{mass_text(limits.heaviest_within(reach))} kg, but wheels may slip at a smaller "
-                "mass"
+                f"pivots; there {limits.within_sentence(reach)}"
             )
             verdict = "likely" if reach <= limits.held_within_m else "partly"
     if trial is None:

@@ -106,6 +106,9 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
             f"with the same friction on both palms, from {low:g} to {high:g}, properties 1 and 2 "
             f"{state}"
         )
+        if trial.alike != "holds":
+            ranges = " and ".join(f"from {a:.3f} to {b:.3f}" for a, b in analysis.friction)
+            proofs[0] += f"; they hold {ranges}" if ranges else "; they fail for every friction"
         verdict = "likely" if trial.alike == "holds" else "no"
     elif trial.unlike != "holds" and trial.alike == "holds":
         proofs[0] += ", if it is the same on both palms"

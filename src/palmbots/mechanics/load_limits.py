@@ -106,6 +106,27 @@ class LoadLimits(Result):
         loads = _heaviest(self.scene, reach_m)
         return min(loads[kind].mass_kg for kind in DECISIVE)
 
+    def limits_within(self, reach_m: float) -> list[tuple[float, str]]:
+        """Each mass beyond which something happens with contacts up to this distance from the
+        pivots [kg], the least first, and what: a key of `MEANINGS`."""
+        loads = _heaviest(self.scene, reach_m)
+        found = ((one.mass_kg, kind) for kind, one in loads.items())
+        return sorted(one for one in found if math.isfinite(one[0]))
+
+    def within_sentence(self, reach_m: float) -> str:
+        """What happens beyond which mass with contacts up to this distance from the pivots."""
+        limits = self.limits_within(reach_m)
+        if not limits:
+            return "no mass is too large"
+        beyond = ", ".join(
+            f"{MEANINGS[kind][0]} above {mass_text(mass)} kg" for mass, kind in limits
+        )
+        text = f"{beyond} if the squeeze is as hard as friction permits"
+        least = limits[0][0]
+        if self.mass_kg > least:
+            text += f" (the object has {self.mass_kg / least:.2g} times the least of these)"
+        return text
+
     def refusal(self) -> str | None:
         """Why no carry of the object can begin; None: it can."""
         return refusal_of(self.scene)

@@ -3,8 +3,9 @@
 
 An outline is an array of points [m], x to the right and y upwards, counter-clockwise, whose first
 point is not repeated. The fit goes around it once, from where its longest edge begins. Each piece
-is the longest line from where the last one ended, or an arc if it goes further than two lines. The
-corners of a polygon are the ends of the pieces, and points on the arcs whose chords keep to the
+is the longest line from where the last one ended, or an arc if it goes further than two lines. An
+arc that rounds the corner between two lines becomes this corner, with a radius. The other corners
+of the polygon are the ends of the pieces, and points on the remaining arcs whose chords keep to the
 tolerance.
 """
 
@@ -24,6 +25,9 @@ from palmbots.shapes.point_arrays import Points
 _SHARES = (1.0, 0.7, 0.5, 0.35, 0.25, 0.1)
 _PARTS = ((0.1, 0.8, 0.15), *((one, one, level) for one in _SHARES for level in (0.5, 1.0)))
 
+_SHARPEST = math.radians(150)  # turn of a corner that may have a radius
+_SHORTEST = 1e-5  # edge beside it [m]
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -40,12 +44,36 @@ class Piece:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A polygon in place of an outline."""
+    """A polygon with rounded corners in place of an outline."""
 
     vertices: Points
-    pieces: tuple[Piece, ...]
+    radii: Points
+    """Of the corners [m]; 0: a sharp one."""
+    arc_ends: Points
+    """The ends of the arcs that chords replace, two for each."""
     deviation_m: float
     """Greatest distance between outline and polygon."""
+
+
+def boundary(vertices: Points, radii: Points) -> Points:
+    """Points along a polygon with rounded corners, whose chords keep to 0.1 % of each radius."""
+    found: list[Points] = []
+    before, after = np.roll(vertices, 1, axis=0), np.roll(vertices, -1, axis=0)
+    for corner, radius, *ends in zip(vertices, radii, before, after, strict=True):
+        (ax, ay), (bx, by) = ((end - corner) / np.hypot(*(end - corner)) for end in ends)
+        turn = math.atan2(bx * ay - by * ax, -(ax * bx + ay * by))
+        if radius == 0 or turn <= 0:
+            found.append(corner)
+            continue
+        centre = corner + radius / math.cos(turn / 2) * _unit(np.array([ax + bx, ay + by]))
+        first = math.atan2(ax, -ay)  # of the outward normal of the edge that ends here
+        angles = first + np.linspace(0, turn, 2 + math.ceil(turn / 0.09))
+        found.append(centre + radius * np.column_stack([np.cos(angles), np.sin(angles)]))
+    return np.vstack(found)
+
+
+def _unit(vector: Points) -> Points:
+    return vector / np.hypot(*vector)
 
 
 def polygon_of(outline: Points, tolerance_m: float, most: int) -> Fitted:
@@ -63,14 +91,17 @@ def polygon_of(outline: Points, tolerance_m: float, most: int) -> Fitted:
     """
     for fit, chord, level in _PARTS:
         pieces = _pieces(outline, fit * tolerance_m)
-        vertices = _level(_corners(pieces, chord * tolerance_m), level * tolerance_m)
+        corners, arc_ends = _corners(pieces, chord * tolerance_m)
+        corners = _level(corners, level * tolerance_m)
+        vertices, radii = corners[:, :2], corners[:, 2]
         stands = (vertices[:, 1] == vertices[:, 1].min()).sum() > 1
         if len(vertices) < 3 or not stands or (fit < chord and len(vertices) > most):
             continue
-        if (deviation := deviation_m(outline, vertices)) <= tolerance_m:
-            return Fitted(vertices, tuple(pieces), deviation)
-    vertices = _level(outline, 0.0)
-    return Fitted(vertices, tuple(map(Piece, vertices)), deviation_m(outline, vertices))
+        if (deviation := deviation_m(outline, boundary(vertices, radii))) <= tolerance_m:
+            return Fitted(vertices, radii, arc_ends, deviation)
+    vertices = _level(np.pad(outline, ((0, 0), (0, 1))), 0.0)[:, :2]
+    sharp = np.zeros(len(vertices))
+    return Fitted(vertices, sharp, np.empty((0, 2)), deviation_m(outline, vertices))
 
 
 def deviation_m(one: Points, other: Points) -> float:
@@ -179,26 +210,56 @@ def _without_details(outline: Points, tolerance: float) -> Any:
     return np.array(sorted(kept))
 
 
-def _corners(pieces: list[Piece], tolerance: float) -> Points:
-    """The ends of the pieces, and the points between the chords of an arc."""
-    corners: list[Points] = []
-    for piece in pieces:
-        corners.append(piece.start)
+def _corners(pieces: list[Piece], tolerance: float) -> tuple[Points, Points]:
+    """Rows of x, y and radius: rounded corners, the other ends of the pieces, and the points
+    between the chords of the other arcs; and the ends of those."""
+    corners: list[tuple[float, float, float]] = []
+    arc_ends: list[Points] = []
+    rounded = [_rounded_corner(pieces, k, tolerance) for k in range(len(pieces))]
+    for k, piece in enumerate(pieces):
+        if (corner := rounded[k]) is not None:
+            corners.append((*corner, round(piece.radius_m, 6)))
+            continue
+        if rounded[k - 1] is None:
+            corners.append((*piece.start, 0.0))
         if piece.centre is None:
             continue
+        arc_ends += [piece.start, pieces[(k + 1) % len(pieces)].start]
         most = 2 * math.acos(max(0.0, 1 - tolerance / piece.radius_m))
         count = max(1, math.ceil(abs(piece.sweep_rad) / most - 1e-9))
         x, y = piece.start - piece.centre
-        for k in range(1, count):
-            turn = piece.sweep_rad * k / count
+        for step in range(1, count):
+            turn = piece.sweep_rad * step / count
             c, s = math.cos(turn), math.sin(turn)
-            corners.append(piece.centre + np.array([c * x - s * y, s * x + c * y]))
-    return np.array(corners)
+            corners.append((*(piece.centre + np.array([c * x - s * y, s * x + c * y])), 0.0))
+    return np.array(corners), np.array(arc_ends).reshape(-1, 2)
 
 
-def _level(vertices: Points, tolerance: float) -> Points:
-    """The vertices in whole micrometres, the lowest ones level, without those within an edge."""
-    found = vertices.copy()
+def _rounded_corner(pieces: list[Piece], k: int, tolerance: float) -> Points | None:
+    """Where the lines before and after an arc meet, if the arc rounds this convex corner."""
+    arc, n = pieces[k], len(pieces)
+    before, after, beyond = pieces[k - 1], pieces[(k + 1) % n], pieces[(k + 2) % n]
+    if arc.centre is None or n < 4 or before.centre is not None or after.centre is not None:
+        return None
+    if not 0 < arc.sweep_rad < _SHARPEST:
+        return None
+    one, other = arc.start - before.start, beyond.start - after.start
+    if min(np.hypot(*one), np.hypot(*other)) < _SHORTEST:
+        return None
+    one, other = _unit(one), _unit(other)
+    turn = math.atan2(one[0] * other[1] - one[1] * other[0], one @ other)
+    if not 0 < turn < _SHARPEST:
+        return None
+    gap_x, gap_y = after.start - arc.start
+    corner = arc.start + one * (gap_x * other[1] - gap_y * other[0]) / math.sin(turn)
+    # A line may go on along the arc within the tolerance; the arc is as exact as the drawing.
+    of_arc = arc.centre - arc.radius_m / math.cos(turn / 2) * _unit(other - one)
+    return of_arc if np.hypot(*(of_arc - corner)) <= tolerance else None
+
+
+def _level(corners: Points, tolerance: float) -> Points:
+    """The corners in whole micrometres, the lowest ones level, without those within an edge."""
+    found = corners.copy()
     lowest = found[:, 1].min()
     found[found[:, 1] <= lowest + tolerance, 1] = lowest
     found = np.round(found, 6)

@@ -37,6 +37,8 @@ class ImportedObject(Result):
     metres_per_unit: float
     """Length of the unit of the file, `scale` included."""
     vertices_m: tuple[Point, ...]
+    edge_radius_m: float | tuple[float, ...]
+    """Radius of the rounded corners: one for all, or one for each vertex."""
     contacts: tuple[int, int]
     com_m: Point
     mass_kg: float
@@ -55,11 +57,18 @@ class ImportedObject(Result):
     """The outline of the file, in the frame of `vertices_m`."""
 
     @property
+    def radii_m(self) -> tuple[float, ...]:
+        """The radius of each corner [m]."""
+        given = self.edge_radius_m
+        return given if isinstance(given, tuple) else (given,) * len(self.vertices_m)
+
+    @property
     def object(self) -> Object:
         """The section `object` of a scene."""
         return Object.model_validate(
             {
                 "vertices_m": self.vertices_m,
+                "edge_radius_m": self.edge_radius_m,
                 "contacts": self.contacts,
                 "com_m": self.com_m,
                 "mass_kg": self.mass_kg,
@@ -87,6 +96,11 @@ class ImportedObject(Result):
         (left, _), (right, _) = (self.vertices_m[k] for k in self.contacts)
         x, y = map(millimetres, self.com_m)
         corners = f"{len(self.vertices_m)}"
+        radii = self.radii_m
+        if any(radii):
+            rounded = sorted(radius for radius in radii if radius > 0)
+            ends = dict.fromkeys(map(millimetres, (rounded[0], rounded[-1])))
+            corners += f", {len(rounded)} rounded with a radius of {' to '.join(ends)}"
         if self.arcs:
             corners += f", {self.arcs} {'arc' if self.arcs == 1 else 'arcs'} as chords"
         yield Table(

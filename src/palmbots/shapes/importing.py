@@ -49,6 +49,7 @@ _AXES = ("x", "y", "z", "-x", "-y", "-z")
 _DRAWINGS = {".svg": read_svg, ".dxf": read_dxf}
 _MESHES = {".stl": "z", ".obj": "z", ".gltf": "y", ".glb": "y"}  # and the axis that points upwards
 _USUAL, _COARSEST = 0.005, 0.1  # tolerance, of the size
+_USUAL_OF_LESSER = 0.02  # of the smaller of length and height
 _SEEN = math.radians(0.05)  # a turn that is worth a remark
 
 
@@ -203,15 +204,17 @@ def _object(
         way = "counter-clockwise" if turn > 0 else "clockwise"
         angle = abs(math.degrees(turn))
         remarks = (*remarks, f"It is turned {way} by {angle:.2g}° to stand on its lower side.")
-    usual = _USUAL * float(np.ptp(points, axis=0).max())
+    usual = _usual(points)
     if tolerance_mm is None and tolerance_m > usual:
         remarks = (
             *remarks,
             f"Within the usual tolerance of {millimetres(usual)} it would need more than "
             f"{most_records('object.vertices_m')} corners.",
         )
+    radii = [float(radius) for radius in fitted.radii]
     table: dict[str, Any] = {
         "vertices_m": _pairs(fitted.vertices - corner),
+        "edge_radius_m": radii[0] if len({*radii}) == 1 else radii,
         "com_m": _pairs([com])[0],
         "mass_kg": float(f"{volume * density_kg_m3 if mass_kg is None else mass_kg:.6g}"),
         "depth_m": round(body.depth_m, 6),
@@ -231,17 +234,24 @@ def _object(
         view=body.view,
         metres_per_unit=body.metres,
         vertices_m=made.vertices_m,
+        edge_radius_m=made.edge_radius_m,
         contacts=made.contacts,
         com_m=made.com_m,
         mass_kg=made.mass_kg,
         depth_m=made.depth_m,
-        arcs=sum(piece.centre is not None for piece in fitted.pieces),
+        arcs=len(fitted.arc_ends) // 2,
         tolerance_m=tolerance_m,
         deviation_m=fitted.deviation_m,
         carried=_carried(made),
         remarks=remarks,
         outline_m=points - corner,
     )
+
+
+def _usual(points: Points) -> float:
+    """The greatest deviation by default [m]."""
+    lesser, greater = sorted(np.ptp(points, axis=0))
+    return float(min(_USUAL * greater, _USUAL_OF_LESSER * lesser))
 
 
 def _fitted(name: str, points: Points, tolerance_mm: float | None) -> tuple[Fitted, float]:
@@ -252,7 +262,7 @@ def _fitted(name: str, points: Points, tolerance_mm: float | None) -> tuple[Fitt
     """
     most = most_records("object.vertices_m")
     size = float(np.ptp(points, axis=0).max())
-    tolerance = _USUAL * size if tolerance_mm is None else tolerance_mm / 1000
+    tolerance = _usual(points) if tolerance_mm is None else tolerance_mm / 1000
     if not 1e-6 <= tolerance <= _COARSEST * size:
         raise PalmbotsError(
             f"tolerance_mm: value is {tolerance_mm:g}; allowed: 0.001 to {100 * size:.3g}, a tenth "
@@ -282,13 +292,10 @@ def _pairs(points: Any) -> list[tuple[float, float]]:
 
 
 def _has_round_contact(fitted: Fitted, made: Object) -> bool:
-    """Whether an arc begins or ends at a contact."""
+    """Whether an arc that chords replace begins or ends at a contact."""
     corner = fitted.vertices.min(axis=0)
     contacts = corner + np.array([made.vertices_m[k] for k in made.contacts])
-    starts = [piece.start for piece in fitted.pieces]
-    arcs = [k for k, piece in enumerate(fitted.pieces) if piece.centre is not None]
-    ends = [starts[(k + step) % len(starts)] for k in arcs for step in (0, 1)]
-    return any(np.hypot(*(end - contact)) < 1e-3 for end in ends for contact in contacts)
+    return any(np.hypot(*(end - contact)) < 1e-3 for end in fitted.arc_ends for contact in contacts)
 
 
 def _carried(made: Object) -> str:

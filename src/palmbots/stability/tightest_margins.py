@@ -20,7 +20,7 @@ from palmbots._types import SIDES
 from palmbots._util.plain_values import derived
 from palmbots._util.text import millimetres, rounded_down
 from palmbots.mechanics.lifting import Lifting
-from palmbots.mechanics.load_limits import mass_text
+from palmbots.mechanics.load_limits import MEANINGS, mass_text
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import on_every_side
 
@@ -134,12 +134,13 @@ def _margins(analysis: Analysis) -> Iterator[RankedMargin]:
         limit = f"the friction may be wrong by ±{min(known):.3f}"
         use = f"a palm that turns for one control period acts like an error of {wrong:.2g}"
         yield RankedMargin("friction", min(known), wrong, "1", limit, use, ("palm.friction",))
-    if analysis.load.limits:
-        first = analysis.load.limits[0]
-        mass, heaviest = scene.object.mass_kg, mass_text(first.heaviest_kg)
-        limit = f"with more than {heaviest} kg {first.meaning}"
+    farthest = max(abs(end) for ends in problem.contacts for end in ends)
+    for heaviest, kind in analysis.load.limits_within(farthest)[:1]:
+        happens, key = MEANINGS[kind]
+        mass = scene.object.mass_kg
+        limit = f"with more than {mass_text(heaviest)} kg {happens}"
         use = f"this object has {mass:g} kg"
-        yield RankedMargin("mass", first.heaviest_kg, mass, "kg", limit, use, (first.key,))
+        yield RankedMargin("mass", heaviest, mass, "kg", limit, use, (key,))
     if analysis.lifting is not None:
         yield from _lifting(scene, analysis.lifting)
 
