@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from palmbots.mujoco.carry_files import save_carry as save_carry
     from palmbots.mujoco.validation.validation import validate as validate
     from palmbots.optimum.drop_bound import bound as bound
+    from palmbots.probing.probe import probe as probe
     from palmbots.scene.lists import keys as keys
     from palmbots.scene.lists import objects as objects
     from palmbots.scene.lists import scenes as scenes
@@ -86,6 +87,7 @@ _OFFERS = {
         "pair": "palmbots.pair.pair_file:PAIR_FILE",
         "study": "palmbots.studies.study_file:STUDY_FILE",
         "policy": "palmbots.derivation.policy_file:POLICY_FILE",
+        "probed object": "palmbots.stability.probed_object:PROBED_FILE",
         "imperfections": "palmbots.simulation.imperfections:IMPERFECTIONS_FILE",
         "controller": "palmbots.control.registry:CONTROLLER",
     },

@@ -227,6 +227,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "NoiseLimit": lambda folder: noise_limit(),
     "OutcomeCounts": lambda folder: OutcomeCounts("silent", 40, 2, 0),
     "ObjectList": lambda folder: pb.objects(),
+    "Probe": lambda folder: pb.probe("paper", com_x_m=(0.12, 0.13)),
     "RadioFit": lambda folder: pb.fit(
         [packets_csv(folder, "packets.csv", "index", np.arange(200.0))], radio=True
     ),

@@ -92,6 +92,7 @@ def _intervals(
 ) -> dict[str, Any]:
     """The box of a claim: the uncertainty, and the error of one quantity to either side."""
     intervals: dict[str, Any] = {
+        "com_x_m": uncertainty.com_x,
         "com_y_m": uncertainty.com_y,
         "friction": uncertainty.friction[0],
         "friction_right": uncertainty.friction[1],
@@ -108,8 +109,8 @@ def _intervals(
             math.copysign(min(math.ceil(abs(end) * 1e9) / 1e9, most), end) for end in region
         )
     if quantity == "com":
-        x = problem.com[0]
-        intervals["com_x_m"] = (round(x - error, 9), round(x + error, 9))
+        low, high = uncertainty.com_x or (problem.com[0], problem.com[0])
+        intervals["com_x_m"] = (round(low - error, 9), round(high + error, 9))
     elif quantity == "friction":
         pairs = [
             (max(round(low - error, 9), 0.0), round(high + error, 9))

@@ -106,6 +106,8 @@ class Uncertainty:
     com_y: Interval | None
     slope: Interval | None
     """Specific force towards −x, as `StabilityProblem.slope`."""
+    com_x: Interval | None = None
+    """From the left contact; None: as in the problem."""
 
 
 @dataclass(frozen=True)
@@ -278,7 +280,7 @@ def _map(
     tolerance, clearance = envelope.map(
         np.radians(shallow_deg),
         np.radians(steep_deg),
-        (problem.com[0], problem.com[0]),
+        uncertainty.com_x or (problem.com[0], problem.com[0]),
         number,
         min(most, _LARGEST_TOLERANCE),
         np.empty((0, 0)) if reach is None else np.ascontiguousarray(reach),

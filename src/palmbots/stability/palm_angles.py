@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Literal, TypeAlias, TypedDict, Unpack, cast
+from typing import Any, TypeAlias, TypedDict, Unpack, cast
 
 import numpy as np
 
@@ -55,6 +55,7 @@ from palmbots.stability.interval_sets import around
 from palmbots.stability.margins import friction_ranges
 from palmbots.stability.plate_design import design_plate
 from palmbots.stability.plate_search import PlateLimits, is_on_floor
+from palmbots.stability.probed_object import uncertainty_of, with_probed
 from palmbots.stability.problem import Region, StabilityProblem, stability_problem
 from palmbots.stability.reaction_region import implied_reach_m, reaction
 
@@ -100,6 +101,7 @@ class GridOptions(TypedDict, total=False):
     ),
     maximize=Option(metavar="NAME"),
     friction=Option(),
+    probe=Option("--from", metavar="FILE"),
     common_friction=Option("--common-friction/--independent-friction"),
     com_y_m=Option(),
     slope_deg=Option(),
@@ -115,7 +117,8 @@ def design(
     common_friction: bool = False,
     com_y_m: Range = None,
     slope_deg: Range = None,
-    region_m: Interval | Literal["implied", "palm"] = "implied",
+    region_m: Region = "implied",
+    probe: str | None = None,
     seed: int = 0,
     overrides: Overrides = None,
     on_progress: Progress = None,
@@ -143,6 +146,7 @@ def design(
             direction of travel; the limits are -45 and 45.
         region_m: contact coordinates: what the scene implies, the whole palm, or an interval [m].
             The properties have to hold for them; the scene implies others at each pair of angles.
+        probe: file that palmbots probe wrote, for COM and friction; None: as in the scene.
         seed: random seed of the carries.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
@@ -154,7 +158,7 @@ def design(
             refuses all of them.
         MissingExtra: python-flint is not installed.
     """
-    chosen = load_scene(scene, overrides)
+    chosen, touched = with_probed(load_scene(scene, overrides), probe, common_friction)
     if maximize is None:
         maximize = LIFT if is_on_floor(chosen) else NOISE
     one_of("maximize", maximize, (NOISE, LIFT, *QUANTITIES))
@@ -166,11 +170,11 @@ def design(
     own_deg = _own_angles(chosen)
     limits = _limits(grid, objective, own_deg)
     if maximize == LIFT:
-        given = (friction, com_y_m, slope_deg, None if region_m == "implied" else region_m)
+        given = (friction, com_y_m, slope_deg, probe, None if region_m == "implied" else region_m)
         if common_friction or any(one is not None for one in given):
             raise PalmbotsError(
-                "friction, com_y_m, slope_deg, region_m: allowed with lift: no value; the margins "
-                "are those of the scene for contacts anywhere on the palms"
+                "friction, com_y_m, slope_deg, region_m, from: allowed with lift: no value; the "
+                "margins are those of the scene for contacts anywhere on the palms"
             )
         return design_plate(chosen, entry, PlateLimits.of(grid, limits), own_deg, report)
     problem = _problem(chosen, region_m)
@@ -180,6 +184,7 @@ def design(
         None if com_y_m is None else _ends("com_y_m", com_y_m, -10, 10),
         None if slope_deg is None else _floats(slope_interval(chosen, slope_deg)),
     )
+    uncertainty = uncertainty_of(touched, uncertainty, friction is not None)
     implied = None
     is_implied = isinstance(region_m, str) and region_m == "implied"
     if is_implied:

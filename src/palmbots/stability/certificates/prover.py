@@ -51,6 +51,7 @@ from palmbots.stability.certificates.proof_tables import (
     ClearanceWitness,
     ConditionWitness,
 )
+from palmbots.stability.probed_object import ProbedObject, read_probed
 from palmbots.stability.problem import region_of
 
 _FORMAT = "palmbots certificate 4"
@@ -241,11 +242,23 @@ class Intervals(TypedDict, total=False):
     travel; the limits are -45 and 45."""
 
 
+def with_probed(given: Intervals, found: ProbedObject, common: bool) -> Intervals:
+    """The intervals, with those of a probed object where none are given."""
+    intervals: Intervals = {}
+    if "com_polygon_m" not in given:
+        intervals |= {"com_x_m": found.com_x_m, "com_y_m": found.com_y_m}
+    if not {*given} & _FRICTIONS:
+        left, right = found.frictions(common)
+        intervals |= {"friction": left, "friction_right": right}
+    return {**intervals, **given}
+
+
 @command(
     order=40,
     example="palmbots certify --com-x-m 0.12 0.13 --friction 0.28 0.32 -o certificate.json",
     failure=("holds", "the properties fail somewhere, or the prover could not decide"),
     intervals=Option(),
+    probe=Option("--from", metavar="FILE"),
     common_friction=Option("--common-friction/--independent-friction"),
     region_m=Option("--region", metavar="implied|palm|LOW,HIGH"),
     beyond_m=Option(metavar="M"),
@@ -258,6 +271,7 @@ def certify(
     region_m: Interval | Literal["implied", "palm"] = "palm",
     beyond_m: float = 0.0,
     claims: Sequence[str] | None = None,
+    probe: str | None = None,
     max_boxes: int = _MAX_BOXES,
     overrides: Overrides = None,
     **intervals: Unpack[Intervals],
@@ -273,6 +287,7 @@ def certify(
             corrected. 0: as in the paper.
         claims: prove these claims: property 1, property 2, property 0, clearance, property 0
             turning, clearance turning, no jam; None: all.
+        probe: file that palmbots probe wrote, for COM and friction; None: as in the scene.
         max_boxes: number of boxes after which the claims count as undecided.
         overrides: scene keys to set.
         intervals: as `Intervals` describes them.
@@ -283,6 +298,8 @@ def certify(
     """
     for name in intervals:
         one_of("certify", name, tuple(Intervals.__annotations__))
+    if probe is not None:
+        intervals = with_probed(intervals, read_probed(probe), common_friction)
     chosen = load_scene(scene, overrides)
     refuse_curved(chosen)
     refuse_rounded_contacts(chosen)

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The next probe: palm angles, and whether the robots close or open (`next_probe`).
+
+It is the one that leaves the smallest set in the worse of its two outcomes. The object must be held
+(property 0) for every object of the set at all angles on the way and at all contacts of the stroke,
+and its outline must clear the palms. A contact whose next edge lies beyond the permitted part of
+the palm gives no observation. While one is off outward and the other one inward, the angles that
+bring one of them back have precedence.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palmbots._types import Interval
+from palmbots.probing.contact_tracking import ContactBounds, Pair
+from palmbots.probing.object_set import ObjectSet, sample
+from palmbots.probing.slip_comparison import DOWN, UP, Floats, Pose
+from palmbots.scene.robot_section import Zone
+
+_COARSE, _FINE = math.radians(5), math.radians(1.25)
+_STRIDE = math.radians(4)
+_SAMPLE = 120
+_TRIED = 600
+_HIDDEN = 0.4
+"""How much more of the set a probe has to remove that may drive a contact away from the middle."""
+_LATE = 0.0005
+"""How far a contact slides before the robots have stopped [m]."""
+_DRIFT = 0.003
+"""How far contacts may slide while the palms turn [m]."""
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One probe."""
+
+    angles: Pair
+    """[rad]."""
+    way: int
+    remains: float
+    """Of the set, in the worse outcome, as a fraction."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What probes may do."""
+
+    angles: Interval
+    """Of the palms [rad]."""
+    reach: float
+    """How far from p = 0 a contact may be [m]."""
+    outline: tuple[tuple[float, float, float], ...]
+    """Points of the object: from the left contact, from the right one, height [m]."""
+
+
+def next_probe(
+    found: ObjectSet, bounds: ContactBounds, signs: tuple[int, int], limits: Limits
+) -> Probe | None:
+    """The best probe; None: none is safe.
+
+    Args:
+        found: the objects.
+        bounds: where the contacts are.
+        signs: what the sensors read.
+        limits: what probes may do.
+    """
+    steps = _grid(limits.angles, _COARSE)
+    ranked = _ranked(found, bounds, signs, [(a, b) for a in steps for b in steps], limits)
+    best = _first_safe(found, bounds, ranked, limits)
+    if best is None:
+        return None
+    near = [
+        tuple(
+            float(np.clip(angle + k * _FINE, *limits.angles))
+            for angle, k in zip(best.angles, ks, strict=True)
+        )
+        for ks in np.ndindex(7, 7)
+        for ks in [tuple(k - 3 for k in ks)]
+    ]
+    finer = _ranked(found, bounds, signs, [(a, b) for a, b in near], limits)
+    return _first_safe(found, bounds, finer, limits) or best
+
+
+def _grid(ends: Interval, step: float) -> list[float]:
+    return [float(x) for x in np.linspace(*ends, max(2, round((ends[1] - ends[0]) / step) + 1))]
+
+
+def _ranked(
+    found: ObjectSet,
+    bounds: ContactBounds,
+    signs: tuple[int, int],
+    pairs: list[Pair],
+    limits: Limits,
+) -> list[Probe]:
+    boxes = sample(found.boxes, _SAMPLE)
+    middle = np.repeat(boxes.mean(axis=-1, keepdims=True), 2, axis=-1)
+    angles = np.array(pairs)
+    error = bounds.geometry.angle_error
+    rises = [_pose_at(bounds, pair).tangent for pair in pairs]
+    tangent = np.array([r[0] for r in rises]), np.array([r[1] for r in rises])
+
+    def column(values: np.ndarray) -> np.ndarray:
+        return values[:, np.newaxis]
+
+    pose = Pose(
+        tuple((column(angles[:, i]) - error, column(angles[:, i]) + error) for i in (0, 1)),  # ty: ignore[invalid-argument-type]  # two of them
+        (column(tangent[0]), column(tangent[1])),
+    )
+    probes = []
+    for way in (UP, DOWN):
+        left, right = found.may_slide(middle[np.newaxis], pose, way)
+        share = np.stack([left.mean(axis=1), right.mean(axis=1)])
+        rest = np.stack([_remains(left, boxes), _remains(right, boxes)])
+        shows = [sign * way <= 0 for sign in signs]
+        if all(shows):
+            score = rest.max(axis=0)
+        elif any(shows):
+            # The other contact shows nothing, and leaves the middle.
+            leaves = share[1 if shows[0] else 0]
+            is_apart = -1 in signs and 1 in signs
+            score = 1 + leaves if is_apart else rest.max(axis=0) + _HIDDEN
+            score = np.where(is_at_reach(bounds, way, limits) & (leaves > 0), np.inf, score)
+        else:
+            continue
+        probes += [Probe(pair, way, float(s)) for pair, s in zip(pairs, score, strict=True)]
+    probes = [one for one in probes if one.remains < math.inf]
+    return sorted(probes, key=lambda one: (round(one.remains, 3), _turn(bounds, one)))
+
+
+def _remains(kept: np.ndarray, boxes: Floats) -> Floats:
+    """What an outcome leaves of the set, as a fraction: of its number, and of its spread."""
+    place = boxes[:, 0].mean(axis=-1)
+    number = np.maximum(kept.sum(axis=1), 1)
+    mean = kept @ place / number
+    spread = np.sqrt(np.maximum(kept @ place**2 / number - mean**2, 0))
+    return kept.mean(axis=1) * spread / max(float(place.std()), 1e-9)
+
+
+def _turn(bounds: ContactBounds, probe: Probe) -> float:
+    return max(abs(a - b) for a, b in zip(bounds.angles, probe.angles, strict=True))
+
+
+def _pose_at(bounds: ContactBounds, angles: Pair) -> Pose:
+    """At other angles, with the contacts where they are."""
+    return replace(bounds, angles=angles).pose()
+
+
+def _first_safe(
+    found: ObjectSet, bounds: ContactBounds, ranked: list[Probe], limits: Limits
+) -> Probe | None:
+    for probe in ranked[:_TRIED]:
+        if is_safe(found, bounds, probe, limits):
+            return probe
+    return None
+
+
+def is_safe(found: ObjectSet, bounds: ContactBounds, probe: Probe, limits: Limits) -> bool:
+    """Whether the robots keep every object of the set, while they turn and while they slide it."""
+    few = sample(found.boxes, 40)
+    return all(
+        _clears(limits, pose) and found.held(boxes, pose)
+        for boxes in (few, found.boxes)
+        for pose in _poses(bounds, probe, limits)
+    )
+
+
+def _poses(bounds: ContactBounds, probe: Probe, limits: Limits) -> Iterator[Pose]:
+    reach = limits.reach
+    stroke = [
+        _stroke(ends, zones, probe.way, reach)
+        for ends, zones in zip(bounds.contacts, bounds.geometry.zones, strict=True)
+    ]
+    yield _pose_at(replace(bounds, contacts=(stroke[0], stroke[1])), probe.angles)
+    wide = [(max(low - _DRIFT, -reach), min(high + _DRIFT, reach)) for low, high in bounds.contacts]
+    free = replace(bounds, contacts=(wide[0], wide[1]))
+    steps = max(1, math.ceil(_turn(bounds, probe) / _STRIDE))
+    poses = [
+        _pose_at(free, turned_towards(bounds.angles, probe.angles, _STRIDE * k))
+        for k in range(steps + 1)
+    ]
+    for one, other in itertools.pairwise(poses):
+        yield _hull(one, other)
+
+
+def _stroke(ends: Interval, zones: tuple[Zone, ...], way: int, reach: float) -> tuple[float, float]:
+    """Where a contact can be until its next switch changes, or it is as far as it may be."""
+    low, high = ends
+    edges = sorted({edge for zone in zones for edge in (zone.from_m, zone.to_m)} | {-reach, reach})
+    if way == UP:
+        return low, next((edge for edge in edges if edge >= high), high) + _LATE
+    return next((edge for edge in reversed(edges) if edge <= low), low) - _LATE, high
+
+
+def is_at_reach(bounds: ContactBounds, way: int, limits: Limits) -> bool:
+    """Whether a contact may be as far that way as it is allowed to be."""
+    return any(max(way * low, way * high) >= limits.reach for low, high in bounds.contacts)
+
+
+def turned_towards(angles: Pair, target: Pair, most: float) -> Pair:
+    """Both palms after a turn towards a target by at most this angle."""
+    left, right = (
+        max(angle - most, min(angle + most, end)) for angle, end in zip(angles, target, strict=True)
+    )
+    return left, right
+
+
+def _hull(one: Pose, other: Pose) -> Pose:
+    def hull(a: Interval, b: Interval) -> Interval:
+        return min(a[0], b[0]), max(a[1], b[1])
+
+    left, right = (hull(a, b) for a, b in zip(one.angles, other.angles, strict=True))
+    return Pose((left, right), hull(one.tangent, other.tangent))
+
+
+def _clears(limits: Limits, pose: Pose) -> bool:
+    """Whether every point of the outline lies above both palms, if these had no ends."""
+    for tangent in pose.tangent:
+        turn = math.atan(tangent)
+        for i, sense in ((0, 1), (1, -1)):
+            for angle in pose.angles[i]:
+                for point in limits.outline:
+                    x, y = point[i], point[2]
+                    if abs(x) + abs(y) < 1e-9:
+                        continue
+                    across = x * math.cos(turn) - sense * y * math.sin(turn)
+                    up = sense * x * math.sin(turn) + y * math.cos(turn)
+                    if up * math.cos(angle) + across * math.sin(angle) <= 0:
+                        return False
+    return True

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The objects that the prior and the observations allow: a union of boxes (`ObjectSet`).
+
+A box is an interval of c_x, the COM's place along the line of contacts from the left contact
+vertex [m], of φ_L and of φ_R, the friction angles [rad]. A box leaves the set only if the
+observations contradict *every* object in it, for every palm angle, object angle, height of the COM
+and specific force that were possible. So the truth stays in the set. Boxes that remain are
+bisected; the smaller ones are judged anew by all observations.
+
+If no box explains all observations, one of them is wrong, or the truth is outside the prior. The
+set then consists of the boxes that contradict the fewest observations, which is the q-relaxed
+intersection of L. Jaulin (Automatica, 2009).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from palmbots._types import Interval
+from palmbots.probing.slip_comparison import DOWN, UP, Booleans, Floats, Pose, bounds, leans
+
+_SPLIT_BELOW = 1500
+_SMALLEST = 2.0**-9
+"""Boxes that are shorter than this part of the prior in every dimension are not bisected."""
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is known before the probe; intervals in m, and coefficients of friction."""
+
+    width: float
+    com_x: Interval
+    com_y: Interval
+    friction: tuple[Interval, Interval]
+    slope: Interval = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Observation:
+    """One contact slid past the edge of a zone while the robots closed or opened."""
+
+    side: int
+    """The palm whose switch changed: left is 0, right 1."""
+    way: int
+    """`UP` while closing, `DOWN` while opening."""
+    pose: Pose
+
+
+@dataclass
+class ObjectSet:
+    """The prior, cut by observations."""
+
+    prior: Prior
+    observations: list[Observation] = field(default_factory=list)
+    boxes: Floats = field(init=False)
+    """Shape (n, 3, 2): c_x, φ_L, φ_R; low and high."""
+    misfits: int = field(init=False, default=0)
+    """How many observations each box may contradict: the fewest that leave a box; 0: none."""
+    contradicted: set[int] = field(init=False, default_factory=set)
+    """The numbers of the observations that any box of the set contradicts."""
+
+    def __post_init__(self) -> None:
+        self.boxes = self._whole()
+        self._cut()
+
+    def add(self, observation: Observation) -> bool:
+        """Cut the set by an observation; returns whether it contradicts any object of the set.
+
+        One that contradicts none is not kept.
+        """
+        if np.all(self.may_slide(self.boxes, observation.pose, observation.way)[observation.side]):
+            return False
+        self.observations.append(observation)
+        self._cut()
+        while not len(self.boxes):
+            self.misfits += 1
+            self.boxes = self._whole()
+            self._cut()
+        return True
+
+    def hull(self) -> Floats:
+        """The least box around the set, shape (3, 2)."""
+        return np.stack([self.boxes[:, :, 0].min(axis=0), self.boxes[:, :, 1].max(axis=0)], axis=-1)
+
+    def volume(self) -> float:
+        """Of the set, as a fraction of the prior's."""
+        return float(_volumes(self.boxes).sum() / _volumes(self._whole())[0])
+
+    def contains(self, com_x: float, friction: tuple[float, float]) -> bool:
+        """Whether an object is in the set."""
+        point = np.array([com_x, *map(math.atan, friction)])
+        inside = (self.boxes[:, :, 0] <= point) & (point <= self.boxes[:, :, 1])
+        return bool(inside.all(axis=1).any())
+
+    def log_levers(self) -> Interval:
+        """ln (x_L / x_R) at ϑ = 0."""
+        low, high = self.hull()[0]
+        width = self.prior.width
+        return math.log(low / (width - low)), math.log(high / (width - high))
+
+    def held(self, boxes: Floats, pose: Pose) -> bool:
+        """Whether both contacts stick somewhere in the friction cones, for every object in the
+        boxes and every pose: property 0."""
+        for first, second in ((DOWN, UP), (UP, DOWN)):
+            low, high = self.compared(boxes, pose, (first, second))
+            if not bool(np.all(low > 0 if first == DOWN else high < 0)):
+                return False
+        return True
+
+    def compared(self, boxes: Floats, pose: Pose, ways: tuple[int, int]) -> tuple[Floats, Floats]:
+        """The bounds of G for each box, at these ends of the friction cones (left, right)."""
+        left, right = (
+            leans(pose.angles[i], (boxes[..., 1 + i, 0], boxes[..., 1 + i, 1]), ways[i])
+            for i in (0, 1)
+        )
+        prior = self.prior
+        com_x = boxes[..., 0, 0], boxes[..., 0, 1]
+        return bounds(prior.width, com_x, prior.com_y, prior.slope, pose.tangent, left, right)
+
+    def may_slide(self, boxes: Floats, pose: Pose, way: int) -> tuple[Booleans, Booleans]:
+        """For each box whether the left contact may slide first, and whether the right one may."""
+        low, high = self.compared(boxes, pose, (way, way))
+        return (high >= 0, low <= 0) if way == UP else (low <= 0, high >= 0)
+
+    def _whole(self) -> Floats:
+        cones = [[math.atan(end) for end in ends] for ends in self.prior.friction]
+        return np.array([[[*self.prior.com_x], *cones]])
+
+    def _cut(self) -> None:
+        self.boxes, counts = self._judged(self.boxes)
+        while 0 < len(self.boxes) < _SPLIT_BELOW and self._lengths().max() > _SMALLEST:
+            self.boxes, counts = self._judged(self._halved())
+        self.contradicted = (
+            set(np.flatnonzero(counts.any(axis=0)).tolist()) if counts.size else set()
+        )
+
+    def _judged(self, boxes: Floats) -> tuple[Floats, Booleans]:
+        """The boxes that contradict few enough observations, and which ones they contradict."""
+        against = np.zeros((len(boxes), len(self.observations)), bool)
+        for number, seen in enumerate(self.observations):
+            against[:, number] = ~self.may_slide(boxes, seen.pose, seen.way)[seen.side]
+        kept = against.sum(axis=1) <= self.misfits
+        return boxes[kept], against[kept]
+
+    def _lengths(self) -> Floats:
+        """Of a box, over those of the prior: all boxes are equally large."""
+        (own, whole) = (np.diff(boxes[0])[:, 0] for boxes in (self.boxes, self._whole()))
+        return np.where(whole > 0, own / np.maximum(whole, 1e-300), 0.0)
+
+    def _halved(self) -> Floats:
+        """All boxes, each cut in two across the dimension that is the longest, over the prior's."""
+        axis = int(np.argmax(self._lengths()))
+        low, high = self.boxes.copy(), self.boxes.copy()
+        middle = self.boxes[:, axis].mean(axis=1)
+        low[:, axis, 1], high[:, axis, 0] = middle, middle
+        return np.concatenate([low, high])
+
+
+def sample(boxes: Floats, most: int) -> Floats:
+    """Evenly chosen boxes, at most that many."""
+    step = max(1, math.ceil(len(boxes) / most))
+    return boxes[::step]
+
+
+def _volumes(boxes: Floats) -> Floats:
+    return np.prod(np.maximum(boxes[:, :, 1] - boxes[:, :, 0], 1e-12), axis=1)

@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``probe``: know an object by touch, in a simulated world."""
+
+from __future__ import annotations
+
+import math
+import os
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from palmbots._types import SIDES, BySide, Interval, Overrides, Side
+from palmbots._util.arguments import seed_of, show, two_numbers
+from palmbots._util.atomic_files import folder, write_whole
+from palmbots._util.command import Option, command, writes
+from palmbots._util.plain_values import NOT_IN_JSON
+from palmbots._util.report import Item, Line, Table, bad, good
+from palmbots._util.results import Result
+from palmbots._util.text import plural, rounded_down, rounded_up
+from palmbots._util.toml_writer import toml_text
+from palmbots.errors import PalmbotsError
+from palmbots.probing.contact_tracking import PairGeometry
+from palmbots.probing.next_probe import Limits
+from palmbots.probing.object_set import ObjectSet, Prior
+from palmbots.probing.probe_run import Pace, ProbeRun
+from palmbots.probing.simulated_hands import SimulatedHands
+from palmbots.probing.slip_comparison import UP
+from palmbots.scene.object_frame import object_frame
+from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.spec import contact_radii, refuse_low_noses, refuse_pipe, to_spec
+from palmbots.simulation.imperfect_robot import zones_of
+
+_REACH_M = 0.010
+_SPEED_M_S = 0.01
+_ODOMETRY = 0.01
+_MOST_PROBES, _MOST_S = 20, 60.0
+_COM_X_M, _COM_Y_M = 0.03, 0.01
+_MOST_FRICTION = 0.9
+"""Steeper friction cones can wedge a contact on a palm at 45°."""
+
+
+@dataclass(frozen=True)
+class ProbeStroke:
+    """One closing or opening."""
+
+    angles_deg: BySide[float]
+    motion: Literal["closing", "opening"]
+    slid: Side | None
+    """The contact that slid; None: both at once, or it is not known."""
+    time_s: float
+    """Since the start, at its end."""
+    volume: float
+    """Of the set afterwards, as a fraction of the prior's."""
+
+
+@dataclass(frozen=True, repr=False)
+class Probe(Result):
+    """What a probe has found out."""
+
+    figure = "probe"
+
+    is_consistent: bool
+    """One object of the prior explains all observations."""
+    stop: str
+    """Why the probe ended early; empty: it did not."""
+    com_x_m: Interval
+    """COM from the left contact, along the line of contacts."""
+    com_y_m: Interval
+    """COM above that line, as in the prior: no observation depends on it enough."""
+    friction: BySide[Interval]
+    lever_ratio: Interval
+    """Horizontal distance of the COM from the left contact, over that from the right one."""
+    friction_angle_difference_deg: Interval
+    """That of the right palm minus that of the left one."""
+    volume: float
+    """Of the set, as a fraction of the prior's."""
+    observations: int
+    """How many cut the set."""
+    contradicted: tuple[int, ...]
+    """The numbers of the observations, from 1, that do not fit the others: the fewest that explain
+    the rest if they are dropped. Several candidates are listed if they explain it equally well."""
+    dropped: int
+    """How many of them have to be dropped."""
+    time_s: float
+    contact_m: float
+    """The largest distance of a contact from the middle of its palm, which robots do not know."""
+    contains_truth: bool
+    """The simulated object is in the set, which robots do not know."""
+    strokes: tuple[ProbeStroke, ...]
+    scene: Scene
+    found: ObjectSet = field(metadata=NOT_IN_JSON)
+
+    def lines(self) -> Iterator[Item]:
+        """The verdict, what is identified and what is not."""
+        low, high = self.com_x_m
+        half = 500 * (high - low)
+        where = f"the COM is {1000 * low:.1f} to {1000 * high:.1f} mm from the left contact"
+        yield Line(good(where) if self.is_consistent else bad(where), f" (±{half:.1f} mm)")
+        prior = self.found.prior
+        rows = [
+            (
+                "  COM along the object",
+                _ends(self.com_x_m, 1000, "mm"),
+                _ends(prior.com_x, 1000, "mm"),
+            ),
+            *(
+                (f"  friction, {side} palm", _ends(own, 1, ""), _ends(before, 1, ""))
+                for (side, own), before in zip(self.friction.items(), prior.friction, strict=True)
+            ),
+            ("  COM height", "as before", _ends(self.com_y_m, 1000, "mm")),
+            ("  mass", "no observation depends on it", ""),
+        ]
+        yield Table(rows, ("", "probed", "prior"))
+        yield Table(
+            [
+                ("  lever ratio x_L / x_R", _ends(self.lever_ratio, 1, "")),
+                ("  φ_R − φ_L", _ends(self.friction_angle_difference_deg, 1, "°")),
+                ("  remains of the prior", f"{100 * self.volume:.2g} %"),
+                ("  observations", f"{self.observations} in {plural(len(self.strokes), 'stroke')}"),
+                ("  duration", f"{self.time_s:.1f} s"),
+                ("  contacts within", f"±{1000 * self.contact_m:.1f} mm"),
+                (
+                    "  the simulated object",
+                    "is in the set" if self.contains_truth else "is not in the set",
+                ),
+            ]
+        )
+        if self.contradicted:
+            numbers = ", ".join(map(str, self.contradicted))
+            yield Line(
+                bad(
+                    "the observations contradict each other: "
+                    f"{plural(self.dropped, 'observation')} dropped, of number {numbers}"
+                )
+            )
+        if self.stop:
+            yield Line(f"ended early: {self.stop}")
+
+
+def _ends(ends: Interval, factor: float, unit: str) -> str:
+    gap = " " if unit and unit != "°" else ""
+    return f"{factor * ends[0]:.3g} to {factor * ends[1]:.3g}{gap}{unit}"
+
+
+@command(
+    order=128,
+    example="palmbots probe --set object.com_m=0.11,0.04 --out box",
+    progress="probing",
+    failure=("is_consistent", "the observations contradict each other"),
+    com_x_m=Option(),
+    com_y_m=Option(),
+    friction=Option(),
+    angle_error_deg=Option(least=0.0, most=2.0),
+    angle_range_deg=Option(),
+)
+def probe(
+    scene: SceneLike = "paper",
+    *,
+    com_x_m: Interval | None = None,
+    com_y_m: Interval | None = None,
+    friction: Interval = (0.15, 0.6),
+    angle_error_deg: float = 0.25,
+    angle_range_deg: Interval = (5.0, 45.0),
+    world: str = "quasistatic",
+    seed: int = 0,
+    overrides: Overrides = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> Probe:
+    """Find out an object's COM and friction by touch.
+
+    Simulated robots with the object on their palms close and open a little at chosen palm angles.
+    They observe only which switches change. The scene is the object as it really is; the robots
+    know its outline and the prior.
+
+    Args:
+        scene: as in `palmbots.carry`.
+        com_x_m: prior of the COM along the line of contacts, from the left contact; None: the
+            middle ± 3 cm.
+        com_y_m: prior of the COM's height above that line; None: as in the scene ± 1 cm.
+        friction: prior of both coefficients.
+        angle_error_deg: largest error of each palm's angle.
+        angle_range_deg: limits of the palm angles.
+        world: a registered world.
+        seed: of the errors of the palm angles.
+        overrides: scene keys to set.
+        on_progress: called with the completed fraction.
+
+    Raises:
+        SceneError: the scene cannot be read or is invalid, or the world refuses it.
+        PalmbotsError: an interval is out of range, the object is a pipe or its contact vertices are
+            rounded, or no probe is safe for every object of the prior.
+    """
+    chosen = load_scene(scene, overrides)
+    refuse_pipe(chosen)
+    refuse_low_noses(chosen)
+    spec = to_spec(chosen)
+    if any(contact_radii(spec)):
+        raise PalmbotsError(
+            "object.edge_radius_m: a contact vertex is rounded; allowed: sharp ones"
+        )
+    body = chosen.object
+    frame = object_frame(body.vertices_m, body.contacts, body.com_m)
+    middle, height = 0.5 * frame.width, frame.com.height
+    degrees = _between("angle_range_deg", angle_range_deg, -45, 45)
+    coefficients = _between("friction", friction, 0.01, _MOST_FRICTION)
+    prior = Prior(
+        frame.width,
+        _given("com_x_m", com_x_m, middle, _COM_X_M, 0, frame.width),
+        _given("com_y_m", com_y_m, height, _COM_Y_M, -10, 10),
+        (coefficients, coefficients),
+        (spec.slope, spec.slope),
+    )
+    error = math.radians(angle_error_deg)
+    draws = random.Random(seed_of(seed))
+    hands = SimulatedHands(
+        chosen, world, (draws.uniform(-error, error), draws.uniform(-error, error))
+    )
+    if hands.end:
+        raise PalmbotsError(f"probe: the object is not held at the start: {hands.end}")
+    palms = [chosen.palm_of(side) for side in SIDES]
+    zones = [zones_of(chosen, side) for side in SIDES]
+    geometry = PairGeometry(
+        frame.width,
+        (palms[0].pivot_offset_m, palms[1].pivot_offset_m),
+        (zones[0], zones[1]),
+        error,
+        _ODOMETRY,
+    )
+    limits = Limits(
+        (math.radians(degrees[0]), math.radians(degrees[1])),
+        min(_REACH_M, *(palm.reach_m for palm in palms)),
+        tuple((c.from_left, c.from_right, c.height) for c in frame.outline),
+    )
+    rate = math.radians(min(palm.rate_deg_s for palm in palms))
+    found = ObjectSet(prior)
+    start = (math.radians(palms[0].steep_deg), math.radians(palms[1].steep_deg))
+    run = ProbeRun(
+        hands, geometry, found, limits, Pace(rate, _SPEED_M_S, _MOST_PROBES, _MOST_S), start
+    )
+    run.run(on_progress or (lambda part: None))
+    if not run.strokes:
+        raise PalmbotsError(f"probe: {run.stop}; allowed: a narrower prior")
+    return _result(
+        run, hands, chosen, (frame.com.from_left, (palms[0].friction, palms[1].friction))
+    )
+
+
+def _between(name: str, value: Interval, least: float, most: float) -> Interval:
+    low, high = two_numbers(name, value)
+    if not least <= low <= high <= most:
+        raise PalmbotsError(
+            f"{name}: value is {show([low, high])}; allowed: two numbers, the lower one first, "
+            f"from {least:g} to {most:g}"
+        )
+    return low, high
+
+
+def _given(
+    name: str, value: Interval | None, middle: float, error: float, least: float, most: float
+) -> Interval:
+    ends = (middle - error, middle + error) if value is None else value
+    return _between(name, ends, least, most)
+
+
+def _result(
+    run: ProbeRun, hands: SimulatedHands, scene: Scene, truth: tuple[float, tuple[float, float]]
+) -> Probe:
+    found = run.found
+    hull = found.hull()
+    com, left, right = ((float(low), float(high)) for low, high in hull)
+    boxes = found.boxes
+    apart = (boxes[:, 2, 0] - boxes[:, 1, 1]).min(), (boxes[:, 2, 1] - boxes[:, 1, 0]).max()
+    width = found.prior.width
+    return Probe(
+        is_consistent=not found.misfits,
+        stop=run.stop,
+        com_x_m=com,
+        com_y_m=found.prior.com_y,
+        friction=BySide(_tangents(left), _tangents(right)),
+        lever_ratio=(_ratio(com[0], width), _ratio(com[1], width)),
+        friction_angle_difference_deg=(math.degrees(apart[0]), math.degrees(apart[1])),
+        volume=found.volume(),
+        observations=len(found.observations),
+        contradicted=tuple(sorted(number + 1 for number in found.contradicted)),
+        dropped=found.misfits,
+        time_s=run.time_s,
+        contact_m=hands.farthest_m,
+        contains_truth=found.contains(*truth),
+        strokes=tuple(
+            ProbeStroke(
+                BySide(math.degrees(one.angles[0]), math.degrees(one.angles[1])),
+                "closing" if one.way == UP else "opening",
+                None if one.side is None else SIDES[one.side],
+                one.time_s,
+                one.volume,
+            )
+            for one in run.strokes
+        ),
+        scene=scene,
+        found=found,
+    )
+
+
+def _tangents(ends: Interval) -> Interval:
+    return math.tan(ends[0]), math.tan(ends[1])
+
+
+def _ratio(com_x: float, width: float) -> float:
+    return com_x / (width - com_x) if com_x < width else math.inf
+
+
+@writes("probe", path=Option("--out -o", metavar="DIR"))
+def write_probe(result: Probe, path: str | os.PathLike[str]) -> list[Path | Item]:
+    """Write the intervals that contain the object, and a figure.
+
+    Args:
+        result: the probe.
+        path: write probe.toml and probe.png to this folder.
+
+    Raises:
+        PalmbotsError: a file cannot be written.
+    """
+    place = folder(Path(path))
+    named = {
+        "com_x_m": result.com_x_m,
+        "com_y_m": result.com_y_m,
+        "friction_left": result.friction.left,
+        "friction_right": result.friction.right,
+    }
+    outward = {
+        key: [rounded_down(low, 6), rounded_up(high, 6)] for key, (low, high) in named.items()
+    }
+    files: list[Path | Item] = [place / "probe.toml", place / "probe.png"]
+    head = "# The intervals that contain the object; palmbots probe wrote them.\n"
+    write_whole(place / "probe.toml", head + toml_text({"probed": outward}))
+    result.save_figure(place / "probe.png")
+    files.append(Line(f"certify it: palmbots certify --from {place / 'probe.toml'}", is_whole=True))
+    return files

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draws a probe: the set of objects, and how it shrank."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from palmbots.viz import style
+
+if TYPE_CHECKING:
+    from palmbots.probing.probe import Probe
+
+
+def draw_probe(result: Probe) -> Figure:
+    """Draw the set over COM and friction, and its size after each stroke."""
+    boxes = result.found.boxes
+    prior = result.found.prior
+    with style.styled():
+        figure = Figure(figsize=(9.6, 3.2), layout="constrained")
+        left, right, size = figure.subplots(1, 3)
+        for i, (axes, side) in enumerate(((left, "left"), (right, "right"))):
+            x = 1000 * boxes[:, 0]
+            y = np.tan(boxes[:, 1 + i])
+            axes.bar(
+                x[:, 0], y[:, 1] - y[:, 0], x[:, 1] - x[:, 0], y[:, 0], align="edge",
+                color=style.HUE[side], linewidth=0,
+            )  # fmt: skip
+            axes.set_xlim(*(1000 * end for end in prior.com_x))
+            axes.set_ylim(*prior.friction[i])
+            axes.set_xlabel(style.axis_label("COM from the left contact", "mm"))
+            axes.set_ylabel(f"friction, {side} palm")
+        volumes = [1.0, *(one.volume for one in result.strokes)]
+        times = [0.0, *(one.time_s for one in result.strokes)]
+        size.step(times, [100 * v for v in volumes], where="post", color=style.INK)
+        size.set_yscale("log")
+        style.plain_numbers(size.yaxis)
+        size.set_xlabel(style.axis_label("time", "s"))
+        size.set_ylabel(style.axis_label("set, of the prior", "%"))
+        style.footnote(figure, "the axes span the prior; the object lies in the coloured set")
+    return figure
