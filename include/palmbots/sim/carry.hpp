@@ -102,11 +102,12 @@ class Carry : public RobotPair<Real, Team> {
     recorder_.before(*this, sensed);
     const Advance<Real>& step = is_limited_ ? world_.advance(ways(), act.angles, act.push)
                                             : world_.advance(act.change, act.angles, act.push);
-    metrics_.observe(tick_, world_.contact_events(), !world_.regime().none());
+    const bool on_contacts = !world_.regime().none();  // and not by a step for two vertices
+    metrics_.observe(tick_, world_.contact_events(), on_contacts);
     const Real before = robots_.midpoint;
     robots_.midpoint =
         before + (step.reason == DropReason::none ? act.travel : act.travel * step.fraction);
-    if (is_limited_) [[unlikely]]
+    if (on_contacts) [[unlikely]]
       robots_.midpoint += metrics_.note_stalls(step);
     recorder_.after(*this);
     finish_tick(step.reason, double(step.fraction), before);

@@ -171,11 +171,10 @@ class ContactStep : ContactTrial {
     return false;
   }
 
-  // Robots stall only if there is no motion in which both drive.
+  // Robots stall only if there is no motion in which both drive, and the object does not fall.
   DropReason choose_among(const ClosedPairs& closed, const Frames& frames, double done) {
     const Found as_commanded = go_on_with(candidates_at(problem_, frames, pose_, closed), done);
     if (as_commanded.any) return as_commanded.reason;
-    if (problem_.is_limited() && stall(closed, frames, done)) return DropReason::none;
     const DropReason why = reason_of(problem_, closed);
     if (why != DropReason::none) return why;
     // What has run off its feature holds the object no more.
@@ -185,7 +184,9 @@ class ContactStep : ContactTrial {
       if (!regime_.has(c.pair) || c.contact.inside > Tolerance::blank) rest.at[rest.count++] = c;
     }
     const DropReason then = reason_of(problem_, rest);
-    return then == DropReason::none ? DropReason::jammed : then;
+    if (then != DropReason::none) return then;
+    const bool stalls = problem_.is_limited() && stall(closed, frames, done);
+    return stalls ? DropReason::none : DropReason::jammed;
   }
 
   // Chooses a regime in which a robot stalls: the weaker one; otherwise the stronger one; otherwise
