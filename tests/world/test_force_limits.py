@@ -13,7 +13,7 @@ from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 
 WEIGHT = 0.5 * _core.standard_gravity
-SCRIPTS = 8
+SCRIPTS = 12
 
 
 def test_a_linear_program_agrees_who_stalls() -> None:
@@ -27,9 +27,9 @@ def test_a_linear_program_agrees_who_stalls() -> None:
 
 def test_the_program_notices_limits_that_are_not_kept() -> None:
     found = Stalls()
-    for seed in range(2):
+    for seed in range(4):
         run(seed, found, limits_of_judge=0.7)
-    assert found.faults
+    assert len(found.faults) > 10
 
 
 @pytest.mark.parametrize("way", [-1, 1])
