@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palmbots._types import SIDES
-from palmbots.mujoco.validation.validation import Tilt, Validation
+from palmbots.mujoco.validation.validation import VERTICES, Tilt, Validation
 from palmbots.viz.save_figure import write_figure
 from palmbots.viz.style import DROP, HUE, INK, LINE, QUIET, SERIES, ZERO, axis_label, styled
 
@@ -43,16 +43,19 @@ def draw_validation(validation: Validation) -> Figure:
 def _agreement(panel: Axes, validation: Validation) -> None:
     """Fraction of decisive states in which the expected contact slides, by friction."""
     frictions = sorted({t.state.friction for t in validation.trials})
-    for k, own in enumerate(validation.agreement):
+    engines = [one for one in validation.agreement if one.contacts == VERTICES]
+    for k, own in enumerate(engines):
         rates = []
         for friction in frictions:
             some = [
                 t.cause is None
                 for t in validation.trials
-                if (t.engine, t.state.friction) == (own.engine, friction) and t.decisive
+                if (t.engine, t.state.friction) == (own.engine, friction)
+                and t.contacts == VERTICES
+                and t.decisive
             ]
             rates.append(100 * float(np.mean(some)) if some else np.nan)
-        where = np.arange(len(frictions)) + 0.12 * (k - 0.5 * (len(validation.agreement) - 1))
+        where = np.arange(len(frictions)) + 0.12 * (k - 0.5 * (len(engines) - 1))
         label = f"{own.engine}: {100 * own.decisive_rate:.1f} % of {own.decisive_n}"
         colour, marker = _ENGINES[own.engine]
         panel.plot(where, rates, marker, color=colour, ms=6, mfc="none", label=label)
@@ -62,7 +65,7 @@ def _agreement(panel: Axes, validation: Validation) -> None:
     panel.set_ylabel(axis_label("expected contact slides", "%"))
     low, _ = panel.get_ylim()
     panel.set_ylim(min(low, 90), 101)
-    panel.set_title("Same contact slides, margin > 1° (dotted: 99 %)", loc="left")
+    panel.set_title("Two vertices: same contact slides, margin > 1°", loc="left")
     panel.legend(loc="lower right")
 
 

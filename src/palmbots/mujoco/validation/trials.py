@@ -19,7 +19,7 @@ from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import contact_radii, to_spec
 
 Slides = Literal["left", "right", "both", "none"]
 
@@ -39,6 +39,8 @@ class State:
     """Position of the COM from the left contact vertex [m]."""
     angles_deg: tuple[float, float]
     contacts: tuple[float, float]
+    radius: float = 0.0
+    """Of the corners of the object, which roll on the palms [m]."""
 
 
 def grid(width: float) -> list[State]:
@@ -56,6 +58,20 @@ def grid(width: float) -> list[State]:
     ]
 
 
+def rolling_grid(width: float) -> list[State]:
+    """The same with rounded corners: contacts that stick roll."""
+    return [
+        State(friction, width / 2 + off, angles, (place, 0.01), radius)
+        for friction, off, angles, place, radius in product(
+            (0.15, 0.25, 0.35, 0.5, 0.65),
+            (-0.03, -0.01, 0.005, 0.02),
+            ((5.0, 15.0), (15.0, 5.0), (12.0, 15.0)),
+            (-0.03, 0.0, 0.03),
+            (0.005, 0.02),
+        )
+    ]
+
+
 def scene_of(base: Scene, state: State) -> Scene:
     """The scene that starts in this state, without noise."""
     left, right = state.angles_deg
@@ -65,6 +81,8 @@ def scene_of(base: Scene, state: State) -> Scene:
         "start.left_m": state.contacts[0],
         "start.right_m": state.contacts[1],
     }
+    if state.radius > 0:
+        changes["object.edge_radius_m"] = state.radius
     for side, angle in (("left", left), ("right", right)):
         changes[f"palm.{side}.steep_deg"] = angle
         changes[f"palm.{side}.shallow_deg"] = angle - 1.0
@@ -117,19 +135,34 @@ def slide_name(moved: tuple[float, float]) -> Slides:
 def run_trial(
     scene: Scene, engine: Engine = DEFAULT, directions: tuple[bool, ...] = (True, False)
 ) -> Iterator[tuple[bool, tuple[float, float]]]:
-    """The slide of each contact in MuJoCo, for closing and then for opening [m]."""
+    """The slide of each contact in MuJoCo, for closing and then for opening: how far it has moved
+    along its palm, less what it has rolled [m]."""
     world = MujocoWorld(scene, engine)
+    radii = contact_radii(world.layout.spec)
+    thing = world.model.body("object").id
+
+    def runs() -> tuple[float, float]:
+        matrix = world.data.xmat[thing]
+        turn = math.atan2(float(matrix[6]), float(matrix[0]))
+        left, right = (
+            p + radius * (out * turn - palm)
+            for p, radius, out, palm in zip(
+                world.contacts, radii, (-1, 1), world.wrists(), strict=True
+            )
+        )
+        return left, right
+
     start = world.state()
     angles = world.wrists_set
     period = scene.control.period_s
     for closing in directions:
         world.restore(start)
         sense = 1.0 if closing else -1.0
-        before = world.contacts
+        before = runs()
         for tick in range(round((RAMP_S + PUSH_S) / period)):
             speed = 0.5 * SPEED * sense * min(1.0, (tick + 1) * period / RAMP_S)
             world.move((speed, -speed), angles)
-        after = world.contacts
+        after = runs()
         yield closing, (after[0] - before[0], after[1] - before[1])
 
 

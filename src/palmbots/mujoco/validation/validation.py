@@ -29,6 +29,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.validation import trials
 from palmbots.mujoco.validation.engine_trials import ENGINES, engine_trials
+from palmbots.mujoco.validation.floor_trials import FloorTrial, floor_trial
 from palmbots.mujoco.validation.trials import Slides, State
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import to_spec
@@ -36,6 +37,8 @@ from palmbots.simulation.batch import DELIVERED, run_seeds
 from palmbots.simulation.prepare import prepare
 from palmbots.simulation.single import carry
 
+VERTICES, ROUNDED, FLOOR = "two vertices", "rounded corners", "floor"
+FLOOR_TRIALS = 1500  # seeds; some states have contacts that the trials leave out
 MIN_AGREEMENT, MAX_CREEP_M = 0.99, 0.25e-3
 _QUASISTATIC_CARRIES = {True: 1000, False: 100}  # of a compiled controller, of one in Python
 _PLACES = (-0.06, -0.045, -0.03, -0.015, 0.0, 0.015, 0.03, 0.045, 0.06)
@@ -57,12 +60,20 @@ class Trial:
     cause: str | None
     """Why `seen` differs from `expected`; None: it does not."""
 
+    @property
+    def contacts(self) -> str:
+        """What touches the palms."""
+        return ROUNDED if self.state.radius > 0 else VERTICES
+
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """How often the same contact slides in an engine as in the quasistatic world."""
+    """How often the contacts move in an engine as in the quasistatic world."""
 
     engine: str
+    contacts: str
+    """What touches: ``two vertices``, ``rounded corners`` on palms and their tips, or ``floor``,
+    where rounded corners touch the floor as well."""
     n: int
     rate: float
     decisive_n: int
@@ -127,7 +138,9 @@ class Validation(Result):
     scene: Scene
     controller: str
     trials: tuple[Trial, ...] = field(metadata=NOT_IN_JSON)
+    floor_trials: tuple[FloorTrial, ...] = field(metadata=NOT_IN_JSON)
     agreement: tuple[Agreement, ...]
+    """MuJoCo by kind of contact, and then the further engines."""
     switch_lines: tuple[SwitchLine, ...]
     tilts: tuple[Tilt, ...]
     carries: tuple[Pairing, ...]
@@ -138,14 +151,18 @@ class Validation(Result):
 
     @derived
     def holds(self) -> bool:
-        """99 % of decisive states agree, sticking contacts creep at most 0.25 mm, and all paired
-        carries have equal outcomes."""
-        own = self.agreement[0]
+        """99 % of decisive states of each kind agree, sticking contacts creep at most 0.25 mm, and
+        all paired carries have equal outcomes."""
         return (
-            own.decisive_rate >= MIN_AGREEMENT
+            all(one.decisive_rate >= MIN_AGREEMENT for one in self.own)
             and max(map(abs, self.creep_m)) <= MAX_CREEP_M
             and all(p.outcome[0] == p.outcome[1] for p in self.carries)
         )
+
+    @property
+    def own(self) -> tuple[Agreement, ...]:
+        """The agreement of MuJoCo, by kind of contact."""
+        return tuple(one for one in self.agreement if one.engine == "MuJoCo")
 
     @derived
     def differences(self) -> tuple[Trial, ...]:
@@ -176,7 +193,8 @@ def validate(
         scene: object, size of the palms and robots; the trials set angles, friction, COM and
             contacts.
         controller: of the paired carries; a name or a class with a ``step``.
-        states: number of grid states to try; None: all. They are spread over the grid.
+        states: number of states of the grid with two vertices to try; None: all. They are spread
+            over the grid. Of the other kinds of contact, the same share is tried.
         carries: number of paired carries. They have the seeds 0, 1, …
         on_progress: called with the completed fraction.
 
@@ -191,13 +209,19 @@ def validate(
     mujoco()
     width = trials.spec_of(base).width
     grid = trials.grid(width)
+    rolling = trials.rolling_grid(width)
+    on_floor = FLOOR_TRIALS
     for name, count, most in (("states", states, len(grid)), ("carries", carries, 1000)):
         if count is not None and not 1 <= count <= most:
             raise PalmbotsError(f"{name}: value is {show(count)}; allowed: 1 to {most}")
     if states is not None:
+        share = states / len(grid)
         grid = random.Random(0).sample(grid, states)
+        rolling = random.Random(0).sample(rolling, math.ceil(share * len(rolling)))
+        on_floor = math.ceil(share * on_floor)
     engines = [name for name, (module, _) in ENGINES.items() if importlib.util.find_spec(module)]
     total = len(grid) * (1.0 + 0.3 * len(engines)) + 40.0 * carries + 300.0
+    total += len(rolling) + on_floor
     finished = 0.0
 
     def add_progress(units: float) -> None:
@@ -210,6 +234,14 @@ def validate(
     for state in grid:
         results += _trials(base, state, engines)
         add_progress(1.0 + 0.3 * len(engines))
+    for state in rolling:
+        results += _trials(base, state, [])
+        add_progress(1.0)
+    floor = []
+    for seed in range(on_floor):
+        if (one := floor_trial(base, seed, trials.MARGIN)) is not None:
+            floor.append(one)
+        add_progress(1.0)
     lines = []
     for right in LINE_PLACES:
         for closing in (True, False):
@@ -229,7 +261,20 @@ def validate(
         scene=base,
         controller=entry.name,
         trials=tuple(results),
-        agreement=tuple(_agreement(name, results) for name in ("MuJoCo", *engines)),
+        floor_trials=tuple(floor),
+        agreement=(
+            _agreement("MuJoCo", VERTICES, results),
+            _counted(
+                "MuJoCo",
+                ROUNDED,
+                [
+                    *((t.decisive, t.cause is None) for t in results if t.contacts == ROUNDED),
+                    *((t.decisive, t.agrees) for t in floor if not t.is_on_floor),
+                ],
+            ),
+            _counted("MuJoCo", FLOOR, [(t.decisive, t.agrees) for t in floor if t.is_on_floor]),
+            *(_agreement(name, VERTICES, results) for name in engines),
+        ),
         switch_lines=tuple(lines),
         tilts=tuple(tilts),
         carries=tuple(pairs),
@@ -266,15 +311,19 @@ def _cause(decisive: bool) -> str:
     return "unexplained" if decisive else "near a switch line"
 
 
-def _agreement(engine: str, results: list[Trial]) -> Agreement:
-    own = [t for t in results if t.engine == engine]
-    decisive = [t for t in own if t.decisive]
-    equal, equal_decisive = (sum(t.cause is None for t in some) for some in (own, decisive))
-    n = max(1, len(decisive))
+def _agreement(engine: str, contacts: str, results: list[Trial]) -> Agreement:
+    own = [t for t in results if t.engine == engine and t.contacts == contacts]
+    return _counted(engine, contacts, [(t.decisive, t.cause is None) for t in own])
+
+
+def _counted(engine: str, contacts: str, results: list[tuple[bool, bool]]) -> Agreement:
+    """From whether each state is decisive, and whether both worlds agree there."""
+    decisive = [agrees for is_decisive, agrees in results if is_decisive]
+    n, rate = len(results), sum(agrees for _, agrees in results) / max(1, len(results))
+    m = max(1, len(decisive))
     return Agreement(
-        engine, len(own), equal / max(1, len(own)), len(decisive), equal_decisive / n,
-        wilson(equal_decisive, n),
-    )  # fmt: skip
+        engine, contacts, n, rate, len(decisive), sum(decisive) / m, wilson(sum(decisive), m)
+    )
 
 
 def _line(base: Scene, width: float, right: float, closing: bool) -> SwitchLine:

@@ -15,8 +15,10 @@ if TYPE_CHECKING:
 
 def validation_lines(validation: "Validation") -> Iterator[Item]:
     """How well the MuJoCo world agrees with the quasistatic one."""
-    own = validation.agreement[0]
-    share = f"  {100 * own.decisive_rate:.1f} % of {own.decisive_n} states with a margin above 1°"
+    own = validation.own
+    n = sum(one.decisive_n for one in own)
+    rate = sum(one.decisive_rate * one.decisive_n for one in own) / max(1, n)
+    share = f"  {100 * rate:.1f} % of {n} states with a margin above 1°"
     yield Line(verdict(validation.holds, "AGREES", "DIFFERS"), bold(share))
     yield from _agreement(validation)
     creep = max(map(abs, validation.creep_m))
@@ -43,16 +45,20 @@ def _agreement(validation: "Validation") -> Iterator[Item]:
     for one in validation.agreement:
         low, high = one.decisive_interval
         rows.append((
-            one.engine,
+            f"{one.engine}, {one.contacts}",
             f"{100 * one.decisive_rate:.1f} % of {one.decisive_n}",
             f"{100 * low:.1f} to {100 * high:.1f} %",
             f"{100 * one.rate:.1f} % of {one.n}",
         ))  # fmt: skip
     yield Table(rows, ("which contact slides", *heads), right=heads)
     for one in validation.agreement:
-        causes = Counter(t.cause for t in validation.differences if t.engine == one.engine)
+        causes = Counter(
+            t.cause
+            for t in validation.differences
+            if (t.engine, t.contacts) == (one.engine, one.contacts)
+        )
         for cause, n in sorted(causes.items(), key=str):
-            yield quiet(f"  {one.engine}: {plural(n, 'difference')}: {cause}")
+            yield quiet(f"  {one.engine}, {one.contacts}: {plural(n, 'difference')}: {cause}")
     if validation.missing:
         missing = ", ".join(validation.missing)
         yield quiet(f"  not installed: {missing} (run: {install_command('bench')})")
