@@ -146,7 +146,7 @@ def _ends(ends: Interval, factor: float, unit: str) -> str:
 
 @command(
     order=128,
-    example="palmbots probe --set object.com_m=0.11,0.04 --out box",
+    example="palmbots probe --set object.com_m=[0.11,0.04] --out box",
     progress="probing",
     failure=("is_consistent", "the observations contradict each other"),
     com_x_m=Option(),
