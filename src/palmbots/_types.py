@@ -16,6 +16,9 @@ SIDES: tuple[Side, Side] = ("left", "right")
 Interval: TypeAlias = tuple[float, float]
 """The lower and the upper end."""
 
+Region: TypeAlias = Interval | Literal["implied", "palm"]
+"""Contact coordinates [m], or where they come from: the scene, or the whole palm."""
+
 MaybeNaN: TypeAlias = Annotated[float, "null in JSON where it is NaN or infinite"]
 """A number that may be NaN or infinite; JSON has null there."""
 

@@ -30,9 +30,10 @@ CONTROLLERS = [
     pytest.param(name, marks=pytest.mark.soak) if resolve(name).preparation else name
     for name in controller_names() + reference_names()
 ]
-TURNED = ("speed", "commanded", "midpoint", "object", "rest_angle_deg")
+TURNED = ("speed", "commanded", "midpoint", "object", "object_x", "rest_angle_deg")
 """What changes its sign, in the trace and in JSON; values of both sides change places."""
 IMAGES = {"left": "right", "right": "left"}
+MOTIONS = {"SL": "SR", "SR": "SL"}
 CASES = dict(zip("12345678", "21435687", strict=True))
 """The images of the cases of Table 1; those of Table 2 are of one robot."""
 
@@ -40,8 +41,8 @@ CASES = dict(zip("12345678", "21435687", strict=True))
 def mirrored(value: Any, key: str = "") -> Any:
     """The mirror image of what JSON has of a result."""
     if isinstance(value, str):
-        if key == "case":
-            return CASES.get(value, value)
+        if key in ("case", "motion"):
+            return (CASES if key == "case" else MOTIONS).get(value, value)
         return re.sub("left|right", lambda found: IMAGES[found[0]], value)
     if isinstance(value, dict):
         return {mirrored(name): mirrored(inner, name) for name, inner in value.items()}

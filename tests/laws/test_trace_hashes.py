@@ -79,6 +79,9 @@ SPECIAL: list[dict[str, Any]] = [
     {"task.inertia": False, "robot.noise_m_s": 0.0},
     {"object": "l-shape", "task.direction": "backward"},
     {"palm.rate_deg_s": 2000},  # palms that are there before they are looked at again
+    {"faults.script": [
+        {"kind": "reboot", "robot": "left", "at_s": 4.0, "duration_s": 0.5, "limp_deg": 0.0},
+    ]},
     {"radio.replay": 0.3, "radio.jitter_s": 0.02, "radio.left.latency_s": 0.09},
     {"robot.left.period_s": 0.03, "robot.right.period_s": 0.02},
     {"robot.noise_m_s": 0.04, "robot.standing_noise_m_s": 0.01},

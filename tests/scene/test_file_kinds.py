@@ -21,6 +21,7 @@ from palmbots.scene.files import read_scene, read_table
 from palmbots.scene.key_reference import init_scene
 from palmbots.simulation.imperfections import load_imperfections
 from palmbots.stability.certificates.checker.certificate_file import read_certificate
+from palmbots.stability.probed_object import read_probed
 from palmbots.studies.study_file import load_plan
 from palmbots.views.log_player import read_playable
 from palmbots.views.run_replay import replay_logs
@@ -41,6 +42,7 @@ READERS: list[tuple[str, Callable[[Any], Any]]] = [
     ("log", lambda file: replay_logs([file])),
     ("image", flash),
     ("recording", read_packets),
+    ("probed object", read_probed),
 ]
 
 
@@ -65,6 +67,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         "key": key,
         "counter": counters[0],
         "recording": folder / "packets.csv",
+        "probed object": folder / "probe.toml",
         "drawing": folder / "bottle.svg",
         "program": folder / "swing.py",
     }
@@ -74,6 +77,9 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     made["imperfections"].write_text("trim = 0.02\n[left]\nservo_zero_deg = 92\n")
     made["recording"].write_text("index,time_s,sent_s\n0,0.0,0.0\n")
     made["drawing"].write_text("<svg xmlns='http://www.w3.org/2000/svg'/>\n")
+    intervals = ["com_x_m = [0.1, 0.12]", "com_y_m = [0.03, 0.05]"]
+    intervals += [f"friction_{side} = [0.3, 0.4]" for side in ("left", "right")]
+    made["probed object"].write_text("\n".join(["[probed]", *intervals, ""]))
     made["program"].write_text("class Swing:\n    pass\n")
     return made
 

@@ -41,9 +41,9 @@ def on_assumptions(scene: Scene) -> Answer:
     given = {key: value_of(scene, key) for key in keys if key not in values}
     texts = []
     if values:
-        texts += [f"defaults: {_listed(values)}", "set those that you have measured"]
+        texts.append(f"defaults: {_listed(values)}")
     if given:
-        texts.append(f"from your scene: {_listed(given)}")
+        texts.append(f"given: {_listed(given)}")
     text = "; ".join(texts)
     return Answer("Are the values measured?", "open", text, "palmbots keys")
 

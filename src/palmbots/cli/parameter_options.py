@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import typer
 
-from palmbots._types import Interval, Side
+from palmbots._types import Interval, Region, Side
 from palmbots._util.arguments import one_of, show
 from palmbots._util.command import Option
 from palmbots.cli.declared_commands import Declared
@@ -37,7 +37,7 @@ _TYPES = _Types(
     {kind.__name__: kind for kind in (bool, float, int, list, str, tuple, Path, Sequence)}
     | {"os": os, "PathLike": os.PathLike, "Literal": Literal, "Interval": Interval, "Side": Side}
     | {"SceneLike": _SceneLike, "ControllerLike": _ControllerLike, "Overrides": list[str] | None}
-    | {"FilePath": str | os.PathLike[str]}
+    | {"FilePath": str | os.PathLike[str], "Region": Region}
 )
 
 

@@ -163,7 +163,6 @@ def probe(
     friction: Interval = (0.15, 0.6),
     angle_error_deg: float = 0.25,
     angle_range_deg: Interval = (5.0, 45.0),
-    world: str = "quasistatic",
     seed: int = 0,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
@@ -182,7 +181,6 @@ def probe(
         friction: prior of both coefficients.
         angle_error_deg: largest error of each palm's angle.
         angle_range_deg: limits of the palm angles.
-        world: a registered world.
         seed: of the errors of the palm angles.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
@@ -214,9 +212,7 @@ def probe(
     )
     error = math.radians(angle_error_deg)
     draws = random.Random(seed_of(seed))
-    hands = SimulatedHands(
-        chosen, world, (draws.uniform(-error, error), draws.uniform(-error, error))
-    )
+    hands = SimulatedHands(chosen, (draws.uniform(-error, error), draws.uniform(-error, error)))
     if hands.end:
         raise PalmbotsError(f"probe: the object is not held at the start: {hands.end}")
     palms = [chosen.palm_of(side) for side in SIDES]

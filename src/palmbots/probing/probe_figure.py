@@ -31,7 +31,8 @@ def draw_probe(result: Probe) -> Figure:
             axes.set_xlim(*(1000 * end for end in prior.com_x))
             axes.set_ylim(*prior.friction[i])
             axes.set_xlabel(style.axis_label("COM from the left contact", "mm"))
-            axes.set_ylabel(f"friction, {side} palm")
+            axes.set_ylabel("palm friction")
+            axes.set_title(f"{side} palm")
         volumes = [1.0, *(one.volume for one in result.strokes)]
         times = [0.0, *(one.time_s for one in result.strokes)]
         size.step(times, [100 * v for v in volumes], where="post", color=style.INK)

@@ -1,35 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated robots that probe: any world whose wheels and palms are moved from outside."""
+"""Simulated robots that probe, in the quasistatic world. In MuJoCo contacts creep and masses have
+inertia, for which the set of a probe does not allow."""
 
 from __future__ import annotations
 
 from palmbots._types import SIDES
-from palmbots.errors import PalmbotsError
 from palmbots.probing.contact_tracking import Pair
 from palmbots.probing.probe_run import Switches
 from palmbots.scene.scene import Scene
+from palmbots.simulation.driven_world import QuasistaticWorld
 from palmbots.simulation.imperfect_robot import zones_of
-from palmbots.simulation.worlds import world_entry
 
 
 class SimulatedHands:
-    """A pair in a world.
+    """A pair.
 
     Args:
         scene: the robots, and the object as it really is.
-        world: its name.
         errors: by how much each palm really is steeper than its angle [rad].
 
     Raises:
         SceneError: the world refuses the scene.
-        PalmbotsError: the world cannot be driven from outside.
     """
 
-    def __init__(self, scene: Scene, world: str, errors: Pair) -> None:
-        driven = world_entry(world).driven
-        if driven is None:
-            raise PalmbotsError(f"world: {world} cannot be driven from outside")
-        self._world = driven(scene)
+    def __init__(self, scene: Scene, errors: Pair) -> None:
+        self._world = QuasistaticWorld(scene)
         self._errors = errors
         self.period_s = scene.control.period_s
         self._zones = [zones_of(scene, side) for side in SIDES]

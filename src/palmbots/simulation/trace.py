@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from palmbots._core import Spec
 from palmbots._types import SIDES
 from palmbots.scene.placement import floor_level, placements
+from palmbots.scene.spec import contact_radii
 
 if TYPE_CHECKING:
     import numpy as np
@@ -58,11 +59,29 @@ POSE = {
 
 def with_pose(trace: "xr.Dataset", spec: Spec) -> "xr.Dataset":
     """A trace with the variables of `POSE` added."""
-    com = placements(spec, trace, slice(None)).com
+    com = _com(trace, spec)
     values = com[:, 0], com[:, 1] - floor_level(spec)
     return trace.assign(
         {name: ("time", one, dict(POSE[name])) for name, one in zip(POSE, values, strict=True)}
     )
+
+
+def _com(trace: "xr.Dataset", spec: Spec) -> "np.ndarray":
+    """The COM of each row: the mean of its places from both contacts, so that the mirrored carry
+    has the mirrored ones to the last bit."""
+    import numpy as np
+
+    place = placements(spec, trace, slice(None))
+    lift = trace["vertex_height"].transpose("time", "side").values
+    cos, sin = np.cos(place.turn), np.sin(place.turn)
+    found = np.zeros_like(place.com)
+    for side, (outward, along) in enumerate(((-1, spec.com_left), (1, -spec.com_right))):
+        angle = outward * place.palm_turn[:, side]
+        above = lift[:, side] + contact_radii(spec)[side]
+        x = above * (-outward * np.sin(angle)) + (cos * along - sin * spec.com_height)
+        y = above * np.cos(angle) + (sin * along + cos * spec.com_height)
+        found += 0.5 * (place.contact[:, side] + np.stack([x, y], axis=-1))
+    return found
 
 
 def heights_of(measured: Any) -> dict[str, "tuple[np.ndarray, Mapping[str, str]]"]:

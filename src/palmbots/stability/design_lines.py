@@ -4,14 +4,13 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.report import Item, Line, Table, bold, good, quiet, warn_word, warning
 from palmbots._util.text import millimetres
-from palmbots.simulation.outcome_counts import OutcomeCounts
 from palmbots.stability.analysis_lines import friction_note
 from palmbots.stability.angle_grid import LIFT, NOISE, QUANTITIES
 from palmbots.stability.certificates.obligations import BOTH_TURN
 from palmbots.stability.design_result import limit_text
+from palmbots.stability.plate_design import failures_text
 
 if TYPE_CHECKING:
     from palmbots.stability.design_result import Design
@@ -87,10 +86,3 @@ def _comparison(design: "Design", name: str) -> Iterator[Item]:
         yield quiet(
             f"  σ*: robot.noise_m_s at which 1 % of carries drop the object with {limit.controller}"
         )
-
-
-def failures_text(counts: OutcomeCounts | None) -> str:
-    """The share of carries that do not deliver; None: they are refused."""
-    return (
-        "refused" if counts is None else rate_text(counts.dropped + counts.stalled, counts.carries)
-    )

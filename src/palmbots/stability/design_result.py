@@ -18,11 +18,10 @@ from palmbots.simulation.outcome_counts import OutcomeCounts
 from palmbots.stability.angle_certificate import angle_keys
 from palmbots.stability.angle_grid import LIFT, NOISE, QUANTITIES, Lift, Objective, Quantity
 from palmbots.stability.certificates.prover import Certificate
+from palmbots.stability.plate_design import PlateDesign
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from palmbots.stability.plate_design import PlateDesign
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from typing import Any, TypeAlias, TypedDict, Unpack, cast
 
 import numpy as np
 
-from palmbots._types import SIDES, Interval, Overrides
+from palmbots._types import SIDES, Interval, Overrides, Region
 from palmbots._util.arguments import one_of, seed_of, show, two_numbers
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
@@ -56,7 +56,7 @@ from palmbots.stability.margins import friction_ranges
 from palmbots.stability.plate_design import design_plate
 from palmbots.stability.plate_search import PlateLimits, is_on_floor
 from palmbots.stability.probed_object import uncertainty_of, with_probed
-from palmbots.stability.problem import Region, StabilityProblem, stability_problem
+from palmbots.stability.problem import StabilityProblem, stability_problem
 from palmbots.stability.reaction_region import implied_reach_m, reaction
 
 PAPER_DEG = (5.0, 15.0)
@@ -101,7 +101,7 @@ class GridOptions(TypedDict, total=False):
     ),
     maximize=Option(metavar="NAME"),
     friction=Option(),
-    probe=Option("--from", metavar="FILE"),
+    probe=Option("--from", metavar="PROBE"),
     common_friction=Option("--common-friction/--independent-friction"),
     com_y_m=Option(),
     slope_deg=Option(),

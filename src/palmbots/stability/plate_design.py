@@ -11,8 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from palmbots._types import Interval, Overrides
+from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table, bold, quiet, verdict
 from palmbots.control.registry import ControllerEntry
@@ -23,8 +25,6 @@ from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.angle_grid import LIFT
 from palmbots.stability.clearance import outline_clearance
-from palmbots.stability.design_lines import failures_text
-from palmbots.stability.design_result import Design, OwnAngles, ReactionTimes
 from palmbots.stability.interval_sets import around
 from palmbots.stability.plate_search import (
     KEYS,
@@ -36,6 +36,9 @@ from palmbots.stability.plate_search import (
 from palmbots.stability.problem import stability_problem
 from palmbots.stability.reaction_region import reaction
 from palmbots.stability.tightest_margins import RankedMargin
+
+if TYPE_CHECKING:
+    from palmbots.stability.design_result import Design
 
 JOBS, NOISE_FACTOR = 1000, 3.0
 """Simulated with each plate, and once more with this multiple of the noise: with their own noise,
@@ -158,6 +161,8 @@ def design_plate(
     Raises:
         PalmbotsError: the job neither begins nor ends on the floor, or no plate qualifies.
     """
+    from palmbots.stability.design_result import Design, OwnAngles, ReactionTimes
+
     if not is_on_floor(scene):
         raise PalmbotsError(
             "maximize: value is lift, but the job neither begins nor ends on the floor; allowed: a "
@@ -237,3 +242,10 @@ def _jobs(
         return count_outcomes(scene, entry, seeds=jobs, overrides=overrides)
     except SceneError:
         return None
+
+
+def failures_text(counts: OutcomeCounts | None) -> str:
+    """The share of carries that do not deliver; None: they are refused."""
+    return (
+        "refused" if counts is None else rate_text(counts.dropped + counts.stalled, counts.carries)
+    )

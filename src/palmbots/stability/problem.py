@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import palmbots._core as _core
-from palmbots._types import SIDES, Interval, Side
+from palmbots._types import SIDES, Region, Side
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
@@ -23,9 +23,6 @@ from palmbots.stability.linear_conditions import Form, forms
 from palmbots.stability.reaction_region import implied_reach_m
 
 Pair = tuple[float, float]
-Region: TypeAlias = Interval | Literal["implied", "palm"]
-"""Contact coordinates on either palm: an interval [m], the usable palm, or what the scene implies,
-which is how far contacts drift until a robot reacts."""
 
 TURN_STEPS = 8
 """Number of angles at which a turning palm is evaluated, as in the core."""

@@ -7,11 +7,11 @@ The core makes the warnings, for the page, too (`sim/limit_warnings.hpp`).
 from __future__ import annotations
 
 import palmbots._core as _core
-from palmbots._types import Interval, Overrides
+from palmbots._types import Interval, Overrides, Region
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.section import as_given
-from palmbots.stability.problem import Pair, Region, StabilityProblem, stability_problem
+from palmbots.stability.problem import Pair, StabilityProblem, stability_problem
 
 
 def self_check(

@@ -258,7 +258,7 @@ def with_probed(given: Intervals, found: ProbedObject, common: bool) -> Interval
     example="palmbots certify --com-x-m 0.12 0.13 --friction 0.28 0.32 -o certificate.json",
     failure=("holds", "the properties fail somewhere, or the prover could not decide"),
     intervals=Option(),
-    probe=Option("--from", metavar="FILE"),
+    probe=Option("--from", metavar="PROBE"),
     common_friction=Option("--common-friction/--independent-friction"),
     region_m=Option("--region", metavar="implied|palm|LOW,HIGH"),
     beyond_m=Option(metavar="M"),
