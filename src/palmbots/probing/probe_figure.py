@@ -38,6 +38,7 @@ def draw_probe(result: Probe) -> Figure:
         size.step(times, [100 * v for v in volumes], where="post", color=style.INK)
         size.set_yscale("log")
         style.plain_numbers(size.yaxis)
+        size.yaxis.set_minor_formatter("")
         size.set_xlabel(style.axis_label("time", "s"))
         size.set_ylabel(style.axis_label("set, of the prior", "%"))
         style.footnote(figure, "the axes span the prior; the object lies in the coloured set")

@@ -73,7 +73,8 @@ def _com(trace: "xr.Dataset", spec: Spec) -> "np.ndarray":
 
     place = placements(spec, trace, slice(None))
     lift = trace["vertex_height"].transpose("time", "side").values
-    cos, sin = np.cos(place.turn), np.sin(place.turn)
+    with np.errstate(invalid="ignore"):  # a log may have an infinite turn
+        cos, sin = np.cos(place.turn), np.sin(place.turn)
     found = np.zeros_like(place.com)
     for side, (outward, along) in enumerate(((-1, spec.com_left), (1, -spec.com_right))):
         angle = outward * place.palm_turn[:, side]
