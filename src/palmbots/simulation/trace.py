@@ -73,15 +73,15 @@ def _com(trace: "xr.Dataset", spec: Spec) -> "np.ndarray":
 
     place = placements(spec, trace, slice(None))
     lift = trace["vertex_height"].transpose("time", "side").values
-    with np.errstate(invalid="ignore"):  # a log may have an infinite turn
-        cos, sin = np.cos(place.turn), np.sin(place.turn)
+    cos, sin = np.cos(place.turn), np.sin(place.turn)
     found = np.zeros_like(place.com)
     for side, (outward, along) in enumerate(((-1, spec.com_left), (1, -spec.com_right))):
         angle = outward * place.palm_turn[:, side]
         above = lift[:, side] + contact_radii(spec)[side]
         x = above * (-outward * np.sin(angle)) + (cos * along - sin * spec.com_height)
         y = above * np.cos(angle) + (sin * along + cos * spec.com_height)
-        found += 0.5 * (place.contact[:, side] + np.stack([x, y], axis=-1))
+        with np.errstate(invalid="ignore"):  # a log may have an infinite separation
+            found += 0.5 * (place.contact[:, side] + np.stack([x, y], axis=-1))
     return found
 
 
