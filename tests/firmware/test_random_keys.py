@@ -38,9 +38,9 @@ def reaching(controller: str, draw: random.Random) -> dict[str, Any]:
         for given in holders_of(name):
             for _ in range(20):
                 value = value_of(ROWS[name], draw)
+                value = round(value, 4) if isinstance(value, float) else value  # whole µs
                 if value == ROWS[name]["default"]:
                     continue
-                value = round(value, 4) if isinstance(value, float) else value  # whole µs
                 try:
                     if settings(controller, {given: value}) != usual:
                         settings(controller, keys | {given: value})
