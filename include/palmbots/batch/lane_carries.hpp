@@ -245,8 +245,8 @@ class LaneCarries {
         if (one.is_limited_) {
           one.robots_ = robots;
           step = one.world_.advance(one.ways(), angles, one.world_.state().push);
-          Real& midpoint = pack.robots.midpoint.raw[l];
-          midpoint += one.metrics_.note_stalls(step);
+          const Real midpoint = pack.robots.midpoint.raw[l] + one.metrics_.note_stalls(step);
+          pack.robots.midpoint.raw[l] = midpoint;
           const bool is_over = midpoint * robots.travel_sense >= pack.goal.raw[l] ||
                                Real(tick % block_ticks) >= pack.timeout.raw[l];
           if (!is_over) pack.over &= ~(1U << l);
