@@ -78,6 +78,17 @@ def two_numbers(key: str, value: Any) -> tuple[float, float]:
         ) from None
 
 
+def ordered_pair(key: str, value: Any, least: float, most: float) -> tuple[float, float]:
+    """The ends of an interval within these limits; raises `PalmbotsError` for anything else."""
+    low, high = two_numbers(key, value)
+    if not least <= low <= high <= most:
+        raise PalmbotsError(
+            f"{key}: value is {show([low, high])}; allowed: two numbers, the lower one first, "
+            f"from {least:g} to {most:g}"
+        )
+    return low, high
+
+
 def seed_of(value: object) -> int:
     """The seed of a carry; raises `PalmbotsError` if the value is not a valid seed."""
     return whole_number("seed", value, 0, 2**64 - 1, "a whole number from 0 to 2^64-1")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Literal
 
 from palmbots._types import SIDES, BySide, Interval, Overrides, Side
-from palmbots._util.arguments import seed_of, show, two_numbers
+from palmbots._util.arguments import ordered_pair, seed_of
 from palmbots._util.atomic_files import folder, write_whole
 from palmbots._util.command import Option, command, writes
 from palmbots._util.plain_values import NOT_IN_JSON
@@ -201,8 +201,8 @@ def probe(
     body = chosen.object
     frame = object_frame(body.vertices_m, body.contacts, body.com_m)
     middle, height = 0.5 * frame.width, frame.com.height
-    degrees = _between("angle_range_deg", angle_range_deg, -45, 45)
-    coefficients = _between("friction", friction, 0.01, _MOST_FRICTION)
+    degrees = ordered_pair("angle_range_deg", angle_range_deg, -45, 45)
+    coefficients = ordered_pair("friction", friction, 0.01, _MOST_FRICTION)
     prior = Prior(
         frame.width,
         _given("com_x_m", com_x_m, middle, _COM_X_M, 0, frame.width),
@@ -243,21 +243,11 @@ def probe(
     )
 
 
-def _between(name: str, value: Interval, least: float, most: float) -> Interval:
-    low, high = two_numbers(name, value)
-    if not least <= low <= high <= most:
-        raise PalmbotsError(
-            f"{name}: value is {show([low, high])}; allowed: two numbers, the lower one first, "
-            f"from {least:g} to {most:g}"
-        )
-    return low, high
-
-
 def _given(
     name: str, value: Interval | None, middle: float, error: float, least: float, most: float
 ) -> Interval:
     ends = (middle - error, middle + error) if value is None else value
-    return _between(name, ends, least, most)
+    return ordered_pair(name, ends, least, most)
 
 
 def _result(

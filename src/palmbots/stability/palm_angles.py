@@ -20,7 +20,7 @@ from typing import Any, TypeAlias, TypedDict, Unpack, cast
 import numpy as np
 
 from palmbots._types import SIDES, Interval, Overrides, Region
-from palmbots._util.arguments import one_of, seed_of, show, two_numbers
+from palmbots._util.arguments import one_of, ordered_pair, seed_of
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
 from palmbots.control.registry import (
@@ -181,7 +181,7 @@ def design(
     uncertainty = Uncertainty(
         _frictions(problem, friction, common_friction),
         common_friction,
-        None if com_y_m is None else _ends("com_y_m", com_y_m, -10, 10),
+        None if com_y_m is None else ordered_pair("com_y_m", com_y_m, -10, 10),
         None if slope_deg is None else _floats(slope_interval(chosen, slope_deg)),
     )
     uncertainty = uncertainty_of(touched, uncertainty, friction is not None)
@@ -359,16 +359,6 @@ def _problem(scene: Scene, region_m: Region) -> StabilityProblem:
     return stability_problem(scene, region_m)
 
 
-def _ends(name: str, value: Any, least: float, most: float) -> Interval:
-    low, high = two_numbers(name, value)
-    if not least <= low <= high <= most:
-        raise PalmbotsError(
-            f"{name}: value is {show([low, high])}; allowed: two numbers, the lower one first, "
-            f"from {least:g} to {most:g}"
-        )
-    return low, high
-
-
 def _floats(ends: tuple[Any, Any]) -> Interval:
     return float(ends[0]), float(ends[1])
 
@@ -378,7 +368,7 @@ def _frictions(
 ) -> tuple[Interval, Interval]:
     """The intervals of both palms."""
     if friction is not None:
-        interval = _ends("friction", friction, 0, 100)
+        interval = ordered_pair("friction", friction, 0, 100)
         return interval, interval
     left, right = problem.friction
     if common and left != right:
