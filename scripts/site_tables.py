@@ -25,17 +25,18 @@ from palmbots.control.resilient_timing import REFUSALS
 from palmbots.derivation.global_policy import table_1
 from palmbots.mechanics.contact_mode_words import MOTION_MEANINGS, SENTENCES
 from palmbots.mechanics.contact_modes import CONTACT_MODES
-from palmbots.scene import robot_dimensions
 from palmbots.scene.fields import KINDS, PROBLEMS
 from palmbots.scene.key_reference import built_in_meanings, scene_keys
 from palmbots.scene.object_library import object_names
 from palmbots.scene.overrides import SUPERSEDES
+from palmbots.scene.robot_dimensions import PIVOT_HEIGHT
 from palmbots.scene.scene import load_scene
 from palmbots.scene.scene_schema import worded_schema
 from palmbots.simulation.reason_words import REASONS
 from palmbots.simulation.single import carry
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
+from palmbots.viz import solids
 from palmbots.viz.style import controller_looks
 
 ROOT = Path(__file__).parent.parent
@@ -275,10 +276,26 @@ def tables() -> dict[str, Any]:
             }
             for case in table_1()
         ],
-        "robot": {
-            name.lower(): value for name, value in vars(robot_dimensions).items() if name.isupper()
-        },
+        "robot": robot(),
     }  # fmt: skip
+
+
+def robot() -> dict[str, Any]:
+    """The right robot from the side, with its pivot above the origin, on a floor of height 0."""
+    box = solids.body("right", 0.0).shape
+    assert isinstance(box, solids.Box)
+    x, y = zip(*box.corners(), strict=True)
+    wheels = {
+        (shape.centre[0], shape.centre[2], shape.radius)
+        for solid in solids.robot("right", 0.0)
+        if isinstance(shape := solid.shape, solids.Cylinder)
+    }
+    return {
+        "body": {"near": min(x), "far": max(x), "low": min(y), "top": max(y)},
+        "wheels": [{"x": x, "y": y, "radius": radius} for x, y, radius in sorted(wheels)],
+        "shoulder": dict(zip("xy", solids.shoulder("right", 0.0), strict=True)),
+        "pivotHeight": PIVOT_HEIGHT,
+    }
 
 
 def counterexamples() -> list[dict[str, Any]]:

@@ -274,6 +274,6 @@ def test_robots_there_and_a_world_here_carry_the_same_bits(
             robots.append(subprocess.Popen(robot, cwd=tmp_path, env=environment))
         printed, _ = world.communicate(timeout=300)
     assert [robot.wait(60) for robot in robots] == [0, 0]
-    there = json.loads(printed)
     carried = json.loads(run(*here, "carry", *words, cwd=tmp_path))
-    assert there == carried and carried["outcome"] == "delivered"
+    carried["scene_statistics"] = None  # of many carries, which a world of processes does not run
+    assert json.loads(printed) == carried and carried["outcome"] == "delivered"

@@ -7,7 +7,7 @@ import type { Surface } from "./canvas";
 import { PLACES } from "./core";
 import { tables } from "./tables";
 
-const { pivot_height, body_size, body_gap } = tables.robot as Record<string, number>;
+const { body, pivotHeight } = tables.robot;
 
 export interface View {
   scale: number; // pixels per metre
@@ -20,7 +20,7 @@ export interface View {
 }
 
 export function lowestPoint(places: Float64Array): number {
-  let low = -pivot_height!;
+  let low = -pivotHeight;
   for (let i = PLACES.outline + 1; i < places.length; i += 2) low = Math.min(low, places[i]! - 0.05);
   return low;
 }
@@ -34,7 +34,7 @@ export function viewOf(surface: Surface, places: Float64Array, tilt = 0, robots 
     half = Math.max(half, Math.abs(places[i]! - middle));
     top = Math.max(top, places[i + 1]!);
   }
-  const margin = robots ? body_gap! + body_size! + 0.1 : 0.06;
+  const margin = robots ? body.far + 0.1 : 0.06;
   const bottom = robots ? lowestPoint(places) : -0.1;
   const wide = 2 * (half + (robots ? Math.max(0, margin - 0.075) : margin));
   const tall = top - bottom + (robots ? 0.1 : 0.12);

@@ -9,8 +9,7 @@ import { type Palette, sideColour } from "./theme";
 import { tables } from "./tables";
 import type { Surface } from "./canvas";
 
-const { body_size, body_gap, ground_clearance, wheel_radius, shoulder_inset } =
-  tables.robot as Record<string, number>;
+const { body, wheels, shoulder } = tables.robot; // the right one
 
 const PLATE_CORNERS = (PLACES.outline - PLACES.plate) / 4;
 
@@ -93,61 +92,45 @@ function drawRobot(
   const colour = sideColour(p, side);
   const px = places[PLACES.pivot + 2 * side]!;
   const off = picture.off?.[side] ?? false;
-  const near = px + out * body_gap!;
-  const top = level + ground_clearance! + body_size!;
-  const x0 = Math.min(view.x(near), view.x(near + out * body_size!));
+  const x = (beside: number) => view.x(px + out * beside); // outward from the pivot
+  const y = (up: number) => view.y(level + up);
+  const size = (body.far - body.near) * view.scale;
+  const bodyX = x((body.near + body.far) / 2);
   c.globalAlpha = off ? 0.45 : 1;
-  // arm, from the shoulder to the pivot
   c.strokeStyle = p.quiet;
   c.lineWidth = Math.max(3, 0.014 * view.scale);
   c.lineCap = "round";
-  path(
-    c,
-    [
-      [view.x(near + out * shoulder_inset!), view.y(top - shoulder_inset!)],
-      [view.x(px), view.y(0)],
-    ],
-    false,
-  );
+  path(c, [[x(shoulder.x), y(shoulder.y)], [x(0), view.y(0)]], false);
   c.stroke();
-  // body and wheels
   c.fillStyle = p.body;
   c.strokeStyle = colour;
   c.lineWidth = 2;
   c.beginPath();
-  c.roundRect(x0, view.y(top), body_size! * view.scale, body_size! * view.scale, 6);
+  c.roundRect(bodyX - size / 2, y(body.top), size, (body.top - body.low) * view.scale, 6);
   c.fill();
   c.stroke();
-  for (const share of [0.25, 0.75]) {
-    const wx = near + out * body_size! * share;
-    const radius = wheel_radius! * view.scale;
-    const turn = px / wheel_radius!;
+  for (const wheel of wheels) {
+    const [hubX, hubY, radius] = [x(wheel.x), y(wheel.y), wheel.radius * view.scale];
+    const turn = px / wheel.radius;
+    const [cos, sin] = [radius * Math.cos(turn), radius * Math.sin(turn)];
     c.beginPath();
-    c.arc(view.x(wx), view.y(level + wheel_radius!), radius, 0, 2 * Math.PI);
+    c.arc(hubX, hubY, radius, 0, 2 * Math.PI);
     c.fillStyle = p.background;
     c.fill();
     c.stroke();
-    path(
-      c,
-      [
-        [view.x(wx) - radius * Math.cos(turn), view.y(level + wheel_radius!) - radius * Math.sin(turn)],
-        [view.x(wx) + radius * Math.cos(turn), view.y(level + wheel_radius!) + radius * Math.sin(turn)],
-      ],
-      false,
-    );
+    path(c, [[hubX - cos, hubY - sin], [hubX + cos, hubY + sin]], false);
     c.lineWidth = 1;
     c.stroke();
     c.lineWidth = 2;
   }
   const tag = off ? "off" : picture.tags?.[side];
-  const bodyX = x0 + (body_size! * view.scale) / 2;
   if (tag) {
-    const size = Math.max(12, Math.min(22, 0.075 * view.scale));
-    write(c, tag, bodyX, view.y(top - 0.055), colour, { weight: 650, size });
+    const letters = Math.max(12, Math.min(22, 0.075 * view.scale));
+    write(c, tag, bodyX, y(body.top - 0.055), colour, { weight: 650, size: letters });
   }
   c.globalAlpha = 1;
   if (picture.labels) {
-    write(c, side === 0 ? "left robot" : "right robot", bodyX + 14 * out, view.y(top) - 11, p.quiet);
+    write(c, side === 0 ? "left robot" : "right robot", bodyX + 14 * out, y(body.top) - 11, p.quiet);
   }
 }
 
@@ -325,12 +308,11 @@ function drawFlights(
 ): void {
   const c = surface.context;
   const { places } = picture;
-  const top = level + ground_clearance! + body_size!;
   const end = (side: number) => {
     const out = side === 0 ? -1 : 1;
-    return view.x(places[PLACES.pivot + 2 * side]! + out * (body_gap! + body_size! / 2));
+    return view.x(places[PLACES.pivot + 2 * side]! + out * ((body.near + body.far) / 2));
   };
-  const height = view.y(top) - 30;
+  const height = view.y(level + body.top) - 30;
   for (const flight of picture.flights ?? []) {
     const [from, to] = [end(flight.from), end(1 - flight.from)];
     const share = flight.lost ? Math.min(flight.share, 0.5) : flight.share;

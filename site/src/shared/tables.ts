@@ -61,7 +61,12 @@ interface Tables {
   bindingNames: string[];
   quantities: Record<string, { number: number; most: number; unit: string; name: string }>;
   table1: { signs: number[]; palms: string[]; moves: string[] }[];
-  robot: Record<string, number>;
+  robot: {
+    body: { near: number; far: number; low: number; top: number };
+    wheels: { x: number; y: number; radius: number }[];
+    shoulder: { x: number; y: number };
+    pivotHeight: number;
+  };
 }
 
 export const tables = data as unknown as Tables;

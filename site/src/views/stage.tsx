@@ -116,12 +116,10 @@ export function Stage(props: {
     if (!v || !at) return null;
     const rect = (event.currentTarget as HTMLElement).getBoundingClientRect();
     const [x, y] = v.level(event.clientX - rect.left, event.clientY - rect.top);
-    const { body_gap, body_size } = tables.robot as { body_gap: number; body_size: number };
+    const { near, far } = tables.robot.body;
     for (const side of [0, 1] as const) {
-      const out = side === 0 ? -1 : 1;
-      const near = at[PLACES.pivot + 2 * side]! + out * body_gap;
-      const ends = [v.x(near), v.x(near + out * body_size)].sort((a, b) => a - b);
-      if (x >= ends[0]! && x <= ends[1]!) return side;
+      const outward = (side === 0 ? -1 : 1) * (v.worldX(x) - at[PLACES.pivot + 2 * side]!);
+      if (near <= outward && outward <= far) return side;
     }
     let [left, right, top, bottom] = [Infinity, -Infinity, Infinity, -Infinity];
     for (let i = PLACES.outline; i < at.length; i += 2) {
