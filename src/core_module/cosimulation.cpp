@@ -26,62 +26,59 @@ class AnyCoSimulation {
   virtual bool done() const = 0;
   virtual const PerSide<double>& speeds() const = 0;
   // Where the arms are at the end of the tick [m], and whether they follow the floor.
-  virtual PerSide<double> heights() const { return {}; }
-  virtual PerSide<bool> are_low() const { return {}; }
+  virtual PerSide<double> heights() const = 0;
+  virtual PerSide<bool> are_low() const = 0;
   virtual Run run() = 0;
 };
 
-template <class Team>
+// `Job` is a CoSimulation, or a LiftCoSimulation where the job begins or ends on the floor.
+template <class Job>
 class CoSimulationOf : public AnyCoSimulation {
  public:
+  template <class Team>
   CoSimulationOf(const Spec& spec, std::uint64_t seed, Team team, double slack,
                  const WorldObservation& first)
-      : cosimulation_(spec, seed, std::move(team), slack, first) {}
-  Actuation<double> step_controllers() override { return cosimulation_.step_controllers(); }
-  void observe(const WorldObservation& observation) override { cosimulation_.observe(observation); }
-  bool done() const override { return cosimulation_.done(); }
-  const PerSide<double>& speeds() const override { return cosimulation_.speeds(); }
-  Run run() override {
-    Run run = run_of(cosimulation_);
-    run.hash = cosimulation_.recorder().hash();
-    run.rows = cosimulation_.recorder().take_rows();
-    run.sent_messages = cosimulation_.recorder().take_sent_messages();
-    return run;
-  }
-
- private:
-  CoSimulation<Team> cosimulation_;
-};
-
-// The same of a job that begins or ends on the floor.
-template <class Team>
-class LiftCoSimulationOf : public AnyCoSimulation {
- public:
-  LiftCoSimulationOf(const Spec& spec, std::uint64_t seed, Team team, double slack,
-                     const WorldObservation& first)
       : job_(spec, seed, std::move(team), slack, first) {}
   Actuation<double> step_controllers() override { return job_.step_controllers(); }
   void observe(const WorldObservation& observation) override { job_.observe(observation); }
   bool done() const override { return job_.done(); }
   const PerSide<double>& speeds() const override { return job_.speeds(); }
-  PerSide<double> heights() const override { return job_.heights(); }
-  PerSide<bool> are_low() const override { return {job_.is_low(left), job_.is_low(right)}; }
-  Run run() override { return run_of_lift(job_); }
+  PerSide<double> heights() const override {
+    if constexpr (has_arms) return job_.heights();
+    return {};
+  }
+  PerSide<bool> are_low() const override {
+    if constexpr (has_arms) return {job_.is_low(left), job_.is_low(right)};
+    return {};
+  }
+  Run run() override {
+    if constexpr (has_arms) {
+      return run_of_lift(job_);
+    } else {
+      Run run = run_of(job_);
+      run.hash = job_.recorder().hash();
+      run.rows = job_.recorder().take_rows();
+      run.sent_messages = job_.recorder().take_sent_messages();
+      return run;
+    }
+  }
 
  private:
-  LiftCoSimulation<Team> job_;
+  static constexpr bool has_arms = requires(const Job& job) { job.heights(); };
+  Job job_;
 };
 
 std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::object& controller,
                                                    std::uint64_t seed, double slack,
                                                    const WorldObservation& first) {
-  return with_given_team(
-      controller, spec, seed, [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
-        if (uses_floor(spec))
-          return std::make_unique<LiftCoSimulationOf<Team>>(spec, seed, std::move(team), slack,
-                                                            first);
-        return std::make_unique<CoSimulationOf<Team>>(spec, seed, std::move(team), slack, first);
-      });
+  return with_given_team(controller, spec, seed,
+                         [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
+                           if (uses_floor(spec))
+                             return std::make_unique<CoSimulationOf<LiftCoSimulation<Team>>>(
+                                 spec, seed, std::move(team), slack, first);
+                           return std::make_unique<CoSimulationOf<CoSimulation<Team>>>(
+                               spec, seed, std::move(team), slack, first);
+                         });
 }
 
 template <class T>

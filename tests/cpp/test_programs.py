@@ -2,6 +2,7 @@
 """The C++ core by itself: its own tests under sanitizers, and its controllers without a system."""
 
 import os
+import platform
 import subprocess
 
 import pytest
@@ -62,6 +63,12 @@ def test_modes_of_two_robots() -> None:
 @pytest.mark.parametrize("name", MANY)
 def test_many_random_cases_under_sanitizers(name: str) -> None:
     passes(name, MANY[name], timeout_s=1500)
+
+
+def test_lanes_compile_with_clang() -> None:
+    if platform.machine() != "x86_64":
+        pytest.skip("untested: lanes of this level are for x86-64")
+    program("batch/lanes-clang++.o")
 
 
 # Compilers call these four by themselves, also in a freestanding program.

@@ -124,6 +124,49 @@ constexpr Rays<Real> rays_of(const Supports<Real>& supports, const Motions& moti
   return rays;
 }
 
+// The share of each of up to three rays in a wrench; negative where a ray would have to pull.
+template <class Real>
+struct RayShares {
+  std::array<std::size_t, 3> ray;
+  std::array<Real, 3> share;
+  std::size_t count;
+
+  Real least() const {
+    const Real two = smaller(share[0], share[1]);
+    return count == 2 ? two : smaller(two, share[2]);
+  }
+};
+
+// Calls `each` with the shares in a wrench of every three rays that span the space. Two rays alone,
+// whose balance is an equation of the regime: the shares in their plane.
+template <class Real, class Each>
+void for_each_combination(const Rays<Real>& rays, Triple<Real> wrench, Each&& each) {
+  if (rays.count == 2) {
+    const Triple<Real> n = cross(rays.ray[0], rays.ray[1]);
+    const Real area = dot(n, n);
+    each(RayShares<Real>{
+        {0, 1},
+        {dot(cross(wrench, rays.ray[1]), n) / area, dot(cross(rays.ray[0], wrench), n) / area},
+        2});
+    return;
+  }
+  for (std::size_t i = 0; i < rays.count; ++i) {
+    for (std::size_t j = i + 1; j < rays.count; ++j) {
+      const Triple<Real> ij = cross(rays.ray[i], rays.ray[j]);
+      for (std::size_t k = j + 1; k < rays.count; ++k) {
+        const Triple<Real> jk = cross(rays.ray[j], rays.ray[k]);
+        const Real volume = dot(rays.ray[i], jk);
+        if (!(magnitude(volume) > wrench_tolerance<Real>)) continue;
+        each(RayShares<Real>{
+            {i, j, k},
+            {dot(wrench, jk) / volume, dot(wrench, cross(rays.ray[k], rays.ray[i])) / volume,
+             dot(wrench, ij) / volume},
+            3});
+      }
+    }
+  }
+}
+
 // How far a wrench is inside a cone: the distance from its nearest face. Negative outside, and
 // nowhere positive if the cone is flat.
 template <class Real>

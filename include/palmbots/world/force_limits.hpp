@@ -31,34 +31,15 @@ class BalancedForces {
       const std::size_t n = regime.active[i].motion == Motion::stick ? 2 : 1;
       for (std::size_t k = 0; k < n; ++k) carrier[ray++] = problem.carrier(regime.active[i].pair);
     }
-    const auto add = [&](std::array<std::size_t, 3> at, std::array<double, 3> share) {
-      if (count_ == capacity || smaller(smaller(share[0], share[1]), share[2]) < -slack) return;
+    for_each_combination(rays, weight, [&](const RayShares<double>& shares) {
+      if (count_ == capacity || shares.least() < -slack) return;
       RobotForces force{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (carrier[at[k]] < 2) force[carrier[at[k]]] += share[k] * rays.ray[at[k]].x;
+      for (std::size_t k = 0; k < shares.count; ++k) {
+        const std::size_t at = shares.ray[k];
+        if (carrier[at] < 2) force[carrier[at]] += shares.share[k] * rays.ray[at].x;
       }
       at_[count_++] = force;
-    };
-    if (rays.count == 2) {  // their balance is an equation of the regime
-      const Triple<double> n = cross(rays.ray[0], rays.ray[1]);
-      const double area = dot(n, n);
-      add({0, 1, 0}, {dot(cross(weight, rays.ray[1]), n) / area,
-                      dot(cross(rays.ray[0], weight), n) / area, 0.0});
-      return;
-    }
-    for (std::size_t i = 0; i < rays.count; ++i) {
-      for (std::size_t j = i + 1; j < rays.count; ++j) {
-        const Triple<double> ij = cross(rays.ray[i], rays.ray[j]);
-        for (std::size_t k = j + 1; k < rays.count; ++k) {
-          const Triple<double> jk = cross(rays.ray[j], rays.ray[k]);
-          const double volume = dot(rays.ray[i], jk);
-          if (!(magnitude(volume) > wrench_tolerance<double>)) continue;
-          add({i, j, k},
-              {dot(weight, jk) / volume, dot(weight, cross(rays.ray[k], rays.ray[i])) / volume,
-               dot(weight, ij) / volume});
-        }
-      }
-    }
+    });
   }
 
   // By how much the least forces exceed the limits; ≤ 0: robots can exert them [weights].

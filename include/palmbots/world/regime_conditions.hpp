@@ -157,29 +157,11 @@ struct Conditions {
   }
 };
 
-// ≥ 0 iff the rays contain the weight: the best, over all three rays, of the least share of one. Two
-// rays, whose balance is an equation of the regime: the least share in their plane.
+// ≥ 0 iff the rays contain the weight: the best, over all combinations, of the least share of a ray.
 inline double balance(const Rays<double>& rays, Triple<double> weight) {
-  if (rays.count == 2) {
-    const Triple<double> n = cross(rays.ray[0], rays.ray[1]);
-    return smaller(dot(cross(weight, rays.ray[1]), n), dot(cross(rays.ray[0], weight), n)) /
-           dot(n, n);
-  }
   double best = -1.0;
-  for (std::size_t i = 0; i < rays.count; ++i) {
-    for (std::size_t j = i + 1; j < rays.count; ++j) {
-      const Triple<double> ij = cross(rays.ray[i], rays.ray[j]);
-      for (std::size_t k = j + 1; k < rays.count; ++k) {
-        const Triple<double> jk = cross(rays.ray[j], rays.ray[k]);
-        const double volume = dot(rays.ray[i], jk);
-        if (!(magnitude(volume) > wrench_tolerance<double>)) continue;
-        const double a = dot(weight, jk);
-        const double b = dot(weight, cross(rays.ray[k], rays.ray[i]));
-        const double c = dot(weight, ij);
-        best = larger(best, smaller(smaller(a / volume, b / volume), c / volume));
-      }
-    }
-  }
+  for_each_combination(
+      rays, weight, [&](const RayShares<double>& shares) { best = larger(best, shares.least()); });
   return best;
 }
 
