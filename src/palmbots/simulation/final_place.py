@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a job on the floor will put its object down: an interval that is stated before the start.
 
-The miss is the distance of the object from the wanted place; it is positive where the object went
-too far. Jobs with other seeds than those of users have it, and its interval is that between two of
-their order statistics. The expected share of further jobs between them is 95 %, whatever the
-distribution is: the miss has two clusters if either robot may be the first one under the object.
-Source: order statistics of a sample, Wilks (1941).
+The *miss* is the distance from the wanted place to the place of the object; it is positive if the
+object went too far. The interval lies between two order statistics of the misses of simulated jobs,
+whose seeds are not those of users. The expected share of further jobs in it is 95 % for any
+distribution. This matters, because the misses have two clusters if either robot may be the first
+one under the object. Source: order statistics of a sample, Wilks (1941).
 """
 
 from __future__ import annotations
@@ -50,9 +50,9 @@ class PlacePart:
     the rest."""
     mean_m: float
     interval_m: Interval
-    """95 % of the jobs."""
+    """Contains the contributions of 95 % of the jobs that succeed."""
     share: float
-    """Of the variance of the miss: cov(part, miss) / var(miss). The shares add up to 1."""
+    """Share of the variance of the miss: cov(part, miss) / var(miss). The shares add up to 1."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,9 +62,9 @@ class FinalPlace(Result):
     controller: str
     jobs: int
     failed: int
-    """They have no place."""
+    """How many jobs failed; these have no miss."""
     interval_m: Interval
-    """95 % of the jobs that succeed miss the wanted place by this much; > 0: too far."""
+    """Contains the misses of 95 % of the jobs that succeed; > 0: too far."""
     median_m: float
     parts: tuple[PlacePart, ...]
     scene: Scene
@@ -76,7 +76,7 @@ class FinalPlace(Result):
 
     @derived
     def failure_interval(self) -> Interval:
-        """Of the share of jobs that fail, 95 %."""
+        """The 95 % interval of the share of jobs that fail."""
         return rate_interval(self.failed, self.jobs)
 
     def lines(self) -> Iterator[Item]:
@@ -118,7 +118,7 @@ def final_place(
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> FinalPlace:
-    """State where jobs on the floor will put the object down.
+    """Predict where jobs on the floor put the object down.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`; its job begins and ends on the floor.

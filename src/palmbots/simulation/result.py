@@ -44,8 +44,8 @@ class Correction:
 
 @dataclass(frozen=True, slots=True)
 class ContactEvent:
-    """A time during which the object rested on more, or on something else, than its two contact
-    vertices."""
+    """A time during which the object rested on other points than its two contact vertices, or on
+    further ones."""
 
     robot: Literal["left", "right"]
     """The robot whose palm had the further contact."""
@@ -135,7 +135,7 @@ class Carry(Result):
     """The first 512; `correction_count` is the number of all."""
     correction_count: int
     contact_events: tuple[ContactEvent, ...]
-    """When the object rested on more, or on something else, than its two contact vertices."""
+    """When the object rested on other points than its two contact vertices, or on further ones."""
     messages: int
     """Messages sent, reports and commands of a station included."""
     messages_lost: int
@@ -168,9 +168,9 @@ class Carry(Result):
     """How often several contact modes could follow, among further contacts or under a pipe;
     `world.ambiguity` says which one did (0 in worlds other than the quasistatic one)."""
     stalled_s: BySide[float] = _NEVER
-    """How long each robot stalled: it was slower than commanded, because the force that this takes
-    was more than its motors or its traction give, or because the object could not give way (0 in
-    the MuJoCo world from palms to palms, and in logs of robots)."""
+    """How long each robot stalled, that is, was slower than commanded: its motors or its traction
+    gave less force than it needed, or the object could not give way (0 in the MuJoCo world from
+    palms to palms, and in logs of robots)."""
     ambiguous_choices: tuple[AmbiguousChoice, ...] = ()
     """When each ambiguous event was, and how the contacts moved on."""
     controller_source: ControllerSource | None = None

@@ -79,8 +79,9 @@ class Design(Result):
     shallow_deg: float
     steep_deg: float
     tolerance: float
-    """Of `quantity`, to either side, in its unit (`QUANTITIES`); the certificate, if there is one,
-    proves it. With lift: the least margin, relative to what the scene uses up of it."""
+    """The tolerance of `quantity` to either side, in its unit (`QUANTITIES`); the certificate, if
+    there is one, proves it. With lift: the tightest margin, relative to what the scene uses up
+    of it."""
     clearance_deg: float
     """How far the object or a palm may turn until an edge lies on a palm."""
     friction: Interval | None
