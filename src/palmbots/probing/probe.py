@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``probe``: know an object by touch, in a simulated world."""
+"""The command ``probe``: find an object's COM and friction by touch, in a simulated world."""
 
 from __future__ import annotations
 
@@ -57,18 +57,18 @@ class ProbeStroke:
 
 @dataclass(frozen=True, repr=False)
 class Probe(Result):
-    """What a probe has found out."""
+    """What a run of probes has found out about an object."""
 
     figure = "probe"
 
     is_consistent: bool
-    """One object of the prior explains all observations."""
+    """Whether an object of the prior explains all observations."""
     stop: str
-    """Why the probe ended early; empty: it did not."""
+    """Why the run ended early; empty: it did not."""
     com_x_m: Interval
     """COM from the left contact, along the line of contacts."""
     com_y_m: Interval
-    """COM above that line, as in the prior: no observation depends on it enough."""
+    """Height of the COM above that line, as in the prior: observations hardly depend on it."""
     friction: BySide[Interval]
     lever_ratio: Interval
     """Horizontal distance of the COM from the left contact, over that from the right one."""
@@ -77,17 +77,18 @@ class Probe(Result):
     volume: float
     """Of the set, as a fraction of the prior's."""
     observations: int
-    """How many cut the set."""
+    """How many observations cut the set."""
     contradicted: tuple[int, ...]
-    """The numbers of the observations, from 1, that do not fit the others: the fewest that explain
-    the rest if they are dropped. Several candidates are listed if they explain it equally well."""
+    """The numbers, from 1, of the observations that do not fit the others. If `dropped` of them are
+    dropped, an object of the prior explains the rest. More than `dropped` are listed if several
+    choices do so equally well."""
     dropped: int
-    """How many of them have to be dropped."""
+    """How many observations have to be dropped, at least."""
     time_s: float
     contact_m: float
-    """The largest distance of a contact from the middle of its palm, which robots do not know."""
+    """The largest distance of a contact from the middle of its palm; the robots do not know it."""
     contains_truth: bool
-    """The simulated object is in the set, which robots do not know."""
+    """Whether the simulated object is in the set; the robots do not know this."""
     strokes: tuple[ProbeStroke, ...]
     scene: Scene
     found: ObjectSet = field(metadata=NOT_IN_JSON)
@@ -170,8 +171,9 @@ def probe(
     """Find out an object's COM and friction by touch.
 
     Simulated robots with the object on their palms close and open a little at chosen palm angles.
-    They observe only which switches change. The scene is the object as it really is; the robots
-    know its outline and the prior.
+    They observe only which tactile switches change. The scene is the object as it really is. The
+    robots know its outline and a prior: intervals that contain the COM and both friction
+    coefficients.
 
     Args:
         scene: as in `palmbots.carry`.
@@ -181,7 +183,7 @@ def probe(
         friction: prior of both coefficients.
         angle_error_deg: largest error of each palm's angle.
         angle_range_deg: limits of the palm angles.
-        seed: of the errors of the palm angles.
+        seed: random seed of the errors of the palm angles.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
 

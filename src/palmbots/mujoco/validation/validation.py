@@ -151,8 +151,8 @@ class Validation(Result):
 
     @derived
     def holds(self) -> bool:
-        """99 % of decisive states of each kind agree, sticking contacts creep at most 0.25 mm, and
-        all paired carries have equal outcomes."""
+        """Whether at least 99 % of the decisive states of each kind agree, sticking contacts creep
+        by at most 0.25 mm, and all paired carries have equal outcomes."""
         return (
             all(one.decisive_rate >= MIN_AGREEMENT for one in self.own)
             and max(map(abs, self.creep_m)) <= MAX_CREEP_M
@@ -192,9 +192,9 @@ def validate(
     Args:
         scene: object, size of the palms and robots; the trials set angles, friction, COM and
             contacts.
-        controller: of the paired carries; a name or a class with a ``step``.
-        states: number of states of the grid with two vertices to try; None: all. They are spread
-            over the grid. Of the other kinds of contact, the same share is tried.
+        controller: controller of the paired carries; a name or a class with a ``step``.
+        states: number of states with two sharp vertices to try; None: all. They are spread over
+            their grid. Of the states with other kinds of contact, the same share is tried.
         carries: number of paired carries. They have the seeds 0, 1, …
         on_progress: called with the completed fraction.
 
