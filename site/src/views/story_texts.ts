@@ -44,7 +44,7 @@ export const STORIES: Story[] = [
   {
     title: "The paper's Figure 8",
     text:
-      "Seven bumps shift the contacts, as in the paper. A robot feels only whether its own contact is outward on its palm (p > 0), in the middle (p = 0), or inward (p < 0).",
+      "Seven bumps shift the contacts, as in the paper. A robot senses only whether its own contact is outward on its palm (p > 0), in the middle (p = 0), or inward (p < 0).",
     parts: [
       {
         scene: "figure8", at: 0.4, until: 0.7,
@@ -73,7 +73,7 @@ export const STORIES: Story[] = [
           answers: ["It asks again.", "It corrects without help.", "It waits for the Ack, to the end."],
           right: 2,
         },
-        after: "The paper's algorithm hangs: the right robot waits for the Ack and the left one for TiltDown, both forever. The box arrives only because nothing else disturbs it.",
+        after: "The paper's algorithm hangs: the right robot waits for the Ack forever, and the left one for TiltDown. The box arrives only because nothing else disturbs it.",
       },
       {
         controller: "resilient", set: SILENT_LEFT, speed: 2,
@@ -126,7 +126,7 @@ export const STORIES: Story[] = [
         set: REBOOT, speed: 2,
         question: {
           ask: "What will the left robot do?",
-          answers: ["It notices, and starts again.", "It goes on with its correction, to the end."],
+          answers: ["It notices, and starts again.", "It continues its correction, to the end."],
           right: 1,
         },
         after: "One robot drives away and the other closer, forever, and the contacts no longer move.",
