@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether a scene's robots can pick its object up and put it down: what `analyze` reports."""
 
+import itertools
 import math
 from typing import Any
 
 import pytest
 
 import palmbots as pb
+from lift_agreement import exact_end, is_possible, keys_of
 from palmbots._types import SIDES
+from palmbots.errors import SceneError
 from palmbots.mechanics.lifting import Lifting, check_lift, lifting
 from palmbots.scene.chassis import chassis, wheel_kg
 from palmbots.scene.scene import load_scene
 from random_lifts import random_lift
+from sampled import amounts
 
 G = 9.80665
 
@@ -139,9 +143,11 @@ def test_a_low_heel_is_warned_about() -> None:
     assert len(of(palm__heel_m=0.001).warnings) == 2
 
 
-def test_thin_palms_need_no_heel() -> None:
-    found = of(palm__thickness_m=0, palm__nose_m=0, palm__heel_m=0, object__edge_radius_m=0)
-    assert found.works and not found.palms.left.needs_heel
+def test_palms_of_equal_angles_need_a_heel_however_thin_they_are() -> None:
+    thin = {"palm__thickness_m": 0, "palm__nose_m": 0, "object__edge_radius_m": 0}
+    found = of(**thin, palm__heel_m=0)
+    assert not found.works and found.palms.left.needs_heel
+    assert of(**thin, palm__heel_m=0.012).works
 
 
 def test_rounded_objects_are_analysed_with_noses() -> None:
@@ -156,3 +162,24 @@ def test_corrections_that_may_never_end_are_announced_also_if_they_do_in_the_air
     assert any(
         line.startswith("property 1 does not hold while the noses") for line in found.warnings
     )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", amounts(10, 200))
+def test_jobs_whose_noses_certainly_get_under_succeed(jobs: int) -> None:
+    """In the quasistatic world, with noise: all but one of twenty (102 of 105 in a sample)."""
+    ends: list[str] = []
+    for seed in itertools.count():
+        if len(ends) == jobs:
+            break
+        keys = keys_of(seed)
+        try:
+            if not is_possible(keys):
+                continue
+        except SceneError:  # the object does not stand
+            continue
+        found = lifting(load_scene("lift", keys))
+        assert found is not None
+        if all(palm.gets_under for palm in found.palms.values()):
+            ends.append(exact_end(keys, seed))
+    assert jobs - ends.count("delivered") <= max(1, jobs // 20), ends

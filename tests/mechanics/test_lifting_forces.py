@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
+from scipy.optimize import linprog, minimize_scalar
 from tests.conftest import is_soak
 
 import palmbots as pb
@@ -118,6 +118,23 @@ class State:
         ]
         return made[0], made[1]
 
+    def first_lean(self, side: int) -> float:
+        """The lean of the first contact of an arc on the floor with the plate that drives towards
+        it: of all points from the nose upwards, the one that reaches the arc first."""
+
+        def behind(along: float) -> tuple[float, float]:
+            up = self.nose[side] + along * math.sin(self.theta[side]) - self.r
+            reach = math.sqrt(max(0.0, self.r**2 - up**2))  # of the arc, at this height
+            return along * math.cos(self.theta[side]) - reach, math.asin(reach / self.r)
+
+        found = minimize_scalar(
+            lambda along: behind(along)[0],
+            bounds=(0.0, self.r),
+            method="bounded",
+            options={"xatol": 1e-13},
+        )
+        return behind(min(0.0, found.x, key=lambda along: behind(along)[0]))[1]
+
     def load(self, com: Any) -> list[float]:
         """What the contacts have to carry: the weight, turned round."""
         x, y = com
@@ -183,7 +200,7 @@ def holding(state: State, side: int, at_heel: bool) -> tuple[list[Contact], list
             p = 0.5 * (low + high)
             low, high = (p, high) if pressed(p)[0] > 0 else (low, p)
     centres, com = placed(p)
-    psi = math.acos(1 - state.nose[side] / r)
+    psi = state.first_lean(side)
     contacts = [
         state.touch(centres[side], side, psi, state.phi[side], True),
         state.touch(centres[side], side, 0.0, math.atan(state.mu_floor), False),
@@ -208,14 +225,14 @@ def test_the_first_squeeze_is_that_of_a_linear_program() -> None:
         r = state.r
         for side in (0, 1):
             closed = docking(state.body(), state.plates(), side)
-            psi = math.acos(1 - state.nose[side] / r)
+            psi = state.first_lean(side)
             centres, com = state.placed([r, r])
             own = state.touch(centres[side], side, psi, state.phi[side], True)
             # The other corner stands on the floor, which may be as rough as you like, or on the
             # nose of its palm: the force that lifts is the same whatever carries the other one
             # through a given point.
             most = 0.0
-            lean = math.acos(1 - state.nose[1 - side] / r)
+            lean = state.first_lean(1 - side)
             for foot in (0.0, lean):
                 foot_of = state.touch(centres[1 - side], 1 - side, foot, 1.5, False)
                 rays = own.rays(slipping(side)) + [
@@ -350,7 +367,7 @@ def test_the_least_angle_of_a_partner_is_where_it_just_holds() -> None:
         state.slope = 0.0
         for side in (0, 1):
             angle = least_partner_angle(state.body(), state.plates(), side)
-            psi = edge_lean(state.nose[side], state.r)
+            psi = state.first_lean(side)
             if psi + state.phi[side] >= math.pi / 2 or angle <= 1e-6:
                 continue
             centres, com = state.placed([state.r, state.r])

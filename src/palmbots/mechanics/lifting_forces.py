@@ -19,6 +19,7 @@ Wrench = tuple[float, float, float]
 
 _LEVEL = math.pi / 2
 _NONE = 1e-12  # rad; a force that leans by a right angle lifts nothing
+_TIE = 0.01  # two squeezes are the same if they differ by less than this share
 _FLAT = 1e-12  # the volume of three unit wrenches that count as dependent, in widths
 
 
@@ -175,8 +176,9 @@ class Plate:
     heel: float
 
     def nose_lean(self, radius: float) -> float:
-        """ψ, with cos ψ = 1 − t / r."""
-        return edge_lean(self.nose, radius)
+        """Lean of the contact with an arc that stands on the floor: ψ, with cos ψ = 1 − t / r, at
+        the upper edge of the nose. A palm steeper than that touches the arc with its surface."""
+        return max(edge_lean(self.nose, radius), self.angle)
 
     def heel_lean(self, radius: float) -> float:
         """Lean of the contact with the heel; without a heel that of the surface."""
@@ -222,10 +224,15 @@ class Second:
     held: float
     """The most that the other palm then holds against it [N]: its corner climbs beyond that."""
 
+    by_heel: bool = False
+    """Whether a heel holds against it."""
+
     @property
     def works(self) -> bool:
-        """Whether it gets under before the other corner climbs on."""
-        return math.isfinite(self.squeeze) and self.squeeze <= self.held
+        """Whether it gets under before the other corner climbs on. If both need the same squeeze,
+        the corner that is on its palm climbs on: its load decreases as the object tilts."""
+        held = self.held if self.by_heel else self.held / (1 + _TIE)
+        return math.isfinite(self.squeeze) and self.squeeze <= held
 
 
 _NEVER = Second(math.inf, 0.0)
@@ -316,7 +323,7 @@ def _second(
     if rolled:
         if not any(_rolls(one, own, other, side) for one in (body, raised)):
             return _NEVER
-        lean = max(0.0, lean - abs(raised.tilt))
+        lean = max(own.angle, lean - abs(raised.tilt))
     direction = lean + own.friction
     surface, steepest = raised.touching(1 - side, other.angle), other.angle
     climb = raised.climb(side, lean, direction, surface)
@@ -329,7 +336,7 @@ def _second(
         found = raised.least(push, rays) if direction < _LEVEL - _NONE else None
         if found is not None:
             held = squeeze_of(max(0.0, body.weight - found[1]), steepest + other.friction)
-            return Second(found[0], max(found[0], held))
+            return Second(found[0], max(found[0], held), by_heel=True)
         climb = raised.climb(side, lean, direction, heel)
     if not 0 < climb.load < body.weight:
         return _NEVER
