@@ -366,6 +366,11 @@ def test_defaults_that_may_be_wrong_are_listed() -> None:
         assert "palm.friction" in assumed(pb.load_scene({"object": given}))
     text = on_assumptions(own).text
     assert all(f"{key} " in text for key in found)
+    assert "palm.friction 0.3, " in on_assumptions(pb.load_scene({})).text
+    for scene in (own, pb.load_scene(own, both), pb.load_scene({})):  # --friction gives it
+        text = on_assumptions(scene, (0.3, 0.4)).text
+        assert "given: palm.friction from 0.3 to 0.4 (--friction)" in text
+        assert text.count("friction ") == 1
 
 
 def test_changes_keep_the_object_light_enough_for_how_far_contacts_then_get() -> None:

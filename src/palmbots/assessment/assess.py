@@ -309,7 +309,7 @@ def assess(
             path = turn_keys(chosen, turn_radius_m, turn_angle_deg)
         curve = try_curve(chosen, best.controller, path, report, carries=CURVE_CARRIES)
     known("curve", on_curve(curve, best, chosen))
-    known("assumed", on_assumptions(chosen))
+    known("assumed", on_assumptions(chosen, interval))
     report(1.0)
     if not counts:
         refused = _refused(straight)

@@ -5,13 +5,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from palmbots._types import Interval
 from palmbots.assessment.answer import Answer
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side, value_of
 
+FRICTION = "palm.friction"
 DECISIVE = (
-    "palm.friction", "robot.noise_m_s", "object.mass_kg", "object.com_m", "object.depth_m",
+    FRICTION, "robot.noise_m_s", "object.mass_kg", "object.com_m", "object.depth_m",
     "radio.latency_s", "mujoco.palm_torque_n_m",
 )  # fmt: skip
 """Keys of what users seldom know exactly, and on which most answers depend."""
@@ -34,11 +36,21 @@ def assumed(scene: Scene) -> dict[str, Any]:
     return found
 
 
-def on_assumptions(scene: Scene) -> Answer:
-    """What the answers take for granted. Whether it is true palmbots cannot know."""
+def on_assumptions(scene: Scene, friction: Interval | None = None) -> Answer:
+    """What the answers take for granted. Whether it is true palmbots cannot know.
+
+    Args:
+        scene: whose values they are.
+        friction: the interval that was assessed; None: the scene's own values were.
+    """
     values = assumed(scene)
     keys = on_every_side(scene, dict.fromkeys(DECISIVE))
     given = {key: value_of(scene, key) for key in keys if key not in values}
+    if friction is not None:
+        for key in on_every_side(scene, {FRICTION: None}):
+            values.pop(key, None)
+            given.pop(key, None)
+        given = {FRICTION: "from {:g} to {:g} (--friction)".format(*friction), **given}
     texts = []
     if values:
         texts.append(f"defaults: {_listed(values)}")
@@ -55,4 +67,4 @@ def _listed(values: dict[str, Any]) -> str:
 def _text(value: Any) -> str:
     if isinstance(value, list | tuple):
         return f"[{', '.join(f'{one:g}' for one in value)}]"
-    return f"{value:g}"
+    return value if isinstance(value, str) else f"{value:g}"
