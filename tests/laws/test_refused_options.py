@@ -69,15 +69,16 @@ OPTIONS = list(options())
 NUMERIC = [(words, one) for words, one in OPTIONS if numbers_of(one)]
 LIMITED = [(one, key, option) for one in FUNCTIONS for key, option in one.options.items()
            if option.least is not None and option.most is not None]  # fmt: skip
-OUTPUTS = [(words, name) for words, one in OPTIONS if one.metavar in ("DIR", "FILE")
-           for name in one.opts]  # fmt: skip
+PLACES = [(words, name) for words, one in OPTIONS
+          if one.metavar in ("DIR", "FILE", "FILE.toml", "LOG", "PROBE")
+          for name in one.opts]  # fmt: skip
 
 
 def test_options_are_found() -> None:
     assert {words[0] for words, _ in NUMERIC} > {"carry", "certify", "doctor", "noise-limit"}
     assert {one.name for one, *_ in LIMITED} >= {"noise-limit", "bound", "drop-rate"}
-    outputs = {(*words, option) for words, option in OUTPUTS}
-    assert outputs > {("carry", "--out"), ("certify", "-o"), ("analyze", "--out")}
+    places = {(*words, option) for words, option in PLACES}
+    assert places > {("carry", "--out"), ("certify", "-o"), ("design", "--from"), ("import", "-o")}
     assert set(COMMON) <= {name for _, one in OPTIONS for name in one.opts}
 
 
@@ -87,6 +88,18 @@ def test_every_command_refuses_an_unknown_option(here: Run) -> None:
         done = here(*words, "--frobnicate")
         assert_refused(done, f"palmbots {path}: No such option: --frobnicate")
         assert done.stderr.endswith(f"; see palmbots {path} --help\n")
+
+
+def test_every_option_refuses_a_missing_value(here: Run) -> None:
+    """The line names the command, as other faults of usage do."""
+    for words, option in OPTIONS:
+        if not option.is_flag:
+            count = f"{option.nargs} arguments" if option.nargs > 1 else "an argument"
+            path = " ".join(words)
+            line = f"palmbots {path}: Option '{option.opts[0]}' requires {count}; see "
+            done = here(*words, option.opts[0])
+            assert done.stderr == f"{line}palmbots {path} --help\n", done
+            assert_refused(done)
 
 
 def test_every_number_refuses_what_is_none(here: Run) -> None:
@@ -155,8 +168,8 @@ def test_common_options_are_refused_alike(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(("words", "option"), OUTPUTS)
-def test_empty_output_name_is_refused(
+@pytest.mark.parametrize(("words", "option"), PLACES)
+def test_empty_name_of_a_file_is_refused(
     words: tuple[str, ...], option: str, here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """``--out "$DIR"`` with DIR unset must not mean the working directory."""

@@ -16,9 +16,14 @@ def user_path(path: str | os.PathLike[str], folder: str | os.PathLike[str] = "")
         folder: where a relative name is looked up.
 
     Raises:
-        PalmbotsError: it is an address such as ``s3://bucket``.
+        PalmbotsError: it is empty, as an unset variable of the shell makes it, or an address such
+            as ``s3://bucket``.
     """
     name = os.fspath(path)
+    if not name:
+        raise PalmbotsError(
+            'name of a file: value is ""; allowed: a name (. is the working directory)'
+        )
     if re.match(r"[A-Za-z][\w+.-]+:/", name):
         raise PalmbotsError(f"{name}: is an address; allowed: a file or folder of this machine")
     return Path(folder, os.path.expanduser(name))

@@ -108,6 +108,13 @@ def _interrupted() -> int:
 class _Command(TyperCommand):
     """A command whose help lists the worlds where it says ``{worlds}``."""
 
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        try:
+            return super().parse_args(ctx, args)
+        except _UsageError as error:  # one about an option without its values names no command
+            error.ctx = getattr(error, "ctx", None) or ctx
+            raise
+
     def format_help(self, ctx: Any, formatter: Any) -> None:
         texts: dict[Any, str | None] = {p: getattr(p, "help", None) for p in self.params}
         for option, text in texts.items():

@@ -19,7 +19,7 @@ from typing import Any, TypeAlias, TypedDict, Unpack, cast
 
 import numpy as np
 
-from palmbots._types import SIDES, Interval, Overrides, Region
+from palmbots._types import SIDES, FilePath, Interval, Overrides, Region
 from palmbots._util.arguments import one_of, ordered_pair, seed_of
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
@@ -118,7 +118,7 @@ def design(
     com_y_m: Range = None,
     slope_deg: Range = None,
     region_m: Region = "implied",
-    probe: str | None = None,
+    probe: FilePath | None = None,
     seed: int = 0,
     overrides: Overrides = None,
     on_progress: Progress = None,

@@ -20,7 +20,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack
 
-from palmbots._types import Interval, Overrides
+from palmbots._types import FilePath, Interval, Overrides
 from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import set_aside, write_whole
 from palmbots._util.command import Option, command, writes
@@ -271,7 +271,7 @@ def certify(
     region_m: Interval | Literal["implied", "palm"] = "palm",
     beyond_m: float = 0.0,
     claims: Sequence[str] | None = None,
-    probe: str | None = None,
+    probe: FilePath | None = None,
     max_boxes: int = _MAX_BOXES,
     overrides: Overrides = None,
     **intervals: Unpack[Intervals],
