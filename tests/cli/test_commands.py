@@ -11,7 +11,7 @@ import pytest
 from typer.main import get_command
 
 from coarse_pictures import COARSE
-from commands import Run, assert_refused
+from commands import Run, assert_refused, unwrapped
 from palmbots._util.atomic_files import write_whole
 from palmbots.cli import main as cli
 from palmbots.cli.main import build_app
@@ -263,7 +263,8 @@ def test_limits_that_the_scene_exceeds_are_in_json_too(here: Run) -> None:
     warnings = json.loads(result.stdout)["warnings"]
     assert any(text.startswith("robot.acceleration_m_s2 is 5, but") for text in warnings)
     for text in warnings:
-        assert f"palmbots: warning: {text}\n" in result.stderr
+        assert f"palmbots: warning: {text}\n" in unwrapped(result.stderr)
+    assert max(map(len, result.stderr.splitlines())) <= 80
 
 
 def test_help_lists_the_registered_worlds(here: Run) -> None:

@@ -14,7 +14,7 @@ import pytest
 from intelhex import IntelHex
 
 import palmbots as pb
-from commands import Run, assert_refused
+from commands import Run, assert_refused, unwrapped
 from palmbots.boards.flashing import flash
 from palmbots.boards.images import image_with
 from palmbots.pair.pair_file import init_pair, load_pair
@@ -59,7 +59,8 @@ def test_a_pair_file_that_says_nothing_about_the_robots_gives_one_line(
     done = here("firmware", str(pair), "--out", str(tmp_path / "images"))
     line = f"palmbots: warning: {pair}: all keys of [hardware] have their defaults; "
     assert done.returncode == 0
-    assert done.stderr.startswith(line) and done.stderr.count("\n") == 1
+    printed = unwrapped(done.stderr)
+    assert printed.startswith(line) and printed.count("\n") == 1
     text = pair.read_text()
     assert "wheel_radius_m = 0.04" in text
     pair.write_text(text.replace("wheel_radius_m = 0.04", "wheel_radius_m = 0.033"))

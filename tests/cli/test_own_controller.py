@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from commands import Run, assert_refused
+from commands import Run, assert_refused, unwrapped
 from shell import palmbots
 
 SHORT = ("--set", "task.distance_m=0.1")
@@ -106,7 +106,7 @@ def test_failure_in_a_thread_or_in_del_is_one_warning(tmp_path: Path) -> None:
     result = palmbots("carry", "-c", "own.py:C", *SHORT, cwd=tmp_path)
     assert result.returncode == 0
     assert result.stdout.startswith("DELIVERED")
-    assert sorted(result.stderr.splitlines()) == [
+    assert sorted(unwrapped(result.stderr).splitlines()) == [
         f"palmbots: warning: C.__del__ failed: OSError: at the end {place('at the end')}",
         f"palmbots: warning: goodbye failed: OSError: at exit {place('at exit')}",
         f"palmbots: warning: thread listener failed: OSError: in a thread {place('in a thread')}",

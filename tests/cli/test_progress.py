@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from commands import Run
+from commands import Run, unwrapped
 from palmbots.cli._progress import LineProgress, progress, staged_progress
 from palmbots.cli._warnings import hold_warnings, warn
 from palmbots.errors import PalmbotsError
@@ -106,6 +106,20 @@ def test_warnings_are_held_until_the_work_begins(capsys: pytest.CaptureFixture[s
         warn("the palms overlap")
         assert capsys.readouterr().err == line  # at once
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("asked", [None, 40, 100])
+def test_warnings_are_as_wide_as_reports(
+    asked: int | None, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if asked is not None:
+        monkeypatch.setenv("COLUMNS", str(asked))
+    name = "a-folder/" + 10 * "with-a-long-name-"  # which can be copied in one piece
+    warn(text := f"{30 * 'word '}{name}: {30 * 'more '}end")
+    printed = capsys.readouterr().err
+    assert unwrapped(printed) == f"palmbots: warning: {text}\n"
+    widths = [len(line) for line in printed.splitlines() if name not in line]
+    assert min(80, asked or 80) - 5 < max(widths) <= min(80, asked or 80)
 
 
 def test_warnings_of_refused_input_are_not_printed(capsys: pytest.CaptureFixture[str]) -> None:

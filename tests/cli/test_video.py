@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from commands import Run
+from commands import Run, unwrapped
 
 COMMAND = (
     "carry", "--seeds", "1", "--world", "mujoco", "--video", "--animation", "none",
@@ -27,7 +27,7 @@ def test_video_without_ffmpeg_is_a_gif(here: Run, tmp_path: Path) -> None:
     out = tmp_path / "out"
     result = here(*COMMAND, "--out", str(out))
     assert result.returncode == 0
-    (line,) = [line for line in result.stderr.splitlines() if "ffmpeg" in line]
+    (line,) = [line for line in unwrapped(result.stderr).splitlines() if "ffmpeg" in line]
     assert "carry-3d.gif" in line and line.startswith("palmbots: warning: ")
     names = {path.name for path in out.iterdir()}
     assert {"carry-3d.png", "carry-3d.gif"} <= names and "carry-3d.mp4" not in names
@@ -50,7 +50,7 @@ def test_missing_ffmpeg_is_announced_before_the_carry(
     monkeypatch.setattr("palmbots.assessment.carry_command.carry", stop)
     result = here(*COMMAND, "--out", str(tmp_path / "out"))
     assert result.returncode == 130
-    assert "carry-3d.gif" in result.stderr.splitlines()[0]
+    assert "carry-3d.gif" in unwrapped(result.stderr).splitlines()[0]
 
 
 @pytest.mark.usefixtures("without_ffmpeg")

@@ -13,7 +13,7 @@ import pytest
 from scipy.stats import binom
 
 import palmbots as pb
-from commands import Run
+from commands import Run, unwrapped
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
 from palmbots.fitting.straight_stretches import COMMANDS, POSITIONS, stretches_of
 from palmbots.scene.recorded_tables import read_recording
@@ -97,7 +97,7 @@ def test_parts_that_set_nothing_are_named(here: Run, tmp_path: Path) -> None:
     one.write_text("# robot.gain: needs 5 stretches\n[robot]\n[radio]\nloss = 0.1\n")
     other.write_text("# nothing\n")
     words = ("--with", one, "--with", other)
-    shown = here("analyze", "paper", *words).stderr.splitlines()
+    shown = unwrapped(here("analyze", "paper", *words).stderr).splitlines()
     assert shown == [
         f"palmbots: warning: {one}: [robot] sets nothing",
         f"palmbots: warning: {other}: sets nothing",

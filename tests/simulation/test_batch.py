@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import palmbots._core as _core
+from commands import unwrapped
 from cxx import program
 from palmbots.cli import main as cli
 from palmbots.control.registry import shipped_names
@@ -122,7 +123,7 @@ def test_commands_without_modules_say_once_what_is_faster(
         monkeypatch.setattr(batch, "_slow_ticks", 0.0)
         out = [] if command.startswith("compare") else ["--out", f"of-{carries}"]
         assert cli.run([*command.split(), *out]) == 0
-        printed = capsys.readouterr().err
+        printed = unwrapped(capsys.readouterr().err)
         assert printed.count(f"palmbots: warning: {batch.SLOW_BUILD}\n") == lines, printed
 
 

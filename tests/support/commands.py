@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line, run in this process."""
 
+import re
 from collections.abc import Callable
 from subprocess import CompletedProcess
 
@@ -38,6 +39,11 @@ def runner(capsys: pytest.CaptureFixture[str]) -> Run:
         return CompletedProcess(arguments, status, printed.out, printed.err)
 
     return run
+
+
+def unwrapped(printed: str) -> str:
+    """What was printed on stderr, with each warning on one line again."""
+    return re.sub(r"\n  (?=\S)", " ", printed)
 
 
 def assert_refused(result: CompletedProcess[str], *words: str) -> None:

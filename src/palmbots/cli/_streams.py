@@ -7,6 +7,7 @@ This module imports almost nothing: it is used before anything else is imported.
 import contextlib
 import os
 import sys
+import textwrap
 
 from palmbots._util.end_signal import has_starter
 from palmbots.cli import INTERRUPTION_LINE
@@ -23,6 +24,35 @@ def open_closed_streams() -> None:
             stream = open(os.devnull, "w" if number else "r", encoding="utf-8")  # noqa: SIM115
             os.set_inheritable(stream.fileno(), True)  # as the other streams are
             setattr(sys, name, stream)
+
+
+WIDTH = 80
+"""Columns of text in a pipe or a file."""
+_LEAST = 20  # columns: a smaller COLUMNS is ignored
+
+
+def text_width(columns: int) -> int:
+    """Columns of running text where `columns` are free: fewer where COLUMNS asks for it."""
+    asked = os.environ.get("COLUMNS", "")
+    is_width = asked.isdecimal() and int(asked) >= _LEAST
+    return min(columns, int(asked)) if is_width else columns
+
+
+def say_wrapped(text: str) -> None:
+    """Print a text on stderr, as wide as reports are; its further lines are indented."""
+    columns = WIDTH
+    if sys.stderr is not None and sys.stderr.isatty():
+        with contextlib.suppress(OSError, ValueError):
+            columns = max(WIDTH, os.get_terminal_size(sys.stderr.fileno()).columns)
+    say(
+        textwrap.fill(
+            text,
+            text_width(columns),
+            subsequent_indent="  ",
+            break_long_words=False,  # a command or the name of a file stays whole
+            break_on_hyphens=False,
+        )
+    )
 
 
 def say(line: str) -> None:

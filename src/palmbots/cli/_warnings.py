@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from palmbots.cli._streams import say
+from palmbots.cli._streams import say_wrapped
 from palmbots.errors import one_line
 
 _held: list[str] | None = None  # None: warnings are printed at once
@@ -20,9 +20,14 @@ _held: list[str] | None = None  # None: warnings are printed at once
 def warn(text: str) -> None:
     """Print a warning; hold it as long as the input of the command may still be refused."""
     if _held is None:
-        say(f"palmbots: warning: {one_line(text)}")
+        say_warning(text)
     else:
         _held.append(text)
+
+
+def say_warning(text: str) -> None:
+    """Print a warning at once."""
+    say_wrapped(f"palmbots: warning: {one_line(text)}")
 
 
 def print_held_warnings() -> None:

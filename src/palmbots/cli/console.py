@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The console of all reports: no trailing blanks, common styles and texts, 80 columns in a pipe."""
 
-import os
 import re
 import sys
 from collections.abc import Collection, Iterable
@@ -14,6 +13,7 @@ from rich.text import Text
 
 from palmbots._util.report import Item, Line, Mark, Marked, quiet
 from palmbots._util.report import Table as TableOfTexts
+from palmbots.cli._streams import WIDTH, text_width
 from palmbots.cli._warnings import print_held_warnings
 
 GOOD, BAD, QUIET = "bold green", "bold red", "dim"
@@ -21,8 +21,6 @@ _STYLES: dict[Mark, str] = {
     "": "default", "bold": "bold", "good": GOOD, "bad": BAD, "warning": "bold yellow",
     "quiet": QUIET,
 }  # fmt: skip
-_WIDTH = 80  # columns, in a pipe or a file; also the minimum for tables
-_LEAST = 20  # columns: a smaller COLUMNS is ignored
 _TRAILING_BLANKS = re.compile(r" +((?:\x1b\[[0-9;]*m)*)$", re.MULTILINE)
 
 
@@ -51,7 +49,7 @@ def report_console() -> Console:
     console = Console(
         highlight=False, markup=False, file=cast("TextIO", _TrimmedStream(sys.stdout))
     )
-    console.width = max(console.width, _WIDTH) if console.is_terminal else _WIDTH
+    console.width = max(console.width, WIDTH) if console.is_terminal else WIDTH
     return console
 
 
@@ -65,7 +63,7 @@ def print_report(items: Iterable[Item], about: str = "", console: Console | None
     """
     width = console.width if console else None
     console = console or report_console()
-    width = width or _text_width(console)
+    width = width or text_width(console.width)
     for item in _about(list(items), about) if about else items:
         if isinstance(item, TableOfTexts):
             console.print(_table(item))
@@ -76,13 +74,6 @@ def print_report(items: Iterable[Item], about: str = "", console: Console | None
             console.print(Text(" " * line.indent).append_text(text), soft_wrap=True)
         else:
             console.print(indented(text, line.indent), width=width)
-
-
-def _text_width(console: Console) -> int:
-    """Columns of running text: fewer than those of tables where COLUMNS asks for it."""
-    asked = os.environ.get("COLUMNS", "")
-    is_width = asked.isdecimal() and int(asked) >= _LEAST
-    return min(console.width, int(asked)) if is_width else console.width
 
 
 def _about(items: list[Item], about: str) -> list[Item]:
@@ -101,7 +92,7 @@ def _about(items: list[Item], about: str) -> list[Item]:
                 parts[n] = quiet(f"{blanks}{about}, {part.lstrip()}")
                 return [*items[:k], Line(*parts), *items[k + 1 :]]
     head = items[0] if isinstance(items[0], Line) else Line(str(items[0]))
-    if len(str(head)) > _WIDTH // 2 and len(str(head)) + 2 + len(about) > _WIDTH:
+    if len(str(head)) > WIDTH // 2 and len(str(head)) + 2 + len(about) > WIDTH:
         return [head, Line(quiet(about), is_whole=True), *items[1:]]
     return [Line(*head.parts, f"  {about}", is_whole=True), *items[1:]]
 

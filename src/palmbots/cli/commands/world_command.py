@@ -118,6 +118,7 @@ def _live(
 ) -> int:
     """A world in real time, which prints what happens; in `palmbots up` the station does so."""
     from palmbots.cli._streams import say
+    from palmbots.cli._warnings import say_warning
     from palmbots.control.dead_band import warnings_before
     from palmbots.links.local_connection import listen
     from palmbots.simulation.imperfections import load_imperfections
@@ -126,7 +127,7 @@ def _live(
     imperfections = load_imperfections(imperfect) if imperfect else None
     if not as_json:
         for text in warnings_before(scene, "none"):
-            say(f"palmbots: warning: {text}")
+            say_warning(text)
 
     def on_line(line: str) -> None:
         say(f"palmbots: world at {serve}: {line}")
