@@ -233,8 +233,8 @@ def assess(
 ) -> Assessment:
     """Answer on one page whether and how often a scene fails.
 
-    Carries of this scene are counted with every shipped controller, with other palm angles, with
-    lost messages, on a curve, and with changes of one thing each.
+    It counts how carries of this scene end with every shipped controller, with other palm angles,
+    with lost messages, on a curve, and with single changes.
 
     Args:
         scene: as in `palmbots.carry`.

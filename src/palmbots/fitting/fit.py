@@ -37,10 +37,10 @@ def fit(
 ) -> MotionFit | RadioFit | LogFit:
     """Fit keys of a scene to recordings, with 95 % intervals.
 
-    From logs: the errors of the robots' speeds, and losses and delays of the radio, or with an
-    option only one of them. From other files with `motion`: the errors of a robot's speed, from
-    pairs of files with its commands and its positions, one pair for each run. With `radio`: losses
-    and delays, from one file with the packets that arrived for each run.
+    Logs give the errors of the robots' speeds, and the losses and delays of the radio; `motion` or
+    `radio` selects one of the two. Other files need one of them. With `motion` they are pairs of
+    files with the commands and the positions of a robot, one pair for each run. With `radio` they
+    are files with the packets that arrived, one file for each run.
 
     Args:
         files: the recordings: logs of carries (palmbots carry --out), folders with the logs of

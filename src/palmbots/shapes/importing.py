@@ -93,13 +93,13 @@ def import_object(
     Args:
         file: drawing (.svg, .dxf) or mesh (.stl, .obj, .gltf, .glb).
         unit: unit of the file: mm, cm, m or in; None: that of the file, if it has one.
-        scale: multiply all lengths by this; None: 1. It also confirms an unusual size.
+        scale: multiply all lengths by this factor; None: 1. It also confirms an unusual size.
         up: axis of the file that points upwards: x, y, z, -x, -y or -z; None: y of drawings and
             glTF, z of others.
         across: axis of a mesh across the direction of travel: x, y or z; None: y, or z if y points
             upwards.
         view: outline of a mesh: that of its section by a vertical plane, or its silhouette.
-        cut: place of the plane within the depth of the mesh.
+        cut: position of this plane within the depth of the mesh.
         tolerance_mm: greatest deviation of the outline; None: 0.5 % of its size, or what 32 corners
             need.
         depth_mm: extent across the direction of travel; None: that of the mesh, or 100 of a

@@ -126,27 +126,27 @@ def design(
 ) -> Design:
     """Find and certify the most noise-tolerant palm angles.
 
-    `maximize` selects the error of another quantity instead of the noise. For a job on the floor
-    the plate of the palms is designed, too.
+    `maximize` selects another quantity, whose permitted error is maximized instead of the noise.
+    For a job on the floor, the command also designs the plate of the palms.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
         maximize: ``noise``, ``lift``, or a tolerance: com, friction, slope, acceleration, region or
             angle; None: lift for a job on the floor, otherwise noise. ``noise`` is the speed noise
             at which 1 % of carries drop the object (σ*); a tolerance is the error of one of
-            `QUANTITIES`. ``lift`` finds the nose, bevel and heel of the palms and the angles with
-            the greatest least margin of `analyze`, and simulates jobs with them.
+            `QUANTITIES`. ``lift`` finds the nose, bevel and heel of the palms and the angles at
+            which the tightest margin of `analyze` is largest, and simulates jobs with them.
         controller: the shipped controller whose σ* is measured, or that does the simulated jobs;
             None: no σ*, no jobs. ``noise`` needs one.
         friction: friction coefficient; None: as in the scene.
         common_friction: use one friction for both palms, or one for each. With one for both, it
             may be any of the interval.
         com_y_m: height of the COM above the contacts; None: as in the scene.
-        slope_deg: slope of the floor, uphill > 0; None: as in the scene. Uphill is meant in the
-            direction of travel; the limits are -45 and 45.
+        slope_deg: slope of the floor, uphill > 0; None: as in the scene. Uphill refers to
+            the direction of travel; the limits are -45 and 45.
         region_m: contact coordinates: what the scene implies, the whole palm, or an interval [m].
             The properties have to hold for them; the scene implies others at each pair of angles.
-        probe: file that palmbots probe wrote, for COM and friction; None: as in the scene.
+        probe: file of palmbots probe with intervals of COM and friction; None: as in the scene.
         seed: random seed of the carries.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.

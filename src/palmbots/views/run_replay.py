@@ -113,8 +113,9 @@ def replay_logs(logs: Sequence[str | PathLike[str]]) -> ReplayResult | RunReplay
     """Run a logged carry again and compare every bit.
 
     Logs of robots and of a station are verified: each robot's program gets the logged readings and
-    packets again, and has to decide the same. The packets that they exchanged align their clocks. A
-    table states when each robot carried, how far, and why it ended.
+    packets again, and has to make the same decisions. The packets that the programs exchanged align
+    the clocks of their logs. A table states when each robot carried, how far, and why its carry
+    ended.
 
     Args:
         logs: MCAP logs, or folders with them.

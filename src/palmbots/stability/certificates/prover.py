@@ -287,7 +287,7 @@ def certify(
             corrected. 0: as in the paper.
         claims: prove these claims: property 1, property 2, property 0, clearance, property 0
             turning, clearance turning, no jam; None: all.
-        probe: file that palmbots probe wrote, for COM and friction; None: as in the scene.
+        probe: file of palmbots probe with intervals of COM and friction; None: as in the scene.
         max_boxes: number of boxes after which the claims count as undecided.
         overrides: scene keys to set.
         intervals: as `Intervals` describes them.
