@@ -110,7 +110,7 @@ class Probe(Result):
                 (f"  friction, {side} palm", _ends(own, 1, ""), _ends(before, 1, ""))
                 for (side, own), before in zip(self.friction.items(), prior.friction, strict=True)
             ),
-            ("  COM height", "as before", _ends(self.com_y_m, 1000, "mm")),
+            ("  COM height", "as in the prior", _ends(self.com_y_m, 1000, "mm")),
             ("  mass", "no observation depends on it", ""),
         ]
         yield Table(rows, ("", "probed", "prior"))
