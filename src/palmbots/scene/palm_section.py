@@ -20,8 +20,8 @@ class PalmParameters(Section):
     """Length along the direction of travel."""
     usable_m: float | None = key("palm.usable_m")
     """Length of the part in the middle on which a contact may be. Beyond it a contact counts as
-    off the palm. Not set: the whole length. On a palm with a heel, not set: the part on which
-    the heel cannot touch the object; a contact may also be farther outward, up to the heel."""
+    off the palm. Not set: the whole length; on a palm with a heel, the part on which the heel
+    cannot touch the object. A contact may then also be farther outward, up to the heel."""
     width_m: Size = 0.07
     """Width across the direction of travel. A palm with lips is as wide as the object plus twice
     `lip_clearance_m` instead."""

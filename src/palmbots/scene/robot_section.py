@@ -53,12 +53,12 @@ class RobotParameters(Section):
     """Rate error of the robot's clock, > 0 if it runs fast. Controllers that measure no time ignore
     it: centralized and distributed."""
     motor_force_n: float | None = key("robot.motor_force_n")
-    """Largest force along the floor of both motors of a robot together. A robot that would need
-    more stalls, and its wheels stand. Not set: no limit."""
+    """Largest force along the floor of both motors of a robot together. If a robot would need a
+    larger force, it stalls, and its wheels stand. Not set: no limit."""
     traction_n: float | None = key("robot.traction_n")
-    """Largest force of a robot's wheels on the floor. A robot that would need more stalls, and its
-    wheels spin (in MuJoCo they stand, and mujoco.floor_friction limits the force as well). Not set:
-    no limit."""
+    """Largest force of a robot's wheels on the floor. If a robot would need a larger force, it
+    stalls, and its wheels spin (in MuJoCo they stand, and mujoco.floor_friction limits the force as
+    well). Not set: no limit."""
     period_s: float | None = key("robot.period_s")
     """Time between two steps of the robot's program: a whole multiple of control.period_s, and at
     most control.watchdog_s. Without it: control.period_s."""

@@ -69,8 +69,8 @@ class World(Section):
 
     ambiguity: str = key("world.ambiguity")
     """Which motion follows where further contacts permit several. rule: that in which both palms
-    slide, else the one in which the palm that leads slides. drawn: any of them, each as likely, by
-    the random numbers of the seed."""
+    slide, else the one in which the palm that leads slides. drawn: one of them, each with the same
+    probability; the seed determines which."""
     fall_m: float = key("world.fall_m")
     """How far a contact vertex may fall in a job on the floor, for example off the inner end of a
     palm."""
