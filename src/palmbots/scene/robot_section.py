@@ -155,4 +155,4 @@ class Control(Section):
     centre, or because its partner seems to stand."""
     start: str = key("control.start")
     """Controllers silent and shared-sign. together: both robots start at an agreed time. touch: the
-    follower starts, and the leader when it feels that, or hears it."""
+    follower starts, and the leader when it senses that, or hears the follower."""
