@@ -20,7 +20,7 @@ PARTS: list[list[tuple[str, str | None]]] = [
      ("delivered", None)],
     [("dropped", "The box falls."), ("delivered", None)],
     [("210 corrections, no messages", "The box arrives."), ("140 corrections, no messages", None)],
-    [("the last correction has not ended", "It goes on with its correction, to the end."),
+    [("the last correction has not ended", "It continues its correction, to the end."),
      ("delivered", None)],
     [("delivered", "The box arrives."), ("dropped", "The box falls.")],
     [("delivered", "The box arrives."), ("dropped", "The box falls.")],
