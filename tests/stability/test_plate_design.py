@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`palmbots.design` of a job on the floor: no random plate has a greater least margin than the
+"""`palmbots.design` of a job on the floor: no random plate has a larger tightest margin than the
 designed one, and jobs with it succeed."""
 
 import json

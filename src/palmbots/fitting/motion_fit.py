@@ -64,23 +64,23 @@ class MotionFit(Result):
     figure = "motion-fit"
 
     sources: tuple[Source, ...]
-    """The files: of each run the commands, then the positions."""
+    """The files: for each run that with the commands, then that with the positions."""
     runs: int
     stretches: int
     """Straight stretches with a constant command that were used."""
     jumps: int
     """Stretches that were left out because the position jumped or was lost."""
     duration_s: float
-    """Of all stretches together."""
+    """Duration of all stretches together."""
     alignments: tuple[Alignment, ...]
-    """Of the two clocks of each run; empty: logs have one clock."""
+    """The alignment of the two clocks of each run; empty: logs have one clock."""
     estimates: tuple[Estimate, ...]
     """One for each scene key that could be fitted, and for the noise of the positions."""
     misfit: float
-    """How far the spread of the displacement error is from the model's, as a fraction: the root
-    mean square over times from 0.2 s to 2 s."""
+    """Relative difference between the measured and the fitted spread of the displacement error:
+    the root mean square over times from 0.2 s to 2 s."""
     misfit_without_white: float
-    """The same of a model without the white part."""
+    """The same for a model without the white part."""
     data: Displacements = field(metadata=NOT_IN_JSON)
     replay: Replay = field(metadata=NOT_IN_JSON)
     """The recording for carries that replay it."""

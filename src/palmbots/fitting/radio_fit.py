@@ -67,16 +67,16 @@ class RadioFit(Result):
     runs: int
     received: int
     lost: int
-    """Between packets that arrived."""
+    """Packets that were lost between two that arrived."""
     bursts: int
     """Groups of successive packets that were lost."""
     burst_packets: float
     """Mean number of packets in such a group; 0: none was lost."""
     expected_burst_packets: float
-    """The same if each packet were lost independently with the probability of all."""
+    """The same if each packet were lost independently, with the same overall probability."""
     duplicates: int
     reordered: int
-    """Packets that arrived after one that was sent later."""
+    """Packets that arrived after a packet that was sent later."""
     delay_kind: DelayKind
     """What the delays are."""
     estimates: tuple[Estimate, ...]

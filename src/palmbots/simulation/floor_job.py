@@ -55,7 +55,7 @@ class JobPhase:
 
 @dataclass(frozen=True, slots=True)
 class FloorJob:
-    """What a job that begins or ends on the floor was like."""
+    """The course and the result of a job that begins or ends on the floor."""
 
     phases: tuple[JobPhase, ...]
     """The first 128 phases of both robots, in the order in which they began."""

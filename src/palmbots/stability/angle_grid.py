@@ -28,8 +28,8 @@ Quantity = Literal["com", "friction", "slope", "acceleration", "region", "angle"
 
 Lift = Literal["lift"]
 Objective = Literal["noise"] | Lift | Quantity
-"""What `palmbots.design` can maximize: the noise limit σ*, the least margin of a job on the floor,
-or a tolerance."""
+"""What `palmbots.design` can maximize: the noise limit σ*, the tightest margin of a job on the
+floor, or a tolerance."""
 
 NOISE: Literal["noise"] = "noise"
 LIFT: Lift = "lift"

@@ -2,8 +2,8 @@
 """Design of the plate of the palms and of their angles for a job on the floor: the result, beside
 the scene's own plate.
 
-`plate_search` finds the greatest least margin. Jobs with the same seeds then try the proposal and
-the scene's own plate, because noise and the controller are no part of the closed forms.
+`plate_search` finds the plate whose tightest margin is largest. Jobs with the same seeds then try
+it and the scene's own plate, because the closed forms contain neither noise nor the controller.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Plate:
     shallow_deg: float
     steep_deg: float
     margins: tuple[RankedMargin, ...]
-    """Of `palmbots.analyze`, the tightest first; empty: the plate does not qualify."""
+    """The margins of `palmbots.analyze`, the tightest first; empty: the plate does not qualify."""
     refusal: str
     """Why it does not qualify; empty: it does."""
     counts: OutcomeCounts | None
@@ -67,7 +67,8 @@ class Plate:
 
     @derived
     def least_margin(self) -> float | None:
-        """The least margin, relative to what the scene uses up; None: it does not qualify."""
+        """The tightest margin, relative to what the scene uses up of it; None: the plate does not
+        qualify."""
         return next((one.times for one in self.margins if one.times is not None), None)
 
     def sizes(self) -> dict[str, float]:
@@ -83,11 +84,11 @@ class Plate:
 
 @dataclass(frozen=True)
 class PlateDesign:
-    """The plate and angles with the greatest least margin, and the scene's own for comparison."""
+    """The plate and angles whose tightest margin is largest, and the scene's own for comparison."""
 
     best: Plate
     own: Plate
-    """Of the left palm, where the palms differ."""
+    """The scene's own plate; that of the left palm, if the palms differ."""
     analysis: Analysis = field(metadata=NOT_IN_JSON)
     """Of the designed scene."""
 
@@ -105,11 +106,11 @@ class PlateDesign:
         yield Line(verdict(not self.fails_more, "DESIGNED", "FAILS"), bold(f"  {mine.text()}"))
         if self.fails_more:
             yield "simulated jobs fail more often than with the scene's own plate"
-        least = f"least margin {_times(mine.least_margin)}"
+        least = f"tightest margin {_times(mine.least_margin)}"
         if own.refusal:
             yield f"{least}; the scene's own plate does not qualify: {own.refusal}"
         elif mine.sizes() == own.sizes():
-            yield f"{least}: the scene's own plate; none that was tried has a greater one"
+            yield f"{least}: the scene's own plate; no other plate that was tried has a larger one"
         else:
             yield f"{least} instead of {_times(own.least_margin)} with {own.text()}"
         heads = ("designed", "the scene's own")
@@ -149,7 +150,7 @@ def design_plate(
     own_deg: Interval | None,
     report: Callable[[float], None],
 ) -> Design:
-    """Find the plate and the angles with the greatest least margin, and simulate jobs with them.
+    """Find the plate and the angles whose tightest margin is largest, and simulate jobs with them.
 
     Args:
         scene: its job begins or ends on the floor.

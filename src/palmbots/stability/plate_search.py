@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Search for the plate of the palms and the angles with the greatest least margin.
+"""Search for the plate of the palms and the angles whose tightest margin is largest.
 
 The search goes over what can be made: the thickness of the nose, the length of the bevel, the
 height of the heel, and both palm angles. A margin is relative to what the scene uses up of it
@@ -35,7 +35,7 @@ _RANGES_M = {
     "heel_range_m": (0.0, 0.02),
 }
 _STEPS_M = (0.0001, 0.001, 0.001)
-_SHARPNESS = 8  # of the smooth minimum: the least margin decides, the others where it is equal
+_SHARPNESS = 8  # of the smooth minimum: the tightest margin decides, the others where it is equal
 _BETTER = 1e-3  # share of the cost that must be saved: the plate does not change for less
 _STRIDES = (4, 2, 1)
 _EVALUATIONS = 500  # about; for the progress
@@ -175,7 +175,7 @@ class PlateSearch:
         return self._trimmed(found[0])
 
     def dataset(self) -> xr.Dataset:
-        """The least margin of every plate that was tried."""
+        """The tightest margin of every plate that was tried."""
         import xarray as xr  # here: its import takes longer than a carry
 
         rows = [(*place, _least_margin(*found)) for place, found in self._found.items()]
@@ -220,7 +220,7 @@ class PlateSearch:
 
 
 def _least_margin(found: Analysis | None, refusal: str) -> float:
-    """The least margin; NaN: the plate does not qualify."""
+    """The tightest margin; NaN: the plate does not qualify."""
     if found is None or refusal:
         return math.nan
     return min((one.times for one in found.ranking if one.times is not None), default=math.inf)

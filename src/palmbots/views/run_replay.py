@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Verifies the log of a robot: the core's program, given the logged inputs, decides the same.
+"""Verifies the log of a robot: with the logged inputs, the core's program must decide the same.
 
 The program is built from the scene, the controller and the settings in the log. Every command, mode
 and packet is compared, to the last bit.
@@ -40,7 +40,7 @@ class Verified:
     end: str
     boots: int
     is_cut: bool
-    """The log has no end: its program was killed, or the disk was full."""
+    """Whether the log has no end, because its program was killed or the disk was full."""
     ticks: int
     """Ticks in the log; 0 for a station."""
     verified: int
@@ -55,15 +55,15 @@ class RunReplay(Result):
 
     logs: tuple[Verified, ...]
     clocks: tuple[ClockFit, ...]
-    """For each log how its clock relates to that of the first of its run."""
+    """For each log, how its clock relates to that of the first log of its run."""
     carries: tuple[LoggedCarry, ...] = ()
-    """When each robot carried, and why it ended."""
+    """When each robot carried, and why its carry ended."""
     run: tuple[RunLog, ...] = field(default=(), metadata=NOT_IN_JSON)
     """What the logs contain."""
 
     @derived
     def identical(self) -> bool:
-        """All decisions of all robots are equal."""
+        """Whether all decisions of all robots equal the logged ones."""
         return all(log.difference is None for log in self.logs)
 
     def lines(self) -> Iterator[Item]:
