@@ -50,14 +50,14 @@ class PairTable(Section):
     """Number of the pair on the air, 0 to 65535. Pairs within radio range of each other need
     different ones."""
     key_file: str = "pair.key"
-    """File with the key, 32 hexadecimal digits. Copy it to both robots and the station, and to
-    nobody else."""
+    """File with the key, 32 hexadecimal digits. Copy it to both robots and the station, and to no
+    other computer."""
     state_folder: str = "pair-state"
     """Folder in which each robot stores what it must remember over a reboot. Copy it to both robots
     once, while it is new, and never copy or restore it after a robot has run: its boot counter
     protects against replayed packets."""
     log_folder: str = "pair-logs"
-    """Folder in which each program logs what it sees, says and decides; empty: no logs."""
+    """Folder in which each program logs its readings, packets and decisions; empty: no logs."""
     scene: str = "paper"
     """Name of a built-in scene, or a TOML file."""
     controller: str = RECOMMENDED
@@ -124,7 +124,7 @@ class LimitsTable(Section):
     """What happens if the station falls silent: stop, or carry-on."""
     partner_lost: Literal["stop", "controller"] = "stop"
     """What happens if the partner falls silent: stop, or what the controller does then. With stop,
-    robots repeat what they say all the time, also those of shared-sign."""
+    robots repeat their messages all the time, also those of shared-sign."""
     station_limit_s: Limit = 1.0
     """Silence of the station after which it counts as lost. A packet that arrives late is as
     old as the robot's own packet that it acknowledges."""
@@ -134,7 +134,7 @@ class LimitsTable(Section):
     time_limit_s: Limit = 600.0
     """Longest duration of a carry."""
     max_speed_m_s: TopSpeed = 0.2
-    """No driver is given a faster command. A scene that needs one is refused."""
+    """Largest speed of a command to a driver. A scene that needs a larger one is refused."""
 
 
 class PairFile(Section):
