@@ -87,8 +87,8 @@ def export(
 ) -> Exported:
     """Write a scene, or carries, in formats of other programs.
 
-    Carries are simulated, with the seeds 0, 1, …; or they are the carry of a log, or the last one
-    that the logs of robots in a folder show.
+    Carries are simulated with the seeds 0, 1, and so on. With a log, the carry of the log is
+    written instead; with a folder of robots' logs, the last carry that they show.
 
     Args:
         scene: a built-in name, a file, a table or a `Scene`.
