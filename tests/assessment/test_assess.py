@@ -2,6 +2,7 @@
 """`palmbots assess`: the answers are those of the functions behind the commands that they name."""
 
 import json
+import math
 import re
 import shlex
 from pathlib import Path
@@ -182,6 +183,36 @@ def test_load_is_judged_where_the_contacts_get() -> None:
     assert best.farthest_m is not None and found.load is not None
     assert best.farthest_m < pb.load_limits(found.scene).held_within_m
     assert found.answers.load.verdict == "likely" and found.load.counts.dropped == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "heavy",
+    [
+        {"object.mass_kg": 8},
+        {"object.mass_kg": 7, "start.left_m": 0.01, "mujoco.palm_torque_n_m": 0.2},
+    ],
+)
+def test_robots_are_made_no_stronger_than_the_object_needs(heavy: dict[str, Any]) -> None:
+    """With a value one hundredth of its decade lower, no carry begins or one of five drops."""
+    scene = pb.load_scene("paper", heavy | {"task.distance_m": 0.1})
+    found = try_changes(scene, "shared-sign", {}, None)
+    assert isinstance(found, ChangeTrial) and found.is_for_load
+
+    def suffices(keys: dict[str, Any]) -> bool:
+        changed = pb.load_scene(scene, keys)
+        if pb.load_limits(changed).refusal():
+            return False
+        ends = (pb.carry(changed, "shared-sign", world="mujoco", seed=k) for k in range(5))
+        return all(end.outcome == "delivered" for end in ends)
+
+    keys = dict(found.changes)
+    assert len(keys) == (2 if "start.left_m" in heavy else 1)
+    assert suffices(keys)
+    for key, value in keys.items():
+        assert isinstance(value, float) and value == float(f"{value:.2g}")
+        step = 10.0 ** (math.floor(math.log10(value)) - 1)
+        assert not suffices(keys | {key: value - step}), key
 
 
 def test_failures_in_mujoco_are_put_down_to_the_weight_only_if_a_light_object_does_better() -> None:

@@ -176,6 +176,7 @@ def try_changes(
         chosen, mujoco = _carried_in_mujoco(scene, plans, ranked, controller, report)
         if mujoco is not None and mujoco.failure_rate == 1:
             return NoChange(_ALL_FAIL, is_for_load=True)
+        plans[chosen], mujoco = _least(scene, plans[chosen], mujoco, controller, reach_m)
     for one in [chosen] if is_heavy else ranked:
         best, holds = plans[one], not judged[one][0]
         changed = load_scene(scene, dict(best))
@@ -251,6 +252,49 @@ def _carried_in_mujoco(
             break
     best = min(found, key=lambda k: found[k].failure_rate, default=ranked[0])
     return best, found.get(best)
+
+
+def _least(
+    scene: Scene,
+    keys: Keys,
+    arrived: OutcomeCounts | None,
+    controller: str,
+    reach_m: float | None,
+) -> tuple[Keys, OutcomeCounts | None]:
+    """The least values of these keys that are enough: the robots hold the object, and all carries
+    in the MuJoCo world arrive if they do with `keys`. Each key has two digits, and is as small as
+    the others allow."""
+    least, counts = dict(keys), arrived
+    is_carried = arrived is not None and arrived.failure_rate == 0
+    for key in keys:
+        values = _between(value_of(scene, key), least[key])
+        low, high = -1, len(values) - 1  # the last value is enough
+        while high - low > 1:
+            middle = (low + high) // 2
+            tried, found = least | {key: values[middle]}, counts
+            is_enough = _holds(scene, tried, reach_m)
+            if is_enough and is_carried:
+                changed = load_scene(scene, dict(tried))
+                found = count_outcomes(changed, controller, seeds=LOAD_CARRIES, world="mujoco")
+                is_enough = found.failure_rate == 0
+            if is_enough:
+                high, counts = middle, found
+            else:
+                low = middle
+        least[key] = values[high]
+    return least, counts
+
+
+def _between(low: float, high: float) -> list[float]:
+    """The numbers of two digits between `low` and `high`, and `high`."""
+    step = 10.0 ** (math.floor(math.log10(low)) - 1)
+    values, k = [], math.floor(low / step) + 1
+    while k * step < high * (1 - 1e-9):
+        values.append(float(f"{k * step:.2g}"))
+        k += 1
+        if k >= 100:
+            k, step = 10, 10 * step
+    return [*values, high]
 
 
 def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:

@@ -209,7 +209,8 @@ def _timed(option: str, texts: list[str]) -> list[tuple[float, int]]:
             found.append((float(at_s), int(seed)))
         except ValueError:
             raise PalmbotsError(
-                f"{option}: value is {text or show(text)}; allowed: TIME:SEED, a time in s and a whole number"
+                f"{option}: value is {text or show(text)}; allowed: TIME:SEED, a time in s and a "
+                "whole number"
             ) from None
     return found
 
