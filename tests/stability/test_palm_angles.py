@@ -357,3 +357,16 @@ def test_undecided_design_renames_an_older_certificate(
         "design.png", "design.json.old", "scene.toml",
     }  # fmt: skip
     assert (tmp_path / "design.json.old").read_bytes() == older
+
+
+def test_time_of_a_design_is_stated_before_most_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("palmbots._util.time_left._WAIT_S", 0.0)
+    lines, done = list[str](), list[float]()
+
+    def on_line(line: str) -> None:
+        lines.append(line)
+        assert done[-1] < 0.5
+
+    pb.design("paper", maximize="com", on_progress=done.append, on_line=on_line)
+    assert [line[:23] for line in lines] == ["the design takes about "]
+    assert done == sorted(done) and done[-1] == 1

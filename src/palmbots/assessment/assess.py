@@ -15,6 +15,7 @@ from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
+from palmbots._util.time_left import TimeLeft
 from palmbots.assessment.angles import PAIRS, AngleTrial, NoPair, try_angles
 from palmbots.assessment.answer import (
     WORDS,
@@ -33,7 +34,6 @@ from palmbots.assessment.friction import (
     try_friction,
 )
 from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
-from palmbots.assessment.time_left import TimeLeft
 from palmbots.assessment.verdicts import (
     counts_table,
     needs_table,

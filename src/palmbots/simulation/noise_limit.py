@@ -228,6 +228,11 @@ def _refuse_if_slow(
         )
 
 
+def expected_carries(drop_rate: float, relative_half_width: float) -> int:
+    """About how many carries `noise_limit` takes with a shipped controller."""
+    return _expected(drop_rate, relative_half_width, max(FEW, math.ceil(4 / drop_rate)))
+
+
 def _expected(rate: float, half_width: float, few: int) -> int:
     """About how many carries the pilot run and the result take."""
     return 12 * few + max(_needed(rate, half_width, _TYPICAL_SLOPE), few * LEVELS)

@@ -42,17 +42,19 @@ class _Round:
     """Distance of neighbours, in steps of the grid; None: no new pairs."""
     kept: int
     """How many of the best pairs of the round before take part."""
+    pairs: int
+    """How many take part, about, with neighbours and the scene's own; 0: it depends on the grid."""
     carries: int
     drop_rate: float
     """Of the leader, about."""
 
 
 _ROUNDS = (
-    _Round(4, 0, 200, 0.10),
-    _Round(2, 10, 400, 0.10),
-    _Round(1, 8, 1000, 0.06),
-    _Round(None, 10, 3000, 0.03),
-    _Round(None, 4, 12_000, 0.015),
+    _Round(4, 0, 0, 200, 0.10),
+    _Round(2, 10, 53, 400, 0.10),
+    _Round(1, 8, 46, 1000, 0.06),
+    _Round(None, 10, 11, 3000, 0.03),
+    _Round(None, 4, 5, 12_000, 0.015),
 )
 _MOST_PAIRS = 160
 """Of the first round; where more are admissible, they stand farther apart."""
@@ -97,7 +99,7 @@ def run_race(
     Raises:
         PalmbotsError: the controller refuses all pairs.
     """
-    state = _State(scene, entry, grid, start, seed, threads)
+    state = _State(scene, entry, grid, start, seed, threads, report, expected_carries(grid))
     places = _first_places(grid)
     ranked: list[Place] = []
     for number, rules in enumerate(_ROUNDS):
@@ -108,8 +110,16 @@ def run_race(
         if own is not None and grid.admissible[own] and own not in places:
             places = [*places, own]
         ranked = state.rank(places, rules)
-        report((number + 1) / len(_ROUNDS))
+    report(1.0)
     return Race(ranked[0], state.sigma)
+
+
+def expected_carries(grid: AngleGrid) -> int:
+    """About how many carries a race over this grid takes."""
+    most = int(np.count_nonzero(grid.admissible))
+    return sum(
+        rules.carries * (min(rules.pairs, most) or len(_first_places(grid))) for rules in _ROUNDS
+    )
 
 
 def _first_places(grid: AngleGrid) -> list[Place]:
@@ -149,6 +159,10 @@ class _State:
     start: tuple[float, float]
     seed: int
     threads: int
+    report: Callable[[float], None]
+    expected: int
+    """Carries, about."""
+    carried: int = 0
     sigma: NDArray[np.float64] = field(init=False)
     noise_m_s: float = field(init=False)
     refused: dict[Place, str] = field(default_factory=dict)
@@ -213,8 +227,15 @@ class _State:
         first = np.uint64((self.seed + self.used) % 2**64)
         seeds = np.tile(np.arange(carries, dtype=np.uint64) + first, len(found))
         self.used += carries
-        outcome = run_batch(specs, index, seeds, self.entry, threads=self.threads)["outcome"]
+        outcome = run_batch(
+            specs, index, seeds, self.entry, threads=self.threads, watch=self._watch
+        )["outcome"]
+        self.carried += len(index)
         return found, outcome.reshape(len(found), carries) == DROPPED
+
+    def _watch(self, done: int) -> None:
+        """Report the fraction; the race may take more carries than expected."""
+        self.report(min((self.carried + done) / self.expected, 0.99))
 
     def _spec(self, place: Place) -> Any:
         keys: dict[str, Any] = {**angle_keys(self.scene, self._angles(place))}

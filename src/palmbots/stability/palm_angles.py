@@ -23,17 +23,17 @@ from palmbots._types import SIDES, FilePath, Interval, Overrides, Region
 from palmbots._util.arguments import one_of, ordered_pair, seed_of
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
+from palmbots._util.time_left import TimeLeft, announced
 from palmbots.control.registry import (
     ControllerEntry,
     ControllerLike,
     refuse_reference,
     resolve,
 )
-from palmbots.errors import PalmbotsError, SceneError
+from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.batch import available_cores
-from palmbots.simulation.noise_limit import NoiseLimit, noise_limit
-from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
+from palmbots.simulation.noise_limit import NoiseLimit
 from palmbots.stability.angle_certificate import certify_tolerance, scene_at
 from palmbots.stability.angle_grid import (
     LIFT,
@@ -50,6 +50,8 @@ from palmbots.stability.angle_grid import (
 from palmbots.stability.certificates.box_from_scene import slope_interval
 from palmbots.stability.clearance import outline_clearance
 from palmbots.stability.delivery_race import Race, run_race
+from palmbots.stability.delivery_race import expected_carries as race_carries
+from palmbots.stability.design_carries import carries_of_measurement, carry_s_of, counted, measured
 from palmbots.stability.design_result import Design, OwnAngles, ReactionTimes
 from palmbots.stability.interval_sets import around
 from palmbots.stability.margins import friction_ranges
@@ -65,9 +67,6 @@ PAPER_DEG = (5.0, 15.0)
 Range: TypeAlias = Interval | None
 Progress: TypeAlias = Callable[[float], None] | None
 
-_PRECISE, _COARSE = 0.015, 0.03
-"""Relative half-width of the interval of σ*, where it is the objective and where it is a
-by-product."""
 _TYPICAL_SLOPE = 4.0
 
 
@@ -122,6 +121,7 @@ def design(
     seed: int = 0,
     overrides: Overrides = None,
     on_progress: Progress = None,
+    on_line: Callable[[str], None] | None = None,
     **grid: Unpack[GridOptions],
 ) -> Design:
     """Find and certify the most noise-tolerant palm angles.
@@ -149,7 +149,8 @@ def design(
         probe: file of palmbots probe with intervals of COM and friction; None: as in the scene.
         seed: random seed of the carries.
         overrides: scene keys to set.
-        on_progress: called with the completed fraction.
+        on_progress: called with the completed fraction, which follows the time on this machine.
+        on_line: called with a line about how long the design takes, as soon as it is known.
         grid: as `palmbots.stability.GridOptions` describes it.
 
     Raises:
@@ -165,7 +166,9 @@ def design(
     objective = cast("Objective", maximize)
     entry = _entry(controller, objective)
     seed = seed_of(seed)
-    report = on_progress or (lambda fraction: None)
+    report = announced(
+        on_progress or (lambda fraction: None), on_line or (lambda line: None), "the design"
+    )
     quantity: Quantity = "com" if objective in (NOISE, LIFT) else objective
     own_deg = _own_angles(chosen)
     limits = _limits(grid, objective, own_deg)
@@ -193,17 +196,26 @@ def design(
         problem = problem.with_(beyond=implied.beyond_m)
     if not any(problem.radius):
         require("flint", "certify")  # of the certificate: missed before the work, not after it
+    left = TimeLeft(report, ("own", "race", "designed"))
     found = evaluate(problem, quantity, limits, uncertainty, implied)
-    report(0.05)
+    of_race = race_carries(found) if objective == NOISE else 0
+    if entry is not None:
+        carry_s = carry_s_of(chosen, entry)
+        expected_s = carries_of_measurement(objective) * carry_s
+        left.expect(own=expected_s, race=of_race * carry_s, designed=expected_s)
 
-    own_limit = _measured(chosen, entry, seed, objective, report, (0.05, 0.25))
+    own_limit = measured(chosen, entry, seed, objective, left.begin("own"))
+    if own_limit is not None:
+        own_s = left.spent_s()
+        carry_s = own_s / (own_limit.pilot_carries + own_limit.carries)
+        left.expect(race=of_race * carry_s, designed=own_s)
     row, column, race = *found.best(), None
     if objective == NOISE and entry is not None:
-        race = _race(chosen, entry, found, own_deg, own_limit, seed, report)
+        race = _race(chosen, entry, found, own_deg, own_limit, seed, left.begin("race"))
         row, column = race.best
     pair_deg = (float(found.degrees[row]), float(found.degrees[column]))
     designed = scene_at(chosen, pair_deg)
-    limit = _measured(designed, entry, seed, objective, report, (0.7, 0.9))
+    limit = measured(designed, entry, seed, objective, left.begin("designed"))
 
     pair = (math.radians(pair_deg[0]), math.radians(pair_deg[1]))
     times = reaction(chosen, *pair)
@@ -235,13 +247,13 @@ def design(
         reach_m=float(times.reach_m),
         region_m=answer.contacts[0],
         noise_limit=limit,
-        counts=_counted(designed, entry),
+        counts=counted(designed, entry),
         own=OwnAngles(
             own_deg,
             own_tolerance,
             own_limit,
             _clearance_deg(problem, chosen if is_implied else None),
-            _counted(chosen, entry),
+            counted(chosen, entry),
         ),
         paper_tolerance=found.tolerance_at(*PAPER_DEG),
         certificate=certificate,
@@ -285,47 +297,12 @@ def _own_angles(scene: Scene) -> Interval | None:
     return left if left == right else None
 
 
-def _measured(
-    scene: Scene,
-    entry: ControllerEntry | None,
-    seed: int,
-    objective: Objective,
-    report: Callable[[float], None],
-    part: Interval,
-) -> NoiseLimit | None:
-    """σ* of a scene; None where there is no controller, it refuses the scene, or there is no σ*."""
-    if entry is None:
-        return None
-    try:
-        return noise_limit(
-            scene,
-            entry,
-            relative_half_width=_PRECISE if objective == NOISE else _COARSE,
-            seed=seed,
-            on_progress=lambda done: report(part[0] + (part[1] - part[0]) * done),
-        )
-    except SceneError:
-        return None
-    except PalmbotsError as error:
-        if not str(error).startswith("noise-limit"):
-            raise
-        return None
-
-
 def _clearance_deg(problem: StabilityProblem, implying: Scene | None) -> float:
     """The clearance at the scene's own angles, for the contacts that a scene implies if given."""
     if implying is not None:
         reach = implied_reach_m(implying)
         problem = problem.with_(contacts=((-reach, reach), (-reach, reach)))
     return math.degrees(outline_clearance(problem).rotation_margin.margin)
-
-
-def _counted(scene: Scene, entry: ControllerEntry | None) -> OutcomeCounts | None:
-    """How carries of a scene end; None where there is no controller, or it refuses the scene."""
-    try:
-        return None if entry is None else count_outcomes(scene, entry)
-    except SceneError:
-        return None
 
 
 def _race(
@@ -348,7 +325,7 @@ def _race(
         start,
         seed=seed,
         threads=available_cores(),
-        report=lambda done: report(0.25 + 0.45 * done),
+        report=report,
     )
 
 

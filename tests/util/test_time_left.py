@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from palmbots.assessment.time_left import TimeLeft
+from palmbots._util.time_left import TimeLeft, announced
 
 PARTS = {"counts": 10.0, "load": 30.0, "curve": 60.0}
 
@@ -42,3 +42,14 @@ def test_total_contains_what_is_expected() -> None:
     left.begin("a")
     now = 7.0
     assert left.total_s == 6.0
+
+
+@pytest.mark.parametrize(("total_s", "said"), [(1.9, []), (52.34, ["it takes about 52.0 s"])])
+def test_time_of_the_whole_work_is_stated_once(total_s: float, said: list[str]) -> None:
+    now, lines, shown = 3.0, list[str](), list[float]()
+    report = announced(shown.append, lines.append, "it", lambda: now)
+    for step in range(101):
+        now = 3.0 + 0.01 * step * total_s
+        report(0.01 * step)
+        assert lines == (said if step >= 4 else [])
+    assert shown == [0.01 * step for step in range(101)]

@@ -6,6 +6,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from palmbots._util.text import duration
+
+_WAIT_S = 2.0
+_EARLY = 0.04  # of the work: then its pace is known
+
 
 class TimeLeft:
     """The completed fraction: the time spent, as a share of it and of the time that is left.
@@ -62,3 +67,33 @@ class TimeLeft:
         if spent_s > 0:
             self._fraction = max(self._fraction, spent_s / (spent_s + left_s))
         self._report(self._fraction)
+
+
+def announced(
+    report: Callable[[float], None],
+    on_line: Callable[[str], None],
+    what: str,
+    clock: Callable[[], float] = time.monotonic,
+) -> Callable[[float], None]:
+    """Report the completed fraction, and state once how long the whole work takes, as soon as its
+    pace is known; nothing for work of up to two seconds.
+
+    Args:
+        report: called with the fraction, which has to follow the time.
+        on_line: called with the line.
+        what: the work.
+        clock: in s.
+    """
+    begin, is_known = clock(), False
+
+    def pass_on(fraction: float) -> None:
+        nonlocal is_known
+        report(fraction)
+        if is_known or not _EARLY <= fraction < 1:
+            return
+        is_known = True
+        total_s = (clock() - begin) / fraction
+        if total_s > _WAIT_S:
+            on_line(f"{what} takes about {duration(float(f'{total_s:.2g}'))}")
+
+    return pass_on
