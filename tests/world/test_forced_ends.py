@@ -48,6 +48,34 @@ SLIP_TURNS_AT_LEVEL = Script(
     },
     [(0.0, 0.0, -5.0), (0.0, 0.0, 2.0)],
 )
+# A slide stops where palm and strip touch at three points. There the three contacts together stick or
+# slide for an instant only; then one of those that slide leaves.
+SLIDING_CONTACT_LEAVES = Script(
+    {"object": "box-strips"},
+    {
+        "palm.friction": 0.15,
+        "palm.right.friction": 0.2,
+        "palm.pivot_offset_m": 0.0,
+        "start.left_m": -0.006510551275426983,
+        "start.right_m": 0.031789398100849416,
+    },
+    [(0.0, 0.0, -5.0), (0.0, 1.0, -5.0), (0.0, -5.0, 3.0), (-0.012034651951893113, -5.0, 8.0)],
+)
+SLIDING_CONTACT_OF_THE_OTHER_PALM_LEAVES = Script(
+    {"object": "box-strips"},
+    {
+        "palm.friction": 0.3,
+        "palm.right.friction": 0.45,
+        "palm.pivot_offset_m": 0.01,
+        "start.left_m": -0.038600201041983015,
+        "start.right_m": -0.009120690580751763,
+    },
+    [
+        (0.01970341564495631, -5.0, -3.0),
+        (0.006284046715293035, 25.0, 1.0),
+        (-0.016866022146781123, -5.0, -5.0),
+    ],
+)
 # The tip of the left palm slides along an edge to its corner; the next edge is too steep to rest
 # on. Exactly at the corner the plate's normal would balance the object, but it lies outside the
 # normal cone of the corner.
@@ -72,7 +100,16 @@ CORNER_SLIDES_OFF = Script(
 )
 
 
-@pytest.mark.parametrize("script", [CORNER_PASSES_TIP, THROUGH_LEVEL, SLIP_TURNS_AT_LEVEL])
+@pytest.mark.parametrize(
+    "script",
+    [
+        CORNER_PASSES_TIP,
+        THROUGH_LEVEL,
+        SLIP_TURNS_AT_LEVEL,
+        SLIDING_CONTACT_LEAVES,
+        SLIDING_CONTACT_OF_THE_OTHER_PALM_LEAVES,
+    ],
+)
 def test_carry_continues_where_an_edge_passes_a_tip_or_level(script: Script) -> None:
     assert Runner().end(script) is None
 

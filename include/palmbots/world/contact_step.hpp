@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/root_finding.hpp"
@@ -281,9 +282,9 @@ class ContactStep : ContactTrial {
     return {choose_later(found, done), DropReason::none};
   }
 
-  // Where contacts stick for an instant only, as on a palm that turns through level, the first order
-  // does not say which of them slides or leaves then. One of the regimes that go on follows; as many
-  // contacts as possible stay.
+  // Where a mode is possible for an instant only, as on a palm that turns through level, or where a
+  // slide reverses, the first order does not say which of its contacts slides or leaves then. One of
+  // the regimes that go on follows; as many contacts as possible stay.
   bool choose_later(const RegimeCandidates& found, double done) {
     const auto is_instant = [&](const RegimeCandidate& one) {
       return (one.on_both || !problem_.on_both) && !lasts(done, one.regime);
@@ -292,8 +293,7 @@ class ContactStep : ContactTrial {
     if (first == found.at.begin() + found.count) return false;
     const Regime& instant = first->regime;
     std::size_t ways = 1;
-    for (std::size_t i = 0; i < instant.count; ++i)
-      ways *= instant.active[i].motion == Motion::stick ? 4 : 1;
+    for (std::size_t i = 0; i < instant.count; ++i) ways *= continuations(instant.active[i]).size();
     for (const double ahead : {1e-3, 1e-5}) {
       const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
       for (std::size_t leaving = 0; leaving < instant.count; ++leaving) {
@@ -310,19 +310,26 @@ class ContactStep : ContactTrial {
     return false;
   }
 
-  // A regime in which contacts that stick do otherwise: each as a digit of `way` to the base 4 says.
+  // What a contact may do next: it goes on, or leaves; one that sticks may also slide.
+  static std::span<const Motion> continuations(const ActivePair& contact) {
+    static constexpr std::array<Motion, 4> sticking{Motion::stick, Motion::up, Motion::down,
+                                                    Motion::leave};
+    static constexpr std::array<Motion, 2> up{Motion::up, Motion::leave};
+    static constexpr std::array<Motion, 2> down{Motion::down, Motion::leave};
+    if (contact.motion == Motion::stick) return sticking;
+    return contact.motion == Motion::up ? up : down;
+  }
+
+  // A regime in which each contact continues as a digit of `way` says.
   Regime varied(const Regime& instant, std::size_t way) const {
     Regime regime = instant;
     regime.count = 0;
     PerSide<bool> touched{};
     for (std::size_t i = 0; i < instant.count; ++i) {
       ActivePair contact = instant.active[i];
-      if (contact.motion == Motion::stick) {
-        constexpr std::array<Motion, 4> motions{Motion::stick, Motion::up, Motion::down,
-                                                Motion::leave};
-        contact.motion = motions[way % 4];
-        way /= 4;
-      }
+      const std::span<const Motion> motions = continuations(contact);
+      contact.motion = motions[way % motions.size()];
+      way /= motions.size();
       if (contact.motion == Motion::leave) continue;
       regime.active[regime.count++] = contact;
       const std::size_t carrier = problem_.carrier(contact.pair);
