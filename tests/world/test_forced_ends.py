@@ -48,8 +48,8 @@ SLIP_TURNS_AT_LEVEL = Script(
     },
     [(0.0, 0.0, -5.0), (0.0, 0.0, 2.0)],
 )
-# A slide stops where palm and strip touch at three points. There the three contacts together stick or
-# slide for an instant only; then one of those that slide leaves.
+# A slide stops where palm and strip touch at three points. There the three contacts together stick
+# or slide for an instant only; then one of those that slide leaves.
 SLIDING_CONTACT_LEAVES = Script(
     {"object": "box-strips"},
     {

@@ -47,8 +47,8 @@ class RobotParameters(Section):
     segments. Time limits and forecasts still use the replaced keys. The name is relative to the
     scene file."""
     trace_gain: str = key("robot.trace_gain")
-    """With error_trace: whether a robot keeps the gain of its first segment during the carry, or
-    has the gain of each segment, then at the nominal speed."""
+    """With error_trace: "carry" keeps the gain of the first segment during the carry; "segment"
+    gives each segment its own gain, with the error that it has at the nominal speed."""
     clock_ppm: float = key("robot.clock_ppm")
     """Rate error of the robot's clock, > 0 if it runs fast. Controllers that measure no time ignore
     it: centralized and distributed."""
