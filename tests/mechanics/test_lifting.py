@@ -5,15 +5,19 @@ import itertools
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 import palmbots as pb
+import palmbots._core as _core
 from lift_agreement import exact_end, is_possible, keys_of
 from palmbots._types import SIDES
 from palmbots.errors import SceneError
 from palmbots.mechanics.lifting import Lifting, check_lift, lifting
 from palmbots.scene.chassis import chassis, wheel_kg
 from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
+from palmbots.simulation.floor_job import MEANINGS as PHASES
 from random_lifts import random_lift
 from sampled import amounts
 
@@ -105,8 +109,32 @@ def test_arms_that_may_differ_too_much_are_warned_about() -> None:
     (line,) = of(arm__rate_m_per_s=0.2).warnings
     # rate × (lease + delay + tick), where three beacons in a row may be lost, and both errors
     lease = 2 * (0.05 + 0.05 + 0.01) + 3 * 0.05
-    differ = 0.2 * (lease + 0.05 + 0.01) + 2 * 0.002
+    pivot_m = of().palms.left.pivot_m
+    differ = 0.2 * (lease + 0.05 + 0.01) + 2 * 0.002 + pivot_m.right - pivot_m.left
     assert f"differ by {1e3 * differ:.1f} mm" in line
+
+
+@pytest.mark.parametrize("keys", [{}, {"palm.steep_deg": 30.0}])
+def test_arms_in_the_air_differ_by_no_more_than_reported(keys: dict[str, Any]) -> None:
+    """Also where the pivots on the floor differ by more than the messages and errors explain."""
+    scene = load_scene("lift", keys | {"task.distance_m": 0.05})
+    found = lifting(scene)
+    assert found is not None
+    on_floor = found.palms.left.pivot_m.right - found.palms.left.pivot_m.left
+    grounded = set(PHASES) - {"raise", "raise_hold", "up", "carry", "arrived", "lower"}
+    differ = 0.0
+    for seed in range(4):
+        job = _core.run(to_spec(scene), "shared-sign", seed, "double", True)
+        heights = np.array(job.pivot_heights_m)
+        times = np.arange(len(heights)) * scene.control.period_s
+        flies = np.ones(len(heights), bool)
+        for side in (0, 1):
+            own = [(start, name) for k, name, start, _ in job.phases if k == side]
+            starts = np.array([start for start, _ in own]) - 1e-9
+            now = np.searchsorted(starts, times, side="right") - 1
+            flies &= np.array([own[k][1] not in grounded for k in now])
+        differ = max(differ, float(np.ptp(heights[flies], axis=1).max()))
+    assert on_floor - 2 * 0.002 <= differ <= found.arms_differ_m
 
 
 def test_one_palm_that_takes_the_object_along_is_warned_about() -> None:
@@ -147,7 +175,14 @@ def test_palms_of_equal_angles_need_a_heel_however_thin_they_are() -> None:
     thin = {"palm__thickness_m": 0, "palm__nose_m": 0, "object__edge_radius_m": 0}
     found = of(**thin, palm__heel_m=0)
     assert not found.works and found.palms.left.needs_heel
-    assert of(**thin, palm__heel_m=0.012).works
+    assert found.refusals[0].endswith("allowed: at least 0.0001")
+    assert of(**thin, palm__heel_m=0.0001).works
+
+
+@pytest.mark.parametrize("steep_deg", [15.0, 20.0, 25.5, 30.0, 40.0])
+def test_without_heels_no_angle_of_both_palms_suffices(steep_deg: float) -> None:
+    found = of(palm__heel_m=0, palm__steep_deg=steep_deg)
+    assert not found.works and all("at least 0.003" in line for line in found.refusals[:2])
 
 
 def test_rounded_objects_are_analysed_with_noses() -> None:

@@ -100,9 +100,9 @@ def _refusals_of_dock(scene: Scene, found: Lifting, side: Side) -> Iterator[str]
         return
     if not own.may_get_under:
         heel = scene.palm_of(partner).heel_m
-        angle = f"palm.steep_deg of at least {rounded_up(own.least_partner_deg, 1):g}"
+        # No steeper angle of both palms helps: neither then holds against the other one.
         high = rounded_up(own.least_heel_m, 4)
-        allowed = angle if math.isinf(high) else f"at least {high:g}, or {angle}"
+        allowed = "shorter palms (palm.length_m)" if math.isinf(high) else f"at least {high:g}"
         yield (
             f"palm.heel_m: value is {heel:g} on the {partner} side, so the robots jam: the "
             f"{side} nose needs {newtons(own.second_n, 'more than any push')} to get under, and "

@@ -41,6 +41,7 @@ from palmbots.scene.spec import to_spec
 _G = _core.standard_gravity
 _STEEPEST = math.radians(80)
 _HALVINGS = 50
+_LOWEST_HEEL_M = 1e-4  # any height stops a sharp edge
 _CENTRED = 0.5  # of the usable palm: where contacts are while the arms move
 
 
@@ -114,8 +115,8 @@ class Lifting:
     clear_rise_m: float
     """The same if the object also has to touch the palms nowhere else."""
     arms_differ_m: float
-    """The largest height difference of two arms that move together: rate × (lease + delay + tick),
-    and the errors of both."""
+    """The largest height difference of two arms that move together: that of the pivots on the
+    floor + rate × (lease + delay + tick) + the errors of both."""
     refusals: tuple[str, ...]
     """Why the job cannot begin."""
     warnings: tuple[str, ...]
@@ -221,7 +222,7 @@ def lifting(scene: Scene) -> Lifting | None:
         in_air=tuple(sorted(rises.in_air())),
         permitted_rise_m=centred.permitted_m(clear=False),
         clear_rise_m=centred.permitted_m(),
-        arms_differ_m=_arms_differ(scene, spec),
+        arms_differ_m=_arms_differ(scene, spec) + _start_rise(plates),
         refusals=(),
         warnings=(),
         plates=plates,
@@ -306,9 +307,9 @@ def _least_heel(body: Standing, plates: tuple[Plate, Plate], side: int, dock: Do
     heel helps."""
     if dock.gets_under and not dock.needs_heel:
         return 0.0
-    radius = body.radii[1 - side]
-    pair = [replace(plate, heel=max(radius, 1e-9)) for plate in plates]
-    return radius if docking(body, (pair[0], pair[1]), side).gets_under else math.inf
+    height = max(body.radii[1 - side], _LOWEST_HEEL_M)
+    pair = [replace(plate, heel=height) for plate in plates]
+    return height if docking(body, (pair[0], pair[1]), side).gets_under else math.inf
 
 
 def _traction(
@@ -371,6 +372,13 @@ def _arms_differ(scene: Scene, spec: _core.Spec) -> float:
     lease = table["lease_s"]
     late = lease + spec.longest_delay + scene.control.period_s
     return max(arm.rate_m_per_s for arm in arms) * late + sum(arm.height_error_m for arm in arms)
+
+
+def _start_rise(plates: tuple[tuple[Plate, Plate], tuple[Plate, Plate]]) -> float:
+    """The largest height difference of the pivots on the floor, with which both arms begin to rise;
+    later either palm may turn."""
+    left, right = ([pair[k].pivot for pair in plates] for k in (0, 1))
+    return max(max(left) - min(right), max(right) - min(left))
 
 
 def _mm(value: float) -> str:
