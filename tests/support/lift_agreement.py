@@ -3,9 +3,10 @@
 
 A start has *margin* if in the quasistatic world the job ends alike (success, or what was not
 achieved) under `NEARBY` combinations of small changes: COM ± 2 mm, friction angles of palms and
-floor ± 1°, plate ± 0.2 mm, each with the noise of another seed, so that either robot may be the
-first one. The quasistatic world does not limit forces. Jobs that the product refuses, or would if
-the robots pushed with 0.9 of their force, are therefore no starts. Nor are those for which it warns
+floor ± 1°, plate ± 0.2 mm, force limits ± 10 %, each with the noise of another seed, so that either
+robot may be the first one, and with motions drawn where contacts permit several. The motors of both
+worlds have the same force limit; in MuJoCo the wheels also slip. Jobs that the product refuses, or
+would if the robots pushed with 0.9 of their force, are no starts. Nor are those for which it warns
 that corrections may never centre both contacts on the floor (property 1): they end by chance.
 """
 
@@ -34,6 +35,7 @@ MOST_YAW_DEG = 2.0
 NEARBY = 6
 _SHARE = 0.9  # of the force limits
 _FIXED = {
+    "robot.motor_force_n": 10.0,
     "mujoco.palm_torque_n_m": 1.0,  # wrists that hold the objects at the end of a palm
     "task.distance_m": 0.1,
     "task.timeout_s": 60.0,
@@ -99,13 +101,16 @@ def keys_of(seed: int) -> dict[str, Any]:
 
 def nearby(keys: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
     """The start with each of the small changes, at random in one direction or the other."""
-    one = {name: float(rng.choice((-1.0, 1.0))) for name in ("com", "palm", "floor", "plate")}
+    names = ("com", "palm", "floor", "plate", "force")
+    one = {name: float(rng.choice((-1.0, 1.0))) for name in names}
     x, y = keys["object.com_m"]
     nose = max(0.0, keys["palm.nose_m"] + 0.0002 * one["plate"])
     return keys | {
         "object.com_m": [x + 0.002 * one["com"], y],
         "palm.friction": turned(keys["palm.friction"], one["palm"]),
         "floor.friction": turned(keys["floor.friction"], one["floor"]),
+        "robot.motor_force_n": keys["robot.motor_force_n"] * (1.0 + 0.1 * one["force"]),
+        "world.ambiguity": "drawn",
         "palm.nose_m": nose,
         "palm.thickness_m": max(nose, keys["palm.thickness_m"] + 0.0002 * one["plate"]),
     }
