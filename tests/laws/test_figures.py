@@ -9,7 +9,8 @@ import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import matplotlib
 import numpy as np
@@ -25,9 +26,12 @@ from matplotlib.text import Text
 
 import palmbots as pb
 from palmbots import viz
+from palmbots.assessment.page import _outcomes
+from palmbots.control.registry import shipped_names
 from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
 from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
 from palmbots.scene.scene import Scene
+from palmbots.simulation.outcome_counts import count_outcomes
 from palmbots.studies.study_file import load_plan
 from palmbots.studies.study_runner import run_study
 from palmbots.viz import style
@@ -150,6 +154,38 @@ def test_the_unit_stands_last_in_square_brackets(drawn: list[tuple[str, Any, Fig
                 assert set(units) <= UNITS, (name, label)
                 seen |= set(units) or {label}
     assert seen >= UNITS  # no unit is listed for nothing
+
+
+def half_hidden(figure: Figure) -> Iterator[str]:
+    """The labels of axes on whose edge, within the width of the marker, a value of 0 is marked."""
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        for line in axes.lines:
+            if line.get_marker() in ("None", "", None) or line.get_transform() != axes.transData:
+                continue
+            least = 0.5 * line.get_markersize() * figure.dpi / 72
+            box = axes.bbox
+            for k, (label, edge) in enumerate(
+                ((axes.get_xlabel(), box.x0), (axes.get_ylabel(), box.y0))
+            ):
+                points = np.array(line.get_xydata(), float)
+                zero = points[points[:, k] == 0]
+                if len(zero) and abs(axes.transData.transform(zero)[:, k] - edge).min() < least:
+                    yield label or str(line.get_label())
+
+
+def test_a_marker_at_zero_does_not_stand_on_the_axis(
+    drawn: list[tuple[str, Any, Figure]],
+) -> None:
+    """A rate of 0 % is seen as well as others."""
+    figures = [(name, viz.FIGURES.get(name)(result)) for name, result, _ in drawn]
+    found = [(name, [*half_hidden(one)]) for name, one in figures]
+    counts = [count_outcomes("paper", name, seeds=20, overrides=SHORT) for name in shipped_names()]
+    found += [
+        ("assess", [*half_hidden(one)])
+        for one in _outcomes(cast("Any", SimpleNamespace(counts=counts)))
+    ]
+    assert [(name, labels) for name, labels in found if labels] == []
 
 
 def test_no_name_of_a_program_stands_in_a_picture(

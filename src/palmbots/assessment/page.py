@@ -157,7 +157,7 @@ def _outcomes(assessment: Assessment) -> Iterator[Figure]:
     """Failures of each controller, with intervals; nothing where no carry can begin."""
     from matplotlib.figure import Figure
 
-    from palmbots.viz.style import axis_label, controller_looks, styled
+    from palmbots.viz.style import axis_label, controller_looks, from_zero, styled
 
     counts = assessment.counts
     if not counts:
@@ -174,6 +174,6 @@ def _outcomes(assessment: Assessment) -> Iterator[Figure]:
             axes.plot(rate, k, marker=marker, color=colour, clip_on=False)
         axes.set_yticks(range(len(counts)), [one.controller for one in counts])
         axes.invert_yaxis()
-        axes.set_xlim(0, max(100 * one.failure_interval[1] for one in counts) * 1.05)
+        from_zero(axes.xaxis, max(100 * one.failure_interval[1] for one in counts) * 1.05)
         axes.set_xlabel(axis_label("carries that fail, with 95 % intervals", "%"))
     yield figure

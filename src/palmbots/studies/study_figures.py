@@ -35,6 +35,7 @@ from palmbots.viz.style import (
     RULE,
     axis_label,
     controller_looks,
+    from_zero,
     key_label,
     styled,
 )
@@ -148,7 +149,7 @@ def _curves(result: StudyResult) -> Figure:
             panel.fill_between(x, low, high, color=look["color"], alpha=0.2, linewidth=0)
     for panel, metric in zip(panels, METRICS, strict=True):
         panel.set(xlabel=key_label(key), ylabel=_metric_label(metric))
-        panel.set_ylim(0, 1.05 * panel.get_ylim()[1])
+        from_zero(panel.yaxis, 1.05 * panel.get_ylim()[1])
         _set_axis(panel, result.points.plan.study.vary[key], x, names)
     _legend(figure, panels[0], f"{_sample_size(result)}; bands are 95 % intervals")
     return figure
@@ -278,7 +279,9 @@ def _over_each_key(result: StudyResult) -> Figure:
             )  # fmt: skip
         panel.set_xlabel(key_label(key))
         _set_axis(panel, result.points.plan.study.vary[key], x, names)
-    panels[0, 0].set_ylim(bottom=0)  # last: it fixes the limits, which all panels share
+    from_zero(
+        panels[0, 0].yaxis, panels[0, 0].get_ylim()[1]
+    )  # last: it fixes the limits, which all panels share
     for row in panels:
         row[0].set_ylabel(_metric_label("drop_rate"))
     points = plural(len(result.points.values), "point")
@@ -320,7 +323,7 @@ def _indices(result: StudyResult) -> Figure:
                 colour = _look(result, controller)["color"]
                 _bars(panel, y, width, [own[key] for key in keys], colour, controller)
         panel.set(xlabel="share of the variance (Sobol index)", title=display.title)
-        panel.set_xlim(left=0)
+        from_zero(panel.xaxis, panel.get_xlim()[1])
         panel.set_yticks(range(len(keys)), [name_of(key) for key in keys])
         panel.grid(axis="y", visible=False)
         if not panel.patches:

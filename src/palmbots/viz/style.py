@@ -118,6 +118,11 @@ def plain_numbers(axis: Any, *, minor: bool = True) -> None:
     axis.set_minor_formatter("{x:g}" if minor else "")
 
 
+def from_zero(axis: Any, most: float) -> None:
+    """Let an axis reach from 0 to `most`, with room for a whole marker at 0."""
+    axis.axes.set(**{f"{axis.axis_name}lim": (-0.04 * most, most)})
+
+
 def footnote(figure: Any, text: str) -> None:
     """Write what a reader needs to know below the axes of a figure."""
     figure.supxlabel(text, fontsize=7, color=QUIET)

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from palmbots._util.text import plural
 from palmbots.viz.save_figure import write_figure
-from palmbots.viz.style import axis_label, controller_looks, key_label, styled
+from palmbots.viz.style import axis_label, controller_looks, from_zero, key_label, styled
 
 if TYPE_CHECKING:
     from palmbots.simulation.sweep import Comparison
@@ -56,7 +56,7 @@ def draw_sweep(comparison: "Comparison") -> Figure:
             axes.set_ylabel(label)
             if factor == 100:
                 axes.set_ylim(-3, 103)
-        panels[2].set_ylim(0, 1.05 * panels[2].get_ylim()[1])
+        from_zero(panels[2].yaxis, 1.05 * panels[2].get_ylim()[1])
         panels[3].set_yscale("symlog", linthresh=10)
         most = max(row.messages_per_m for row in comparison.rows)
         panels[3].set_ylim(-1, 2 * most + 10)
