@@ -9,6 +9,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from palmbots.logs.run_log_reader import is_run_log, read_run_log, run_log_of
 from palmbots.logs.run_log_writer import RunLogWriter
 from palmbots.pair.launcher import UP
 from palmbots.station.simulated_pair import Air
-from palmbots.views.log_alignment import Traffic, align, fit
+from palmbots.views.log_alignment import ClockFit, Traffic, align, fit, from_station
 from palmbots.views.logged_carries import logged_carries
 from palmbots.views.run_figures import carry_of
 from palmbots.views.run_replay import read_run, replay_run, verify
@@ -438,3 +439,23 @@ def test_figures_of_a_damaged_log_are_refused_in_one_line(tmp_path: Path, clock:
     ticks[-1] = (1e9, usual)
     with pytest.raises(pb.PalmbotsError, match="never turned at once"):
         carry_of(logs, clocks)
+
+
+def test_times_are_those_that_the_station_prints() -> None:
+    """Where the log of a station is in the run, its clock is the reference of all three."""
+    clocks = (
+        ClockFit("left", 0.0, 1.0, 0.0, 0),
+        ClockFit("right", 0.1, 1.001, 0.02, 50),
+        ClockFit("station", -0.258, 1.00002, 0.05, 40),
+        ClockFit("left", 0.0, 1.0, 0.0, 0, 2),  # of a run without a station
+    )
+    ends = ("left", "right", "station", "left")
+    logs: list[Any] = [SimpleNamespace(end=end) for end in ends]
+    found = from_station(clocks, logs)
+    assert found[2:] == (ClockFit("station", 0.0, 1.0, 0.0, 0), clocks[3])
+    for one, before in zip(found[:2], clocks[:2], strict=True):
+        for time_s in (0.0, 7.0, 100.0):
+            shown = clocks[2].to_reference(one.to_reference(time_s))
+            assert shown == pytest.approx(before.to_reference(time_s), abs=1e-12)
+        assert one.uncertainty_s == pytest.approx(before.uncertainty_s + 0.05, rel=1e-3)
+        assert one.packets == (before.packets or 40)

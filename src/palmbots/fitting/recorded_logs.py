@@ -148,9 +148,9 @@ def packets_between(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> list[
     arrived: dict[Stamp, float] = {}
     for log, clock in zip(logs, clocks, strict=True):
         one = traffic(log)
-        arrived |= {stamp: clock.to_first(now) for stamp, now in one.received.items()}
+        arrived |= {stamp: clock.to_reference(now) for stamp, now in one.received.items()}
         for stamp, now in one.sent.items():
-            sent.setdefault((clock.run, *stamp[:2]), []).append((clock.to_first(now), stamp))
+            sent.setdefault((clock.run, *stamp[:2]), []).append((clock.to_reference(now), stamp))
     return [
         Sent(
             [(now, arrived.get(stamp)) for now, stamp in sorted(one)],

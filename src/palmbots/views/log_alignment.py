@@ -11,7 +11,7 @@ offset: half the shortest round trip. Which packet was received when is known fr
 sender's epoch and number), which both logs contain.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,8 @@ Stamp = tuple[str, str, int, int]
 
 @dataclass(frozen=True)
 class ClockFit:
-    """The clock of one log by that of the first log of its run: t_first = offset + rate · t."""
+    """The clock of one log by that of the reference of its run, its first log or its station:
+    t_reference = offset + rate · t."""
 
     file: str
     offset_s: float
@@ -36,12 +37,12 @@ class ClockFit:
     uncertainty_s: float
     """The offset is right to within this time, if the rates of the clocks are constant."""
     packets: int
-    """Packets that both logs contain; 0: the log is the first of its run."""
+    """Packets that both logs contain; 0: the log is the reference of its run."""
     run: int = 1
     """Logs that packets in both directions connect are of one run; the runs are numbered from 1."""
 
-    def to_first(self, time_s: float) -> float:
-        """A time of this log on the clock of the first log of its run."""
+    def to_reference(self, time_s: float) -> float:
+        """A time of this log on the clock of the reference of its run."""
         return self.offset_s + self.rate * time_s
 
 
@@ -96,7 +97,7 @@ def align(logs: list[RunLog]) -> tuple[ClockFit, ...]:
                     continue
                 offset, rate, uncertainty, count = one
                 total = base.uncertainty_s + uncertainty
-                start, speed = base.to_first(offset), base.rate * rate
+                start, speed = base.to_reference(offset), base.rate * rate
                 via = ClockFit(str(logs[k].path), start, speed, total, count, base.run)
                 found.append((total, k, via))
         if found:
@@ -106,6 +107,30 @@ def align(logs: list[RunLog]) -> tuple[ClockFit, ...]:
             fits[k] = ClockFit(str(logs[k].path), 0.0, 1.0, 0.0, 0, runs)
         waiting.remove(k)
     return tuple(fits[k] for k in range(len(logs)))
+
+
+def from_station(clocks: tuple[ClockFit, ...], logs: list[RunLog]) -> tuple[ClockFit, ...]:
+    """The clocks by that of the station of each run, which also counts the time that `palmbots up`
+    prints; runs without a log of a station stay as they are."""
+    bases = {
+        clock.run: clock
+        for clock, log in zip(clocks, logs, strict=True)
+        if log.end == "station" and clock.packets
+    }
+    return tuple(_by(clock, bases[clock.run]) if clock.run in bases else clock for clock in clocks)
+
+
+def _by(own: ClockFit, base: ClockFit) -> ClockFit:
+    """The clock `own` by the clock `base`, both of which are given by the same third one."""
+    if own is base:
+        return replace(own, offset_s=0.0, rate=1.0, uncertainty_s=0.0, packets=0)
+    return replace(
+        own,
+        offset_s=(own.offset_s - base.offset_s) / base.rate,
+        rate=own.rate / base.rate,
+        uncertainty_s=(own.uncertainty_s + base.uncertainty_s) / base.rate,
+        packets=own.packets or base.packets,
+    )
 
 
 def fit(own: Traffic, other: Traffic) -> tuple[float, float, float, int] | None:

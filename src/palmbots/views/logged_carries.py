@@ -24,7 +24,7 @@ class LoggedCarry:
     file: str
     run: int
     start_s: float
-    """On the clock of the first log of the run."""
+    """On the clock of the reference of the run."""
     duration_s: float
     """On the robot's own clock."""
     covered: float
@@ -53,10 +53,10 @@ def logged_carries(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> tuple[
 
     Args:
         logs: of the programs.
-        clocks: for each log how its clock relates to that of the first of its run.
+        clocks: for each log how its clock relates to that of the reference of its run.
     """
     orders = [
-        _Stop(fit.run, fit.to_first(now), line.text)
+        _Stop(fit.run, fit.to_reference(now), line.text)
         for log, fit in zip(logs, clocks, strict=True)
         if log.end not in SIDES
         for now, line in log.messages["lines"]
@@ -88,7 +88,7 @@ def _of_robot(log: RunLog, fit: ClockFit, orders: Sequence[_Stop]) -> Iterator[L
     def carry(end: str) -> LoggedCarry:
         assert first is not None
         assert last is not None
-        start_s, duration_s = fit.to_first(first[0]), last[0] - first[0]
+        start_s, duration_s = fit.to_reference(first[0]), last[0] - first[0]
         covered = last[1].progress / WHOLE
         if travel := travel_ticks(log):
             covered = min(1.0, carried / travel)
@@ -100,7 +100,7 @@ def _of_robot(log: RunLog, fit: ClockFit, orders: Sequence[_Stop]) -> Iterator[L
             travelled = tick.mode == "carrying"
             first, last = first or (now, tick), (now, tick)
         elif first is not None:
-            begin_s, end_s = fit.to_first(first[0]), fit.to_first(now) + fit.uncertainty_s
+            begin_s, end_s = fit.to_reference(first[0]), fit.to_reference(now) + fit.uncertainty_s
             known = [one for one in orders if one.run == fit.run and begin_s <= one.time_s <= end_s]
             yield carry(_end(tick, known[-1].text if known else ""))
             first = None

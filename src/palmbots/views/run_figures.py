@@ -79,7 +79,7 @@ def carry_of(logs: Sequence[RunLog], clocks: Sequence[ClockFit]) -> Carry:
 
     Args:
         logs: of both robots, and of the station if there is one.
-        clocks: for each log how its clock relates to that of the first of its run.
+        clocks: for each log how its clock relates to that of the reference of its run.
 
     Raises:
         PalmbotsError: there is none, no packets connect the logs of both robots, or one is damaged.
@@ -178,12 +178,12 @@ def _last_run(
 
 
 def _ticks(side: Side, logs: Sequence[RunLog], fits: Sequence[ClockFit]) -> list[tuple[float, Any]]:
-    """All ticks of one robot, on the clock of the first log."""
+    """All ticks of one robot, on the clock of the reference."""
     found: list[tuple[float, Any]] = []
     for log, fit in zip(logs, fits, strict=True):
         if log.end != side or not log.messages["ticks"]:
             continue
-        found += [(fit.to_first(now), tick) for now, tick in log.messages["ticks"]]
+        found += [(fit.to_reference(now), tick) for now, tick in log.messages["ticks"]]
     return sorted(found, key=lambda entry: entry[0])
 
 
@@ -301,13 +301,13 @@ def _messages(
     packets = [traffic(log) for log in logs]
     for own, fit in zip(packets, fits, strict=True):
         for stamp, now in own.received.items():
-            arrived.setdefault(stamp, fit.to_first(now) - start_s)
+            arrived.setdefault(stamp, fit.to_reference(now) - start_s)
     found: list[Message] = []
     for log, own, fit in zip(logs, packets, fits, strict=True):
         if log.end not in SIDES:
             continue
         receiver: Side = "right" if log.end == "left" else "left"
-        sent = {s: fit.to_first(now) for s, now in own.sent.items() if s[1] == receiver}
+        sent = {s: fit.to_reference(now) for s, now in own.sent.items() if s[1] == receiver}
         said = [
             names[number]
             for _, tick in log.messages["ticks"]

@@ -26,7 +26,7 @@ from palmbots.logs.run_log_reader import RunLog, is_run_log, read_run_log
 from palmbots.robot.logged_steps import READING
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
-from palmbots.views.log_alignment import ClockFit, align
+from palmbots.views.log_alignment import ClockFit, align, from_station
 from palmbots.views.logged_carries import LoggedCarry, logged_carries
 
 _CARRIES = ("run", "carry in", "start", "time", "covered", "end")
@@ -55,7 +55,8 @@ class RunReplay(Result):
 
     logs: tuple[Verified, ...]
     clocks: tuple[ClockFit, ...]
-    """For each log, how its clock relates to that of the first log of its run."""
+    """For each log, how its clock relates to that of the station of its run or, without its
+    log, of the first one."""
     carries: tuple[LoggedCarry, ...] = ()
     """When each robot carried, and why its carry ended."""
     run: tuple[RunLog, ...] = field(default=(), metadata=NOT_IN_JSON)
@@ -85,7 +86,8 @@ class RunReplay(Result):
                 zip(self.logs, self.clocks, strict=True), key=lambda pair: pair[1].run
             )
         ]
-        first = "clock against the first log" if is_one else "clock against the first of the run"
+        named = {Path(c.file).name for c in self.clocks if c.packets == 0}
+        first = f"clock against {named.pop()}" if is_one else "clock against the log without one"
         yield Table(rows, ("run", "log", "ticks", "equal", first)[left_out:], ("ticks",))
         if self.carries:
             carries = [one.row[left_out:] for one in self.carries]
@@ -139,7 +141,7 @@ def replay_run(logs: list[RunLog]) -> RunReplay:
     if len(pairs) > 1:
         numbers = ", ".join(str(pair) for pair in sorted(pairs))
         raise PalmbotsError(f"logs: are of the pairs {numbers}; allowed: logs of one pair")
-    clocks = align(logs)
+    clocks = from_station(align(logs), logs)
     carries = logged_carries(logs, clocks)
     return RunReplay(tuple(verify(log) for log in logs), clocks, carries, tuple(logs))
 
