@@ -145,6 +145,14 @@ def test_one_palm_that_takes_the_object_along_is_warned_about() -> None:
     assert "takes the object along" in line and "at 0.119 or more" in line
 
 
+def test_an_object_that_slides_down_a_steep_palm_by_itself_is_warned_about() -> None:
+    need = max(one.floor_friction.right for one in of(palm__steep_deg=25).palms.values())
+    for share in (0.98, 1.02):
+        found = of(palm__steep_deg=25, floor__friction=share * need)
+        slides = [line for line in found.warnings if "slides by itself" in line]
+        assert len(slides) == (share < 1)
+
+
 def test_the_easiest_way_under_the_object_decides_what_the_robots_need() -> None:
     """With its corner at the heel a tall object would tip; its contact may roll instead."""
     found = of(

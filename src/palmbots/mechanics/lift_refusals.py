@@ -146,6 +146,15 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
                 f"floor.friction is {found.floor_friction:g}: if the wrong palm leaves last, it "
                 f"takes the object along; no palm does at {rounded_up(needed, 3):g} or more"
             )
+        keeps = set(_keeping(scene))
+        steeper = (found.palms[side].floor_friction.right for side in SIDES if side not in keeps)
+        needed = max(steeper, default=0.0)
+        if found.floor_friction < needed:
+            yield (
+                f"floor.friction is {found.floor_friction:g}: the object slides by itself down a "
+                "palm that leaves last and is steeper than the friction angle, and may fall; it "
+                f"does not at {rounded_up(needed, 3):g} or more"
+            )
     if found.in_air == PROPERTIES and found.arms_differ_m > found.permitted_rise_m:
         yield (
             f"the heights of the arms may differ by {millimetres(found.arms_differ_m)} while they "
