@@ -8,6 +8,7 @@ from typing import Any, get_args
 import pytest
 
 from palmbots._types import SIDES
+from palmbots.cli.plain_station import _print
 from palmbots.cli.station_text import plain_status
 from palmbots.wire import RobotMode
 
@@ -206,3 +207,16 @@ def test_robots_that_are_not_heard() -> None:
     assert "not heard yet" in texts[0]
     assert "silent 4 s (carrying)" in texts[0]
     assert plain_status(state)[1].endswith("right  not heard for 4 s; was carrying")
+
+
+def test_plain_lines_are_wrapped_beside_their_time(capsys: pytest.CaptureFixture[str]) -> None:
+    """Reasons and remedies may be long; objects of JSON stay whole."""
+    text = "left: fault: " + 20 * "the palm does not follow "
+    for head, indent in (("   7.25 s  ", 11), ("1234.50 s  ", 11), ("", 2)):
+        _print(head + text.rstrip())
+        first, *others = capsys.readouterr().out.splitlines()
+        assert others and max(map(len, (first, *others))) <= 80
+        assert {len(line) - len(line.lstrip()) for line in others} == {indent}
+        assert " ".join([first, *map(str.strip, others)]) == head + text.rstrip()
+    _print({"line": text})
+    assert capsys.readouterr().out.count("\n") == 1

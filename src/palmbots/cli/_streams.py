@@ -8,6 +8,7 @@ import contextlib
 import os
 import sys
 import textwrap
+from typing import Any
 
 from palmbots._util.end_signal import has_starter
 from palmbots.cli import INTERRUPTION_LINE
@@ -38,21 +39,24 @@ def text_width(columns: int) -> int:
     return min(columns, int(asked)) if is_width else columns
 
 
-def say_wrapped(text: str) -> None:
-    """Print a text on stderr, as wide as reports are; its further lines are indented."""
+def wrapped(text: str, stream: Any, indent: int = 2) -> str:
+    """A text as wide as reports are on this stream, its further lines indented."""
     columns = WIDTH
-    if sys.stderr is not None and sys.stderr.isatty():
+    if stream is not None and stream.isatty():
         with contextlib.suppress(OSError, ValueError):
-            columns = max(WIDTH, os.get_terminal_size(sys.stderr.fileno()).columns)
-    say(
-        textwrap.fill(
-            text,
-            text_width(columns),
-            subsequent_indent="  ",
-            break_long_words=False,  # a command or the name of a file stays whole
-            break_on_hyphens=False,
-        )
+            columns = max(WIDTH, os.get_terminal_size(stream.fileno()).columns)
+    return textwrap.fill(
+        text,
+        text_width(columns),
+        subsequent_indent=" " * indent,
+        break_long_words=False,  # a command or the name of a file stays whole
+        break_on_hyphens=False,
     )
+
+
+def say_wrapped(text: str) -> None:
+    """Print a text on stderr, as wide as reports are."""
+    say(wrapped(text, sys.stderr))
 
 
 def say(line: str) -> None:

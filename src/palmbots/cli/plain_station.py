@@ -3,13 +3,14 @@
 
 import json
 import os
+import re
 import select
 import sys
 import time
 from typing import Any, Literal, cast, get_args
 
 from palmbots._util.arguments import show
-from palmbots.cli._streams import say
+from palmbots.cli._streams import say, wrapped
 from palmbots.cli.station_text import plain_status
 from palmbots.errors import PalmbotsError
 from palmbots.links.local_connection import ConnectionLost
@@ -18,6 +19,8 @@ from palmbots.wire import Operation
 
 _POLL_S = 0.1
 _STATUS_S = 2.0
+_TIMED = re.compile(r" *[\d.]+ s  ")
+_TIME_COLUMNS = 11  # of the time, which begins most lines
 _MOVING = ("ready", "carrying", "holding")
 
 
@@ -83,7 +86,10 @@ def _wait_for_restart(client: StationClient, within_s: float) -> None:
 
 
 def _print(what: dict[str, Any] | str) -> None:
-    print(what if isinstance(what, str) else json.dumps(what, allow_nan=False), flush=True)
+    if isinstance(what, str):
+        print(wrapped(what, sys.stdout, _TIME_COLUMNS if _TIMED.match(what) else 2), flush=True)
+    else:
+        print(json.dumps(what, allow_nan=False), flush=True)
 
 
 def _key(state: dict[str, Any]) -> str:
