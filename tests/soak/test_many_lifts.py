@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""1000 random jobs on the floor whose end is certain, in both worlds: at least 93 % end alike, and
-at least 60 % of the possible jobs are certain (lift_agreement). In 149 of them, 96 % ended alike
+"""1000 random jobs on the floor whose end is certain, in both worlds: at least 96 % end alike, and
+at least 60 % of the possible jobs are certain (lift_agreement). In 397 of them, 98.5 % ended alike
 (docs/reference/mujoco-agreement.md has the differences)."""
 
 from lift_agreement import NEARBY, compare, is_possible, keys_of
@@ -32,4 +32,4 @@ def test_random_jobs_end_alike(soak_seed: int) -> None:
         if not pair.agrees:
             differ.append(pair)
     assert certain >= 0.6 * possible
-    assert len(differ) <= 0.07 * STARTS, differ
+    assert len(differ) <= 0.04 * STARTS, differ
