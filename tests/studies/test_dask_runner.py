@@ -246,6 +246,17 @@ def test_a_script_without_a_guard_is_refused_before_processes_import_it(
     assert not (tmp_path / "out").exists()
 
 
+def test_a_script_from_stdin_is_refused(tmp_path: Path) -> None:
+    """No process could import it again, and each would print a traceback of its own."""
+    script = "import palmbots as pb\npb.study('silent-map', 'out', local_cluster=1)\n"
+    run = subprocess.run(
+        [sys.executable, "-"], input=script, cwd=tmp_path, capture_output=True, text=True
+    )
+    assert run.returncode == 1 and run.stderr.count("Traceback") == 1
+    assert run.stderr.splitlines()[-1].endswith("stdin; allowed: a script in a file")
+    assert not (tmp_path / "out").exists()
+
+
 def test_study_continues_without_a_lost_scheduler(
     running: contextlib.ExitStack, shared: str, long: Path, whole: str, tmp_path: Path
 ) -> None:

@@ -273,9 +273,14 @@ def _check_main_guard() -> None:
     """Refuse a script that each worker process would run from its beginning, this study included.
 
     Raises:
-        PalmbotsError: the script does not call the study below its guard.
+        PalmbotsError: the script does not call the study below its guard, or is read from stdin.
     """
     name = getattr(sys.modules.get("__main__"), "__file__", None)
+    if name == "<stdin>":
+        raise PalmbotsError(
+            "local_cluster: its processes cannot import a script from stdin; allowed: a script in "
+            "a file"
+        )
     try:
         body = ast.parse(Path(name).read_bytes()).body if name is not None else []
     except (OSError, SyntaxError, ValueError):  # a program without source
