@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -267,7 +268,7 @@ def _least(
     least, counts = dict(keys), arrived
     is_carried = arrived is not None and arrived.failure_rate == 0
     for key in keys:
-        values = _between(value_of(scene, key), least[key])
+        values = _between(value_of(scene, key), cast("float", keys[key]))
         low, high = -1, len(values) - 1  # the last value is enough
         while high - low > 1:
             middle = (low + high) // 2

@@ -65,7 +65,7 @@ PAPER_DEG = (5.0, 15.0)
 """The paper's palm angles (shallow, steep), for comparison."""
 
 Range: TypeAlias = Interval | None
-Progress: TypeAlias = Callable[[float], None] | None
+Hook: TypeAlias = Callable[..., None] | None
 
 _TYPICAL_SLOPE = 4.0
 
@@ -120,8 +120,8 @@ def design(
     probe: FilePath | None = None,
     seed: int = 0,
     overrides: Overrides = None,
-    on_progress: Progress = None,
-    on_line: Callable[[str], None] | None = None,
+    on_progress: Hook = None,
+    on_line: Hook = None,
     **grid: Unpack[GridOptions],
 ) -> Design:
     """Find and certify the most noise-tolerant palm angles.

@@ -100,7 +100,9 @@ def _interval(name: str, value: Any, least: float, most: float) -> Interval:
     )
 
 
-def with_probed(scene: Scene, path: str | None, common: bool) -> tuple[Scene, ProbedObject | None]:
+def with_probed(
+    scene: Scene, path: str | os.PathLike[str] | None, common: bool
+) -> tuple[Scene, ProbedObject | None]:
     """The scene with an object and palms in the middle of the intervals of a file, and these.
 
     Args:
