@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,6 +33,10 @@ _LATE = 0.0005
 """How far a contact slides before the robots have stopped [m]."""
 _DRIFT = 0.003
 """How far contacts may slide while the palms turn [m]."""
+_ALIKE = math.radians(2.5)
+"""Probes whose palm angles differ by less show the same."""
+_IDLE = 0.5
+"""How much more of the set a probe has to remove that is like one which has removed nothing."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,11 @@ class Limits:
 
 
 def next_probe(
-    found: ObjectSet, bounds: ContactBounds, signs: tuple[int, int], limits: Limits
+    found: ObjectSet,
+    bounds: ContactBounds,
+    signs: tuple[int, int],
+    limits: Limits,
+    idle: Sequence[Probe] = (),
 ) -> Probe | None:
     """The best probe; None: none is safe.
 
@@ -68,9 +76,10 @@ def next_probe(
         bounds: where the contacts are.
         signs: what the sensors read.
         limits: what probes may do.
+        idle: probes that have not cut this set; those alike come last.
     """
     steps = _grid(limits.angles, _COARSE)
-    ranked = _ranked(found, bounds, signs, [(a, b) for a in steps for b in steps], limits)
+    ranked = _ranked(found, bounds, signs, [(a, b) for a in steps for b in steps], limits, idle)
     best = _first_safe(found, bounds, ranked, limits)
     if best is None:
         return None
@@ -82,7 +91,7 @@ def next_probe(
         for ks in np.ndindex(7, 7)
         for ks in [tuple(k - 3 for k in ks)]
     ]
-    finer = _ranked(found, bounds, signs, [(a, b) for a, b in near], limits)
+    finer = _ranked(found, bounds, signs, [(a, b) for a, b in near], limits, idle)
     return _first_safe(found, bounds, finer, limits) or best
 
 
@@ -96,6 +105,7 @@ def _ranked(
     signs: tuple[int, int],
     pairs: list[Pair],
     limits: Limits,
+    idle: Sequence[Probe],
 ) -> list[Probe]:
     boxes = sample(found.boxes, _SAMPLE)
     middle = np.repeat(boxes.mean(axis=-1, keepdims=True), 2, axis=-1)
@@ -127,18 +137,21 @@ def _ranked(
             score = np.where(is_at_reach(bounds, way, limits) & (leaves > 0), np.inf, score)
         else:
             continue
+        for one in idle:
+            if one.way == way:
+                score = score + _IDLE * (np.abs(angles - one.angles).max(axis=1) < _ALIKE)
         probes += [Probe(pair, way, float(s)) for pair, s in zip(pairs, score, strict=True)]
     probes = [one for one in probes if one.remains < math.inf]
     return sorted(probes, key=lambda one: (round(one.remains, 3), _turn(bounds, one)))
 
 
 def _remains(kept: np.ndarray, boxes: Floats) -> Floats:
-    """What an outcome leaves of the set, as a fraction: of its number, and of its spread."""
+    """What an outcome leaves of the set, as a fraction: of its number, times the interval of its
+    COM."""
     place = boxes[:, 0].mean(axis=-1)
-    number = np.maximum(kept.sum(axis=1), 1)
-    mean = kept @ place / number
-    spread = np.sqrt(np.maximum(kept @ place**2 / number - mean**2, 0))
-    return kept.mean(axis=1) * spread / max(float(place.std()), 1e-9)
+    low = np.where(kept, place, np.inf).min(axis=1)
+    high = np.where(kept, place, -np.inf).max(axis=1)
+    return kept.mean(axis=1) * np.maximum(high - low, 0) / max(float(np.ptp(place)), 1e-9)
 
 
 def _turn(bounds: ContactBounds, probe: Probe) -> float:

@@ -15,7 +15,7 @@ from typing import Protocol
 
 from palmbots._types import Interval
 from palmbots.probing.contact_tracking import ContactBounds, Impossible, Pair, PairGeometry
-from palmbots.probing.next_probe import Limits, next_probe, turned_towards
+from palmbots.probing.next_probe import Limits, Probe, next_probe, turned_towards
 from palmbots.probing.object_set import ObjectSet, Observation
 from palmbots.probing.slip_comparison import Pose
 
@@ -110,16 +110,16 @@ class ProbeRun:
 
     def run(self, on_progress: Callable[[float], None] = lambda part: None) -> None:
         """Probe until nothing more is to be learned, or the limits are reached."""
-        wasted = 0
+        idle: list[Probe] = []
         while (
             not self.stop
-            and wasted < _WASTED
+            and len(idle) < _WASTED
             and len(self.found.observations) < self.pace.most_probes
             and self.time_s < self.pace.most_s
         ):
             done = len(self.found.observations) / self.pace.most_probes
             on_progress(max(done, self.time_s / self.pace.most_s))
-            probe = next_probe(self.found, self.bounds, self._signs(), self.limits)
+            probe = next_probe(self.found, self.bounds, self._signs(), self.limits, idle)
             if probe is None:
                 self.stop = "no further probe is safe for every object of the set"
                 break
@@ -131,7 +131,7 @@ class ProbeRun:
                 reported = 1 - side if len(self.found.observations) in self._flipped else side
                 pose = self.bounds.pose() if has_changed else self._pose_since(before)
                 is_new = self.found.add(Observation(reported, probe.way, pose))
-            wasted = 0 if is_new else wasted + 1
+            idle = [] if is_new else [*idle, probe]
             self.strokes.append(
                 Stroke(probe.angles, probe.way, side, self.time_s, self.found.volume())
             )
