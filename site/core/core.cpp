@@ -219,7 +219,7 @@ const double* add_to_tally(std::uint32_t controller, double first, std::uint32_t
             tally.dropped,
             tally.stalled,
             tally.square_sum / (2 * each),
-            tally.messages_per_m / each,
+            tally.way > 0 ? tally.messages / tally.way : 0,
             tally.corrections / each};
   return give(answer);
 }

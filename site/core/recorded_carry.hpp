@@ -184,7 +184,8 @@ struct Tally {
   double dropped = 0;
   double stalled = 0;
   double square_sum = 0;  // of both contact coordinates, as the rate of each carry [m²]
-  double messages_per_m = 0;
+  double messages = 0;
+  double way = 0;  // [m]
   double corrections = 0;
 
   void add(const Spec& spec, std::uint64_t seed, PageTeam team) {
@@ -195,8 +196,8 @@ struct Tally {
     dropped += m.outcome == Outcome::dropped ? 1 : 0;
     stalled += m.outcome == Outcome::stalled ? 1 : 0;
     square_sum += m.rms(left) * m.rms(left) + m.rms(right) * m.rms(right);
-    const double way = double(carry.midpoint()) * spec.direction;
-    messages_per_m += way > 0 ? carry.team().link_totals.sent / way : 0;
+    messages += carry.team().link_totals.sent;
+    way += double(carry.midpoint()) * spec.direction;
     corrections += m.corrections;
   }
 };

@@ -83,6 +83,11 @@ def test_every_answer_of_the_teacher(open_page: Open) -> None:
         expect(row).to_contain_text(answers.pop(f"count-{name}"))
         expect(row.locator("td").last).to_have_text(answers.pop(f"messages-{name}"))
     shows("#counts", "interval-resilient")
+    page.locator("#controller-0").select_option("silent")
+    row = page.locator("#counts tbody tr").first
+    expect(row).to_have_attribute("data-carries", "1000")
+    expect(row).to_contain_text(answers.pop("count-silent"))
+    expect(row.locator("td").last).to_have_text(answers.pop("messages-silent"))
 
     for number, button, name in ((6, "8°", "slope"), (7, "160 mm", "com")):
         story(page, number)

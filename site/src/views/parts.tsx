@@ -53,11 +53,18 @@ function objectName(): string {
   return "box";
 }
 
+// The changes of the scene that no control beside it shows.
+function changes(): string {
+  const shown = ["object", "robot.noise_m_s", "radio.latency_s", "radio.loss"];
+  const keys = Object.keys(overrides.value).filter((key) => !shown.includes(key));
+  return keys.length === 0 ? "" : `, changed: ${keys.length === 1 ? keys[0] : `${keys.length} values`}`;
+}
+
 export function SceneChoice() {
   const meaning = tables.scenes.find((s) => s.name === base.value)?.meaning;
   return (
     <>
-      <Field label="scene" hint={meaning}>
+      <Field label={`scene${changes()}`} hint={meaning}>
         <select
           id="scene"
           value={base.value}
