@@ -154,7 +154,7 @@ def test_noses_of_any_thickness_lift(nose_m: float) -> None:
     assert (carry.outcome, job(carry).failure) == ("delivered", None)
 
 
-@pytest.mark.parametrize(("seed", "delivers"), [(42, False), (284, False), (190, True)])
+@pytest.mark.parametrize(("seed", "delivers"), [(42, False), (284, False), (838, True)])
 def test_an_attempt_that_cannot_centre_ends(seed: int, delivers: bool) -> None:
     """One robot centres again and again, and its partner cannot; another attempt may succeed."""
     carry = pb.carry("lift", "shared-sign", overrides=random_lift(seed))

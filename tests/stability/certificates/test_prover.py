@@ -185,8 +185,8 @@ def test_undecided_claim_renames_an_older_certificate(
         assert run(["certify", *flat, "-o", str(path), "--json"]) == 1
         said = capsys.readouterr()
         assert json.loads(said.out)["verdict"] == "undecided"
-        (line,) = said.err.splitlines()
-        assert line.endswith(f"was renamed to {path}{suffix}")
+        said_line = " ".join(said.err.split())  # it is wrapped
+        assert said_line.endswith(f"was renamed to {path}{suffix}")
         assert run(["check", str(path)]) == 2
         capsys.readouterr()
         assert Path(f"{path}{suffix}").read_bytes() == older
