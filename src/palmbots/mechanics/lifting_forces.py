@@ -234,6 +234,11 @@ class Second:
         held = self.held if self.by_heel else self.held / (1 + _TIE)
         return math.isfinite(self.squeeze) and self.squeeze <= held
 
+    @property
+    def ties(self) -> bool:
+        """Whether both need the same squeeze, so that both may climb at once."""
+        return not self.works and self.squeeze <= self.held * (1 + _TIE) < math.inf
+
 
 _NEVER = Second(math.inf, 0.0)
 """The object tips over, or the squeeze presses the corner at the nose onto the floor."""
@@ -253,6 +258,9 @@ class Docking:
     """The other corner has climbed to the heel, and the contact with the nose has only slipped."""
     rolled: Second
     """The same if that contact has only rolled."""
+    has_heel: bool
+    """Whether the other palm has a heel: then the jam is no end if both corners need the same
+    squeeze."""
     has_stop: bool
     """Whether the heel is at least as high as the arc's centre over the palm. Its face then holds
     against any squeeze; over a lower heel the arc may roll."""
@@ -270,9 +278,7 @@ class Docking:
     @property
     def may_get_under(self) -> bool:
         """Whether statics permit it for some sequence of slip and roll."""
-        return self.is_possible and any(
-            state.works for state in (self.just_on, self.at_heel, self.rolled)
-        )
+        return self.is_possible and bool(self._possible)
 
     @property
     def needs_heel(self) -> bool:
@@ -283,10 +289,14 @@ class Docking:
     def second(self) -> Second:
         """The state in which it gets under as the second one with the least squeeze; if there is
         none, the one in which it does not."""
-        states = (self.just_on, self.at_heel, self.rolled)
         if not self.may_get_under:
             return self.at_heel if self.needs_heel else self.just_on
-        return min((state for state in states if state.works), key=lambda state: state.squeeze)
+        return min(self._possible, key=lambda state: state.squeeze)
+
+    @property
+    def _possible(self) -> list[Second]:
+        states = [one for one in (self.just_on, self.at_heel, self.rolled) if one.works]
+        return [*states, self.just_on] if self.has_heel and self.just_on.ties else states
 
     @property
     def squeeze(self) -> float:
@@ -306,7 +316,7 @@ def docking(body: Standing, plates: tuple[Plate, Plate], side: int) -> Docking:
     places = (False, False), (True, False), (True, True)
     found = [_second(body, plates, side, *place) for place in places]
     has_stop = other.heel >= r[1 - side] and other.heel > 0
-    return Docking(lean, alone, *found, has_stop)
+    return Docking(lean, alone, *found, other.heel > 0, has_stop)
 
 
 def _second(
