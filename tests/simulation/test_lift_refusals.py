@@ -24,7 +24,7 @@ UNKNOWN = ("object.mass_kg", "object.vertices_m")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scenes", amounts(24, 300))
+@pytest.mark.parametrize("scenes", amounts(36, 300))
 def test_what_is_refused_fails_and_what_is_accepted_succeeds(scenes: int) -> None:
     """Shares of all jobs. Accepted: without a warning of the analysis.
 
