@@ -187,6 +187,14 @@ def test_palms_of_equal_angles_need_a_heel_however_thin_they_are() -> None:
     assert of(**thin, palm__heel_m=0.0001).works
 
 
+def test_equal_palms_with_heels_may_lift_although_their_squeezes_tie() -> None:
+    """The bottle's edges are rounder than the noses are high: its squeezes tie. With force at the
+    heels alone it would be too heavy, but the quasistatic world and MuJoCo lift it."""
+    found = of(object="bottle")
+    assert found.works and found.palms.left.may_get_under and not found.palms.left.gets_under
+    assert not of(object="bottle", palm__heel_m=0).works
+
+
 @pytest.mark.parametrize("steep_deg", [15.0, 20.0, 25.5, 30.0, 40.0])
 def test_without_heels_no_angle_of_both_palms_suffices(steep_deg: float) -> None:
     found = of(palm__heel_m=0, palm__steep_deg=steep_deg)

@@ -53,18 +53,19 @@ function objectName(): string {
   return "box";
 }
 
-// The changes of the scene that no control beside it shows.
-function changes(): string {
+// The changed keys of the scene that no control beside it shows.
+function changedKeys(): string[] {
   const shown = ["object", "robot.noise_m_s", "radio.latency_s", "radio.loss"];
-  const keys = Object.keys(overrides.value).filter((key) => !shown.includes(key));
-  return keys.length === 0 ? "" : `, changed: ${keys.length === 1 ? keys[0] : `${keys.length} values`}`;
+  return Object.keys(overrides.value).filter((key) => !shown.includes(key));
 }
 
 export function SceneChoice() {
   const meaning = tables.scenes.find((s) => s.name === base.value)?.meaning;
+  const changed = changedKeys();
+  const label = changed.length === 0 ? "scene" : `scene, ${changed.length} changed`;
   return (
     <>
-      <Field label={`scene${changes()}`} hint={meaning}>
+      <Field label={label} hint={changed.length === 0 ? meaning : `changed: ${changed.join(", ")}`}>
         <select
           id="scene"
           value={base.value}
