@@ -155,3 +155,34 @@ def test_rounded_objects_are_analysed_and_designed_for() -> None:
     assert best.certificate is None and not best.is_certified
     assert "none covers rounded contact vertices" in str(best)
     assert pb.analyze("paper", overrides={"object": "carton"} | best.angle_keys).holds
+
+
+TOTE = {"object.box_m": [0.4, 0.22], "object.com_m": [0.185, 0.08], "object.edge_radius_m": 0.004}
+
+
+def test_ranges_of_the_com_are_those_of_the_scene() -> None:
+    """A COM of the scene just inside a printed range holds, and one just outside does not."""
+
+    def holds(x: float, y: float) -> bool:
+        found = pb.analyze("paper", overrides=TOTE | {"object.com_m": [x, y]})
+        return all(one.holds for one in found.properties.values() if one.number)
+
+    found = pb.analyze("paper", overrides=TOTE)
+    assert found.com_x_m is not None
+    (low, high), step = found.com_x_m, 1e-6
+    assert holds(low + step, 0.08) and not holds(low - step, 0.08)
+    assert holds(high - step, 0.08) and not holds(high + step, 0.08)
+    near = pb.analyze("paper", overrides=TOTE | {"object.com_m": [low + 0.002, 0.08]})
+    ends = [end for piece in near.com_y_m for end in piece if 0.001 < end < 0.219]
+    assert ends
+    for end in ends:
+        assert holds(low + 0.002, end - step) != holds(low + 0.002, end + step)
+
+
+def test_a_height_of_the_com_means_the_same_in_a_design() -> None:
+    same, own = (
+        pb.design("paper", maximize="com", controller=None, com_y_m=com_y, overrides=TOTE)
+        for com_y in ((0.08, 0.08), None)
+    )
+    assert same.tolerance == pytest.approx(own.tolerance, abs=1e-12)
+    assert same.shallow_deg == own.shallow_deg and same.steep_deg == own.steep_deg

@@ -23,6 +23,7 @@ from palmbots.mechanics.load_limits import LoadLimit, LoadLimits, load_limits
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
 from palmbots.stability.first_contact import FirstTouch, first_touch
+from palmbots.stability.interval_sets import shifted
 from palmbots.stability.lateral_tipping import Sideways, sideways_of
 from palmbots.stability.linear_conditions import failing, text_of
 from palmbots.stability.margins import (
@@ -72,7 +73,8 @@ class PropertyReport:
     binding_p_m: Pair
     """The contacts (left, right) closest to that: E or F of the paper's Figure 5."""
     com_x_m: Pair | None
-    """The COMs along the object for which the property holds; None: there is none."""
+    """The COMs along the object for which the property holds, counted as in `Analysis.com_x_m`; None:
+    there is none."""
 
 
 @dataclass(frozen=True)
@@ -125,8 +127,10 @@ class Analysis(Result):
     properties: ByProperty[PropertyReport]
     bands: ByMotion[Bands]
     com_x_m: Interval | None
-    """From the left contact vertex along the line of contacts, for both properties."""
+    """From the left contact vertex along the line of contacts, for both properties. A rounded vertex
+    is where the straight edges would meet, as in `object.vertices_m`."""
     com_y_m: tuple[Interval, ...]
+    """Above that vertex."""
     friction: tuple[Interval, ...]
     """The same on both palms."""
     half_length_m: Interval | None
@@ -303,7 +307,7 @@ def _report(problem: StabilityProblem, number: int, shallow: Side) -> PropertyRe
         ),
         binding=text_of(number, nearest[0]) if nearest else "",
         binding_p_m=nearest[1] if nearest else (0.0, 0.0),
-        com_x_m=(low, high) if low <= high else None,
+        com_x_m=shifted((low, high), problem.com_shift[0]) if low <= high else None,
     )
 
 

@@ -8,7 +8,7 @@ Source: docs/theory/stability.md; paper, section 5.1.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from palmbots._types import Interval
 from palmbots._util.arguments import show, two_numbers
 from palmbots.errors import PalmbotsError
-from palmbots.stability.problem import StabilityProblem
+from palmbots.stability.interval_sets import shifted
+from palmbots.stability.problem import Pair, StabilityProblem
 from palmbots.stability.reaction_region import Reaction
 
 if TYPE_CHECKING:
@@ -108,6 +109,12 @@ class Uncertainty:
     """Specific force towards −x, as `StabilityProblem.slope`."""
     com_x: Interval | None = None
     """From the left contact; None: as in the problem."""
+
+    def counted_from(self, origin: Pair) -> "Uncertainty":
+        """The same with the COM counted from another point."""
+        ends = zip((self.com_x, self.com_y), origin, strict=True)
+        com_x, com_y = (None if one is None else shifted(one, -by) for one, by in ends)
+        return replace(self, com_x=com_x, com_y=com_y)
 
 
 @dataclass(frozen=True)

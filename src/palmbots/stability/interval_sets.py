@@ -60,6 +60,11 @@ def around(pieces: Iterable[Interval], value: float) -> Interval | None:
     return next((piece for piece in pieces if piece[0] <= value <= piece[1]), None)
 
 
+def shifted(interval: Interval, by: float) -> Interval:
+    """The interval, moved."""
+    return interval[0] + by, interval[1] + by
+
+
 def intersection(intervals: Iterable[Interval]) -> Interval | None:
     """The intersection of all intervals; None: it is empty."""
     lows, highs = zip(*intervals, strict=True)

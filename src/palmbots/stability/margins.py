@@ -18,6 +18,7 @@ from palmbots.stability.interval_sets import (
     around,
     intersection,
     real_roots,
+    shifted,
     where,
 )
 from palmbots.stability.linear_conditions import failing
@@ -110,9 +111,11 @@ def angle_error(problem: StabilityProblem) -> float | None:
 
 
 def com_x_range(problem: StabilityProblem) -> Interval | None:
-    """The COMs along the object for which both properties hold [m]; None: there are none."""
+    """The COMs along the object for which both properties hold, from the left contact vertex [m];
+    None: there are none."""
     envelope = problem.envelope()
-    return intersection(permitted(envelope, n, shallow, problem.angles) for n, shallow in _BOTH)
+    both = intersection(permitted(envelope, n, shallow, problem.angles) for n, shallow in _BOTH)
+    return None if both is None else shifted(both, problem.com_shift[0])
 
 
 def _changes(problem: StabilityProblem, **changed: Any) -> list[float]:
@@ -128,12 +131,13 @@ def _changes(problem: StabilityProblem, **changed: Any) -> list[float]:
 
 
 def com_y_ranges(problem: StabilityProblem) -> tuple[Interval, ...]:
-    """The heights of the COM for which both properties hold [m]."""
-    return where(
+    """The heights of the COM above that vertex for which both properties hold [m]."""
+    ranges = where(
         _changes(problem, com=(problem.com[0], VARIABLE)),
         (-10 * problem.width, 10 * problem.width),
         lambda y: _holds_both(problem.with_(com=(problem.com[0], y))),
     )
+    return tuple(shifted(heights, problem.com_shift[1]) for heights in ranges)
 
 
 def friction_ranges(problem: StabilityProblem) -> tuple[Interval, ...]:

@@ -187,7 +187,9 @@ def design(
         None if com_y_m is None else ordered_pair("com_y_m", com_y_m, -10, 10),
         None if slope_deg is None else _floats(slope_interval(chosen, slope_deg)),
     )
-    uncertainty = uncertainty_of(touched, uncertainty, friction is not None)
+    uncertainty = uncertainty_of(touched, uncertainty, friction is not None).counted_from(
+        problem.com_shift
+    )
     implied = None
     is_implied = isinstance(region_m, str) and region_m == "implied"
     if is_implied:

@@ -17,6 +17,7 @@ import palmbots._core as _core
 from palmbots._types import SIDES, Region, Side
 from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
+from palmbots.scene.object_frame import object_frame
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import contact_radii, refuse_low_noses, refuse_pipe, to_spec
 from palmbots.stability.linear_conditions import Form, forms
@@ -43,6 +44,10 @@ class StabilityProblem:
     spec: _core.Spec
     width: float
     com: Pair
+    """From the left contact: a sharp vertex, or the centre of the arc that rounds it."""
+    com_shift: Pair
+    """What to add to a COM in order to count it from the left contact vertex, as users do: where
+    the straight edges of a rounded vertex would meet. Zero between sharp vertices."""
     friction: Pair
     slope: float
     offset: Pair
@@ -59,6 +64,11 @@ class StabilityProblem:
     """The contact coordinates (low, high) for which the properties have to hold."""
     beyond: float = 0.0
     """How far a correction continues past p = 0."""
+
+    @property
+    def vertex_com(self) -> Pair:
+        """The COM from the left contact vertex."""
+        return self.com[0] + self.com_shift[0], self.com[1] + self.com_shift[1]
 
     def palms(self, shallow: Side) -> Pair:
         """The palm angles with one palm shallow and the other one steep."""
@@ -223,10 +233,13 @@ def stability_problem(
                 f"from {-most:g} to 0, the second from 0 to {most:g}"
             )
     palms = spec.palms
+    body = scene.object
+    at = object_frame(body.vertices_m, body.contacts, body.com_m).com
     problem = StabilityProblem(
         spec=spec,
         width=spec.width,
         com=(spec.com_left, spec.com_height),
+        com_shift=(at.from_left - spec.com_left, at.height - spec.com_height),
         friction=(palms[0].friction, palms[1].friction),
         slope=spec.slope,
         offset=(palms[0].offset + radius[0], palms[1].offset + radius[1]),

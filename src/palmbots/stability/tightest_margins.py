@@ -121,7 +121,8 @@ def _margins(analysis: Analysis) -> Iterator[RankedMargin]:
         yield _slope(analysis.slope_deg, scene.task.slope_deg, tilt)
     if analysis.com_x_m is not None:
         low, high = analysis.com_x_m
-        room, shift = min(problem.com[0] - low, high - problem.com[0]), problem.com[1] * tilt
+        x = problem.vertex_com[0]
+        room, shift = min(x - low, high - x), problem.com[1] * tilt
         limit = f"the COM may be {millimetres(room)} farther to one side"
         if room < 0:
             limit = f"the COM is {millimetres(-room)} too far to one side"

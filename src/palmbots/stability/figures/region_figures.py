@@ -221,12 +221,13 @@ _Needs = tuple[tuple[int, Side], ...]
 
 
 def _permitted_coms(problem: StabilityProblem, cases: _Needs) -> Array:
-    """The COMs in the outline for which all these properties hold [mm]; may be empty."""
+    """The COMs in the outline for which all these properties hold [mm], from the left contact vertex;
+    may be empty."""
     polygon = np.array(problem.spec.silhouette)
     for number, shallow in cases:
         for normal, most in _com_limits(problem, number, shallow):
             polygon = clipped(polygon, normal, most)
-    return MM * polygon
+    return MM * (polygon + problem.com_shift)
 
 
 def _chords(polygon: Array, height: float) -> list[Pair]:
@@ -243,7 +244,7 @@ def _chords(polygon: Array, height: float) -> list[Pair]:
 def figure6(analysis: Analysis) -> Figure:
     """The COMs for which the properties hold, drawn on the object."""
     problem = analysis.problem
-    outline = MM * np.array(problem.spec.silhouette)
+    outline = MM * (np.array(problem.spec.silhouette) + problem.com_shift)
     low, high = outline.min(axis=0), outline.max(axis=0)
     wide, tall = high - low
     size = 1.9
@@ -272,7 +273,7 @@ def figure6(analysis: Analysis) -> Figure:
                 cases = {side: ((k + 1, side),) for side in SIDES}
             view.line(*outline, outline[0], colour=INK, width=1.0)
             _draw_ranges(view, problem, cases, low[1])
-            com = MM * np.array(problem.com)
+            com = MM * np.array(problem.vertex_com)
             view.axes.plot(*com, "o", ms=5, mfc=BACKGROUND, mec=INK, zorder=5)
             view.axes.plot(*com, "+", ms=5, color=INK, mew=0.8, zorder=6)
             headline(view.axes, f"({'abc'[k]}) {title}")
@@ -288,7 +289,7 @@ def _draw_ranges(
     view: View, problem: StabilityProblem, cases: Mapping[str, _Needs], bottom: float
 ) -> None:
     """Draw the permitted COMs, and their range at the height of the scene's COM as dimensions."""
-    com = MM * np.array(problem.com)
+    com = MM * np.array(problem.vertex_com)
     levels = {name: bottom - (20 + 20 * row) * view.point for row, name in enumerate(cases)}
     chords: dict[str, list[Pair]] = {}
     for name, needed in cases.items():
