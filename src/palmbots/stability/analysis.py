@@ -73,8 +73,8 @@ class PropertyReport:
     binding_p_m: Pair
     """The contacts (left, right) closest to that: E or F of the paper's Figure 5."""
     com_x_m: Pair | None
-    """The COMs along the object for which the property holds, counted as in `Analysis.com_x_m`; None:
-    there is none."""
+    """The COMs along the object for which the property holds, counted as in `Analysis.com_x_m`.
+    None: there is none."""
 
 
 @dataclass(frozen=True)
@@ -127,8 +127,8 @@ class Analysis(Result):
     properties: ByProperty[PropertyReport]
     bands: ByMotion[Bands]
     com_x_m: Interval | None
-    """From the left contact vertex along the line of contacts, for both properties. A rounded vertex
-    is where the straight edges would meet, as in `object.vertices_m`."""
+    """From the left contact vertex along the line of contacts, for both properties. If it is
+    rounded, the vertex is where the straight edges would meet, as in `object.vertices_m`."""
     com_y_m: tuple[Interval, ...]
     """Above that vertex."""
     friction: tuple[Interval, ...]

@@ -221,8 +221,8 @@ _Needs = tuple[tuple[int, Side], ...]
 
 
 def _permitted_coms(problem: StabilityProblem, cases: _Needs) -> Array:
-    """The COMs in the outline for which all these properties hold [mm], from the left contact vertex;
-    may be empty."""
+    """The COMs in the outline for which all these properties hold [mm], from the left contact
+    vertex; may be empty."""
     polygon = np.array(problem.spec.silhouette)
     for number, shallow in cases:
         for normal, most in _com_limits(problem, number, shallow):
