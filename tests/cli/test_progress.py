@@ -133,14 +133,16 @@ def test_warnings_of_refused_input_are_not_printed(capsys: pytest.CaptureFixture
 
 
 def test_warnings_are_printed_before_the_output(here: Run, tmp_path: Path) -> None:
+    scene = tmp_path / "s.toml"
+    scene.write_text("[radio]\n[palm]\nlength_m = 0.15\n")
     for command in (
         ("contact-modes",),
         ("contact-modes", "--json"),
         ("export", "--mjcf", str(tmp_path / "m.xml")),
     ):
-        result = here(command[0], "/dev/null", *command[1:])
+        result = here(command[0], str(scene), *command[1:])
         assert result.returncode == 0
-        assert (
-            result.stderr
-            == "palmbots: warning: /dev/null: nothing is set; this is the scene paper\n"
+        line = (
+            "palmbots: warning: s.toml: [radio] sets nothing; it has the values of the scene paper"
         )
+        assert unwrapped(result.stderr).replace(f"{tmp_path}/", "") == f"{line}\n"

@@ -255,7 +255,7 @@ def assess(
     chosen = load_scene(scene, overrides)
     name = chosen.spelled
     planar = respelled(name, {"task.path.kind": "straight"} if chosen.task.path.is_curved else {})
-    interval = None if friction is None else interval_of_friction(friction)
+    interval = None if friction is None else interval_of_friction(chosen, friction)
     straight = _straightened(chosen)
     analysis = analyze(straight)
     left = TimeLeft(on_progress or (lambda fraction: None), _PARTS)

@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from palmbots._types import Interval
+import palmbots._core as _core
+from palmbots._types import SIDES, Interval
 from palmbots._util.arguments import show, two_numbers
 from palmbots.errors import PalmbotsError
 from palmbots.scene.core_keys import ROWS
@@ -35,11 +37,11 @@ class FrictionTrial:
     delivers the scene."""
 
 
-def interval_of_friction(friction: Interval) -> Interval:
-    """The interval.
+def interval_of_friction(scene: Scene, friction: Interval) -> Interval:
+    """The interval, if the palms of the scene allow all of it.
 
     Raises:
-        PalmbotsError: it is not one of friction.
+        PalmbotsError: it is not one of friction, or an object with so much friction would wedge.
     """
     low, high = two_numbers("friction", friction)
     if not (LEAST <= low < high <= MOST):
@@ -47,7 +49,24 @@ def interval_of_friction(friction: Interval) -> Interval:
             f"friction: value is {show([low, high])}; allowed: two numbers, the lower one first, "
             f"from {LEAST:g} to {MOST:g}"
         )
-    return low, high
+    palms = [scene.palm_of(side) for side in SIDES]
+    steepest = max(abs(deg) for palm in palms for deg in (palm.shallow_deg, palm.steep_deg))
+    most = _core.friction_limit(steepest)
+    if high < most:
+        return low, high
+    raise PalmbotsError(
+        f"friction: value is {show([low, high])}; allowed: two coefficients below {most:.4g} "
+        f"(friction angle + palm angle below 90 degrees){_other_units(low, high)}"
+    )
+
+
+def _other_units(low: float, high: float) -> str:
+    """What coefficients above 1 may have been meant as."""
+    if low <= 1 or high >= 90:
+        return ""
+    tangents = " ".join(f"{math.tan(math.radians(angle)):.3g}" for angle in (low, high))
+    percent = " ".join(f"{value / 100:.3g}" for value in (low, high))
+    return f"; if these are in percent, write {percent}; if in degrees, {tangents}"
 
 
 def try_friction(
