@@ -50,9 +50,9 @@ def placed() -> Placement:
     )
 
 
-def draw_robot(axes: Axes, k: int, place: Placement) -> None:
+def draw_robot(axes: Axes, k: int, where: Placement) -> None:
     """A robot: body, wheels, arm, palm and pivot."""
-    side, pivot = SIDES[k], place.pivot[0, k]
+    side, pivot = SIDES[k], where.pivot[0, k]
     base = np.array([pivot[0], 0.0])
     shoulder = base + solids.shoulder(side, FLOOR)
     for solid in solids.robot(side, FLOOR):
@@ -71,7 +71,7 @@ def draw_robot(axes: Axes, k: int, place: Placement) -> None:
             middle = (base[0] + shape.centre[0], shape.centre[2])
             axes.text(*middle, f"{side} robot", ha="center", va="center", color=HUE[side])
     axes.plot(*np.stack([shoulder, pivot]).T, color=QUIET, linewidth=3.5, solid_capstyle="round")
-    axes.add_patch(Polygon(place.plate[0, k], color=HUE[side], linewidth=2, zorder=2))
+    axes.add_patch(Polygon(where.plate[0, k], color=HUE[side], linewidth=2, zorder=2))
     axes.add_patch(Circle(tuple(pivot), 0.006, facecolor=BACKGROUND, edgecolor=HUE[side], zorder=4))
 
 
@@ -100,12 +100,12 @@ def draw(path: Path) -> None:
     """Draw the picture and write it to a PNG file."""
     with styled():
         figure, axes = plt.subplots(figsize=(7.2, 3.9))
-        place = placed()
-        pivot, contact, com = place.pivot[0], place.contact[0], place.com[0]
+        where = placed()
+        pivot, contact, com = where.pivot[0], where.contact[0], where.com[0]
         for k in range(2):
-            draw_robot(axes, k, place)
+            draw_robot(axes, k, where)
         axes.add_patch(
-            Polygon(place.outline[0], facecolor=OBJECT, edgecolor=INK, alpha=0.85, zorder=3)
+            Polygon(where.outline[0], facecolor=OBJECT, edgecolor=INK, alpha=0.85, zorder=3)
         )
         axes.plot(*com, marker="o", color=INK, markersize=5, zorder=5)
         axes.text(com[0] + 0.012, com[1], "COM", va="center", zorder=5)
@@ -118,7 +118,7 @@ def draw(path: Path) -> None:
             dimension(axes, pivot[k], contact[k], text)
         callout(axes, "friction cone", contact[0] + (-0.002, 0.065), (-0.11, 0.06))
         for k, text in enumerate(("palm, shallow (tilted up)", "palm, steep")):
-            end = 0.85 * place.palm_outer[0, k] + 0.15 * place.palm_inner[0, k]
+            end = 0.85 * where.palm_outer[0, k] + 0.15 * where.palm_inner[0, k]
             callout(axes, text, end, ((-0.10, 0.055), (0.09, 0.03))[k])
         callout(axes, "pivot", pivot[1], (0.02, 0.1))
         reach = abs(pivot[1, 0]) + 0.29

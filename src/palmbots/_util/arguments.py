@@ -64,28 +64,26 @@ def whole_number(key: str, value: Any, least: int, most: int, allowed: str = "")
     return number
 
 
-def two_numbers(key: str, value: Any) -> tuple[float, float]:
-    """The ends of an interval, in the given order; NaN is not checked.
-
-    Raises `PalmbotsError` for anything but a pair of numbers.
-    """
+def two_numbers(key: str, value: Any, allowed: str = "two numbers") -> tuple[float, float]:
+    """A pair of numbers, also NaN; raises `PalmbotsError` for anything else."""
     try:
-        low, high = value
-        return float(low), float(high)
+        one, other = value
+        return float(0.0 + one), float(0.0 + other)  # text is no number
     except (TypeError, ValueError):
-        raise PalmbotsError(
-            f"{key}: value is {show(value)}; allowed: two numbers, the lower one first"
-        ) from None
+        raise PalmbotsError(f"{key}: value is {show(value)}; allowed: {allowed}") from None
 
 
-def ordered_pair(key: str, value: Any, least: float, most: float) -> tuple[float, float]:
-    """The ends of an interval within these limits; raises `PalmbotsError` for anything else."""
-    low, high = two_numbers(key, value)
-    if not least <= low <= high <= most:
-        raise PalmbotsError(
-            f"{key}: value is {show([low, high])}; allowed: two numbers, the lower one first, "
-            f"from {least:g} to {most:g}"
-        )
+def ordered_pair(
+    key: str, value: Any, least: float, most: float, *, differ: bool = False
+) -> tuple[float, float]:
+    """The ends of an interval within these limits; with `differ`, its length is not 0.
+
+    Raises `PalmbotsError` for anything else.
+    """
+    allowed = f"two numbers, the lower one first, from {least:g} to {most:g}"
+    low, high = two_numbers(key, value, allowed)
+    if not least <= low <= high <= most or (differ and low == high):
+        raise PalmbotsError(f"{key}: value is {show([low, high])}; allowed: {allowed}")
     return low, high
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Interval
-from palmbots._util.arguments import show, two_numbers
+from palmbots._util.arguments import ordered_pair, show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene, load_scene
@@ -43,12 +43,7 @@ def interval_of_friction(scene: Scene, friction: Interval) -> Interval:
     Raises:
         PalmbotsError: it is not one of friction, or an object with so much friction would wedge.
     """
-    low, high = two_numbers("friction", friction)
-    if not (LEAST <= low < high <= MOST):
-        raise PalmbotsError(
-            f"friction: value is {show([low, high])}; allowed: two numbers, the lower one first, "
-            f"from {LEAST:g} to {MOST:g}"
-        )
+    low, high = ordered_pair("friction", friction, LEAST, MOST, differ=True)
     palms = [scene.palm_of(side) for side in SIDES]
     steepest = max(abs(deg) for palm in palms for deg in (palm.shallow_deg, palm.steep_deg))
     most = _core.friction_limit(steepest)

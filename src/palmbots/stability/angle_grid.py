@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palmbots._types import Interval
-from palmbots._util.arguments import show, two_numbers
+from palmbots._util.arguments import ordered_pair, show
 from palmbots.errors import PalmbotsError
 from palmbots.stability.interval_sets import shifted
 from palmbots.stability.problem import Pair, StabilityProblem
@@ -68,15 +68,10 @@ class GridLimits:
     """Angles of the grid that need not be multiples of the resolution; only those in the range."""
 
     def __post_init__(self) -> None:
-        low, high = two_numbers("angle_range_deg", self.range_deg)
+        low, high = ordered_pair("angle_range_deg", self.range_deg, -45, 75, differ=True)
         if not (math.isfinite(self.resolution_deg) and 0.01 <= self.resolution_deg <= 10):
             raise PalmbotsError(
                 f"resolution_deg: value is {show(self.resolution_deg)}; allowed: 0.01 to 10 degrees"
-            )
-        if not -45 <= low < high <= 75:
-            raise PalmbotsError(
-                f"angle_range_deg: value is {show([low, high])}; allowed: two numbers, the lower "
-                "one first, from -45 to 75"
             )
         if not 0 < self.min_difference_deg <= high - low:
             raise PalmbotsError(

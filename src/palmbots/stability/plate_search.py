@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from palmbots._types import SIDES, Interval
-from palmbots._util.arguments import show, two_numbers
+from palmbots._util.arguments import ordered_pair
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side
@@ -61,7 +61,9 @@ class PlateLimits:
     @classmethod
     def of(cls, given: Mapping[str, object], angles: GridLimits) -> PlateLimits:
         """The limits of a design; `given` may have those of the plate."""
-        lengths = [_lengths(name, given.get(name, usual)) for name, usual in _RANGES_M.items()]
+        lengths = [
+            ordered_pair(name, given.get(name, usual), 0, 0.1) for name, usual in _RANGES_M.items()
+        ]
         low, high = angles.range_deg
         turned = (max(low, 0.0), high)  # below 0 the outer end of a palm is its lowest point
         steps = (*_STEPS_M, angles.resolution_deg, angles.resolution_deg)
@@ -89,16 +91,6 @@ class PlateLimits:
             for value, (low, high) in zip(values, self.ranges, strict=True)
         )
         return inside and values[4] - values[3] >= self.angles.min_difference_deg - 1e-9
-
-
-def _lengths(name: str, value: object) -> Interval:
-    low, high = two_numbers(name, value)
-    if not 0 <= low <= high <= 0.1:
-        raise PalmbotsError(
-            f"{name}: value is {show([low, high])}; allowed: two numbers in m, the lower one "
-            "first, from 0 to 0.1"
-        )
-    return low, high
 
 
 def is_on_floor(scene: Scene) -> bool:

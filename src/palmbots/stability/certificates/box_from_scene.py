@@ -11,7 +11,7 @@ import numpy as np
 
 from palmbots._core import crossing_edges
 from palmbots._types import SIDES
-from palmbots._util.arguments import show
+from palmbots._util.arguments import ordered_pair, show
 from palmbots.errors import PalmbotsError
 from palmbots.scene.object_frame import Corner, object_frame
 from palmbots.scene.palm_section import PalmParameters
@@ -54,14 +54,7 @@ def _ends(name: str, interval: Any, default: Any, least: float, most: float) -> 
     """The ends of an interval; None stands for the default alone."""
     if interval is None:
         return exact(default), exact(default)
-    allowed = f"allowed: two numbers, the lower one first, from {least:g} to {most:g}"
-    try:
-        low, high = interval
-        is_valid = least <= low <= high <= most
-    except (TypeError, ValueError):  # one number, three, or none at all
-        raise PalmbotsError(f"{name}: value is {show(interval)}; {allowed}") from None
-    if not is_valid:
-        raise PalmbotsError(f"{name}: value is {show([low, high])}; {allowed}")
+    low, high = ordered_pair(name, interval, least, most)
     return exact(low), exact(high)
 
 
@@ -139,7 +132,8 @@ def box_of(
     elif slope is not None:
         slopes = exact(slope[0]), exact(slope[1])
     else:
-        slopes = _ends("slope", None, to_spec(scene).slope if scene.task.slope_deg else 0.0, 0, 0)
+        own = exact(to_spec(scene).slope if scene.task.slope_deg else 0.0)
+        slopes = own, own
     box = ParameterBox(
         com=_coms(frame.com, com_x_m, com_y_m, com_polygon_m),
         width=width,
@@ -215,7 +209,7 @@ def _palm_regions(
         halves.append((shortest / 2, longest / 2))
         usable = longest
         if palm.usable_m is not None:
-            usable = min(longest, _ends("usable_m", None, palm.usable_m, 0.001, 10)[1])
+            usable = min(longest, exact(palm.usable_m))
         low, high = -usable / 2, usable / 2
         if region_m is not None:
             low, high = _ends("region_m", region_m, None, float(low), float(high))
