@@ -76,6 +76,24 @@ SLIDING_CONTACT_OF_THE_OTHER_PALM_LEAVES = Script(
         (-0.016866022146781123, -5.0, -5.0),
     ],
 )
+# Both palms, at equal friction, pass through level at the same instant. There both sides may slide;
+# an instant later the forces of two slides balance far away only, where contacts are symmetric.
+BOTH_THROUGH_LEVEL = Script(
+    {"object": "box-strips"},
+    {
+        "palm.friction": 0.3,
+        "palm.right.friction": 0.3,
+        "palm.pivot_offset_m": 0.0,
+        "start.left_m": 0.03997198277245977,
+        "start.right_m": 0.0329829123286176,
+    },
+    [
+        (0.0, -2.0, 5.0),
+        (0.01885940253602916, 0.0, -2.0),
+        (0.0, -2.0, -2.0),
+        (0.018199311931163486, 5.0, 5.0),
+    ],
+)
 # The tip of the left palm slides along an edge to its corner; the next edge is too steep to rest
 # on. Exactly at the corner the plate's normal would balance the object, but it lies outside the
 # normal cone of the corner.
@@ -108,6 +126,7 @@ CORNER_SLIDES_OFF = Script(
         SLIP_TURNS_AT_LEVEL,
         SLIDING_CONTACT_LEAVES,
         SLIDING_CONTACT_OF_THE_OTHER_PALM_LEAVES,
+        BOTH_THROUGH_LEVEL,
     ],
 )
 def test_carry_continues_where_an_edge_passes_a_tip_or_level(script: Script) -> None:

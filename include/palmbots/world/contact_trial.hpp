@@ -100,14 +100,17 @@ class ContactTrial {
   }
 
   // Whether a regime holds at a later instant, and its contacts slide in their directions until
-  // then. They are compared from the middle on: at first the pose may jump by a rounding error. `end`,
-  // the place before, becomes that at the later instant.
+  // then. They are compared from the middle on: at first the pose may jump by a rounding error. It may
+  // not jump farther: where forces balance elsewhere, as when two palms pass through level together,
+  // the object does not get there. `end`, the place before, becomes that at the later instant.
   bool goes_on(double from, double to, const Regime& regime, Place& end) const {
     if (!(reach(to, end, regime).least() >= 0.0)) return false;
     if (!lasts(from, regime)) return false;
     const double middle = 0.5 * (from + to);
     Place half = here();
     if (!reach(middle, half, regime).settled) return false;
+    const double jump = apart(pose_, half.pose) - 8.0 * apart(half.pose, end.pose);
+    if (jump > Tolerance::jump * problem_.shapes.size) return false;
     const Frames before = frames(half);
     const Frames after = frames(end);
     for (std::size_t i = 0; i < regime.count; ++i) {
