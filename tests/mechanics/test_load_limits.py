@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import palmbots as pb
+from palmbots._types import SIDES
 from palmbots.errors import SceneError
 from palmbots.mechanics.load_limits import LoadLimits
 from palmbots.scene.chassis import axle_out, chassis, wheel_kg
@@ -17,6 +18,7 @@ from palmbots.scene.robot_dimensions import PALM_THICKNESS
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side
 from palmbots.scene.spec import contact_radii, to_spec
+from sampled import sampled
 
 G = 9.80665
 CRATE = {
@@ -191,3 +193,45 @@ def test_warning_and_refusal_name_masses_that_are_allowed() -> None:
     assert isinstance(found, LoadLimits) and text is not None
     allowed = float(text.split("at most ")[1].split()[0])
     assert pb.load_limits(overrides={"object.mass_kg": allowed}).refusal() is None
+
+
+TOTE: dict[str, Any] = {
+    "object.box_m": [0.4, 0.22], "object.depth_m": 0.26, "object.mass_kg": 3.2,
+    "object.com_m": [0.185, 0.08], "object.edge_radius_m": 0.004, "palm.length_m": 0.14,
+    "palm.friction": 0.45, "robot.motor_force_n": 30.0, "mujoco.body_kg": 12.0,
+    "mujoco.palm_torque_n_m": 0.6,
+}  # fmt: skip
+"""The motors are weakest with a contact between those of a coarse grid: 5.64 kg anywhere on the
+palms, but 5.61 kg in their inner half."""
+
+
+@pytest.mark.parametrize("changes", sampled([*SCENES, TIPPING, TOTE], 3))
+def test_no_contacts_allow_less_than_the_heaviest_object(changes: dict[str, Any]) -> None:
+    """Each limit of a region is at most that of every state in it, and not far from the least of
+    many states."""
+    scene = load_scene("paper", changes | {"task.inertia": False})
+    rng = np.random.default_rng(1)
+    reach = [scene.palm_of(side).reach_m for side in SIDES]
+    least: dict[str, float] = {}
+    for share in [*product((-1, -0.5, 0, 0.5, 1), repeat=2), *rng.uniform(-1, 1, (1500, 2))]:
+        places = (float(part * half) for part, half in zip(share, reach, strict=True))
+        start = dict(zip(("start.left_m", "start.right_m"), places, strict=True))
+        for one in pb.load_limits(scene, overrides=start).limits:
+            if one.at_start_kg is not None:
+                least[one.kind] = min(one.at_start_kg, least.get(one.kind, math.inf))
+    found = {one.kind: one.heaviest_kg for one in pb.load_limits(scene).limits}
+    assert found.keys() >= least.keys()
+    for kind, mass in least.items():
+        assert 0.97 * mass <= found[kind] <= mass * (1 + 1e-4), kind
+
+
+@pytest.mark.parametrize("changes", [{}, CRATE, TOTE])
+def test_a_larger_region_never_allows_a_heavier_object(changes: dict[str, Any]) -> None:
+    limits = pb.load_limits("paper", overrides=changes)
+    by_reach = [
+        {kind: mass for mass, kind in limits.limits_within(float(reach))}
+        for reach in np.linspace(1e-3, limits.reach_m, 25)
+    ]
+    for near, far in pairwise(by_reach):
+        assert near.keys() <= far.keys()
+        assert all(far[kind] <= mass * (1 + 1e-4) for kind, mass in near.items())

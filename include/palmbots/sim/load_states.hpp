@@ -155,17 +155,59 @@ inline detail::Load push_of(const RobotBody& body, const Spec& spec, std::size_t
   return least;
 }
 
-// All states with contacts on a grid, at the ends of angles, slopes and squeezes in which friction
-// holds the object.
+// States at the ends of angles, slopes and squeezes in which friction holds the object. The contacts
+// are on a grid, which is refined around the state in which each limit binds: the heaviest object is a
+// piecewise smooth function of both contacts, and its least value may be between the grid's points,
+// at a kink where another palm ends the squeeze.
 class LoadStates {
  public:
   LoadStates(const RobotBody& body, const Spec& spec)
       : body_(body), spec_(spec), model_(model_of<double>(spec)) {}
 
-  // The contacts of both palms, and the acceleration of the robots [m/s²].
-  [[gnu::noinline]] HeaviestLoads heaviest(const PerSide<std::vector<double>>& places,
-                                           double acceleration) {
+  // Contacts up to `reach` from the pivots, and whatever the robots do.
+  HeaviestLoads within(double reach) {
+    constexpr int coarse = 9;
+    constexpr int fine = 5;
+    constexpr int halvings = 12;  // to 6e-5 of the reach
+    PerSide<std::vector<double>> places;
+    PerSide<double> ends{};
+    double fastest = 0;
+    for (const std::size_t side : {left, right}) {
+      ends[side] = smaller(reach, spec_.palms[side].reach());
+      for (int k = 0; k < coarse; ++k) places[side].push_back(ends[side] * (0.25 * k - 1));
+      fastest = larger(fastest, spec_.robots[side].acceleration);
+    }
+    const double acceleration = spec_.inertia ? fastest : 0;
     best_ = {};
+    add(places, acceleration);
+    for (std::size_t kind = 0; kind < load_kinds; ++kind) {
+      if (!std::isfinite(best_[kind].mass)) continue;
+      double step = 0.25;
+      for (int halving = 0; halving < halvings; ++halving) {
+        step *= 0.5;
+        for (const std::size_t side : {left, right}) {
+          places[side].clear();
+          for (int k = 0; k < fine; ++k) {
+            const double p = best_[kind].p[side] + (k - fine / 2) * step * ends[side];
+            if (std::abs(p) <= ends[side]) places[side].push_back(p);
+          }
+        }
+        add(places, acceleration);
+      }
+    }
+    return best_;
+  }
+
+  // At rest, with the contacts where the carry starts.
+  HeaviestLoads at_start() {
+    best_ = {};
+    add({std::vector{spec_.start[left]}, std::vector{spec_.start[right]}}, 0);
+    return best_;
+  }
+
+ private:
+  // Looks at contacts of both palms, with this acceleration of the robots [m/s²].
+  [[gnu::noinline]] void add(const PerSide<std::vector<double>>& places, double acceleration) {
     for (const double p_left : places[left]) {
       for (const double p_right : places[right]) {
         for (const double l : {spec_.palms[left].shallow, spec_.palms[left].steep}) {
@@ -179,28 +221,8 @@ class LoadStates {
         }
       }
     }
-    return best_;
   }
 
-  // Contacts up to `reach` from the pivots, and whatever the robots do.
-  HeaviestLoads within(double reach) {
-    constexpr int count = 9;
-    PerSide<std::vector<double>> places;
-    double fastest = 0;
-    for (const std::size_t side : {left, right}) {
-      const double end = smaller(reach, spec_.palms[side].reach());
-      for (int k = 0; k < count; ++k) places[side].push_back(end * (0.25 * k - 1));
-      fastest = larger(fastest, spec_.robots[side].acceleration);
-    }
-    return heaviest(places, spec_.inertia ? fastest : 0);
-  }
-
-  // At rest, with the contacts where the carry starts.
-  HeaviestLoads at_start() {
-    return heaviest({std::vector{spec_.start[left]}, std::vector{spec_.start[right]}}, 0);
-  }
-
- private:
   void look(const PerSide<double>& p, const PerSide<double>& theta, double slope) {
     const PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(theta[left]),
                                            PalmAngle<double>::at(theta[right])};

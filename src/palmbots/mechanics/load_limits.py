@@ -2,7 +2,7 @@
 """What two robots can hold: which object is too heavy for their balance, servos and wheels.
 
 The core computes the limits, the refusal and the warning, for the page, too
-(`sim/load_states.hpp` has the mechanics). Contacts are taken on a grid over the region.
+(`sim/load_states.hpp` has the mechanics).
 """
 
 from __future__ import annotations
