@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from palmbots.stability.clearance import outline_clearance as outline_clearance
     from palmbots.stability.design_result import Design as Design
     from palmbots.stability.design_result import OwnAngles as OwnAngles
+    from palmbots.stability.design_result import Plate as Plate
+    from palmbots.stability.design_result import PlateDesign as PlateDesign
     from palmbots.stability.drop_hints import analyze_hint as analyze_hint
     from palmbots.stability.drop_hints import missing_properties as missing_properties
     from palmbots.stability.drop_hints import touch_start_hint as touch_start_hint
@@ -31,8 +33,6 @@ if TYPE_CHECKING:
     from palmbots.stability.palm_angles import PAPER_DEG as PAPER_DEG
     from palmbots.stability.palm_angles import GridOptions as GridOptions
     from palmbots.stability.palm_angles import with_angles as with_angles
-    from palmbots.stability.plate_design import Plate as Plate
-    from palmbots.stability.plate_design import PlateDesign as PlateDesign
     from palmbots.stability.problem import StabilityProblem as StabilityProblem
     from palmbots.stability.problem import stability_problem as stability_problem
     from palmbots.stability.reaction_region import Reaction as Reaction

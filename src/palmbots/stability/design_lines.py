@@ -9,8 +9,7 @@ from palmbots._util.text import millimetres
 from palmbots.stability.analysis_lines import friction_note
 from palmbots.stability.angle_grid import LIFT, NOISE, QUANTITIES
 from palmbots.stability.certificates.obligations import BOTH_TURN
-from palmbots.stability.design_result import limit_text
-from palmbots.stability.plate_design import failures_text
+from palmbots.stability.design_result import failures_text, limit_text
 
 if TYPE_CHECKING:
     from palmbots.stability.design_result import Design

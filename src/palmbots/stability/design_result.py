@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The result of a design: the palm angles, what they tolerate, and the scene's own for
+"""The result of a design: palm angles or a plate, what they tolerate, and the scene's own for
 comparison."""
 
 from __future__ import annotations
@@ -9,19 +9,123 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from palmbots._types import Interval
+from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.plain_values import NOT_IN_JSON, derived
+from palmbots._util.report import Item, Line, Table, bold, quiet, verdict
 from palmbots._util.results import Result
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import on_every_side
 from palmbots.simulation.noise_limit import NoiseLimit
 from palmbots.simulation.outcome_counts import OutcomeCounts
+from palmbots.stability.analysis import Analysis
 from palmbots.stability.angle_certificate import angle_keys
 from palmbots.stability.angle_grid import LIFT, NOISE, QUANTITIES, Lift, Objective, Quantity
 from palmbots.stability.certificates.prover import Certificate
-from palmbots.stability.plate_design import PlateDesign
+from palmbots.stability.plate_search import KEYS
+from palmbots.stability.tightest_margins import RankedMargin
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+NOISE_FACTOR = 3.0
+"""With their own noise, plates whose margins suffice do not differ measurably."""
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A plate with two angles, its margins, and how jobs with it end."""
+
+    nose_m: float
+    bevel_m: float
+    heel_m: float
+    shallow_deg: float
+    steep_deg: float
+    margins: tuple[RankedMargin, ...]
+    """The margins of `palmbots.analyze`, the tightest first; empty: the plate does not qualify."""
+    refusal: str
+    """Why it does not qualify; empty: it does."""
+    counts: OutcomeCounts | None
+    """How jobs end; None: there is no controller, or it or the scene refuses them."""
+    noisy: OutcomeCounts | None
+    """The same with `NOISE_FACTOR` times the noise."""
+
+    @derived
+    def least_margin(self) -> float | None:
+        """The tightest margin, relative to what the scene uses up of it; None: the plate does not
+        qualify."""
+        return next((one.times for one in self.margins if one.times is not None), None)
+
+    def sizes(self) -> dict[str, float]:
+        """The scene keys of the plate and their values."""
+        return {key: getattr(self, key.removeprefix("palm.")) for key in KEYS}
+
+    def text(self) -> str:
+        """Its sizes and angles."""
+        lengths = {"nose": self.nose_m, "bevel": self.bevel_m, "heel": self.heel_m}
+        parts = ", ".join(f"{name} {1e3 * value:g} mm" for name, value in lengths.items())
+        return f"{parts}, {self.shallow_deg:g}° and {self.steep_deg:g}°"
+
+
+@dataclass(frozen=True)
+class PlateDesign:
+    """The plate and angles whose tightest margin is largest, and the scene's own for comparison."""
+
+    best: Plate
+    own: Plate
+    """The scene's own plate; that of the left palm, if the palms differ."""
+    analysis: Analysis = field(metadata=NOT_IN_JSON)
+    """Of the designed scene."""
+
+    @derived
+    def fails_more(self) -> bool:
+        """Whether simulated jobs fail measurably more often than with the scene's own plate."""
+        mine, own = self.best.counts, self.own.counts
+        if mine is None or own is None:
+            return False
+        return mine.failure_interval[0] > own.failure_interval[1]
+
+    def lines(self) -> Iterator[Item]:
+        """The plate, its margins beside those of the scene's own, and simulated jobs."""
+        mine, own = self.best, self.own
+        yield Line(verdict(not self.fails_more, "DESIGNED", "FAILS"), bold(f"  {mine.text()}"))
+        if self.fails_more:
+            yield "simulated jobs fail more often than with the scene's own plate"
+        least = f"tightest margin {_times(mine.least_margin)}"
+        if own.refusal:
+            yield f"{least}; the scene's own plate does not qualify: {own.refusal}"
+        elif mine.sizes() == own.sizes():
+            yield f"{least}: the scene's own plate; no other plate that was tried has a larger one"
+        else:
+            yield f"{least} instead of {_times(own.least_margin)} with {own.text()}"
+        heads = ("designed", "the scene's own")
+        yield Table(list(self._rows()), ("", *heads), right=heads)
+        if mine.counts is not None:
+            yield quiet(
+                f"margins: relative to what the scene uses up; jobs: {mine.counts.carries:,} with "
+                f"{mine.counts.controller}, seeds from 0; 95 %"
+            )
+        yield "tightest with the designed plate:"
+        for number, margin in enumerate(mine.margins[:3], 1):
+            yield Line(f"{number}. {margin.sentence()}", indent=2)
+
+    def _rows(self) -> Iterator[tuple[str, str, str]]:
+        # A quantity has several margins where several parts limit it: the least one is shown.
+        tables = [
+            {one.quantity: one.times for one in reversed(plate.margins) if one.times is not None}
+            for plate in (self.best, self.own)
+        ]
+        for name in sorted(tables[0], key=lambda name: tables[0][name]):
+            yield f"  {name}", _times(tables[0][name]), _times(tables[1].get(name))
+        if self.best.counts is not None:
+            best, own = self.best, self.own
+            yield "  jobs that fail", failures_text(best.counts), failures_text(own.counts)
+            name = f"  {NOISE_FACTOR:g} × noise"
+            yield name, failures_text(best.noisy), failures_text(own.noisy)
+
+
+def _times(value: float | None) -> str:
+    return "–" if value is None else f"{value:.2f}"
 
 
 @dataclass(frozen=True)
@@ -209,3 +313,10 @@ def limit_text(limit: NoiseLimit) -> str:
     """A noise limit with its interval: "1.94 cm/s (1.92 to 1.96)"."""
     low, high = (100 * end for end in limit.interval)
     return f"{100 * limit.sigma_star_m_s:.2f} cm/s ({low:.2f} to {high:.2f})"
+
+
+def failures_text(counts: OutcomeCounts | None) -> str:
+    """The share of carries that do not deliver; None: they are refused."""
+    return (
+        "refused" if counts is None else rate_text(counts.dropped + counts.stalled, counts.carries)
+    )

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Design of the plate of the palms and of their angles for a job on the floor: the result, beside
-the scene's own plate.
+"""Design of the plate of the palms and of their angles for a job on the floor.
 
 `plate_search` finds the plate whose tightest margin is largest. Jobs with the same seeds then try
 it and the scene's own plate, because the closed forms contain neither noise nor the controller.
@@ -9,14 +8,9 @@ it and the scene's own plate, because the closed forms contain neither noise nor
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
 
 from palmbots._types import Interval, Overrides
-from palmbots._util.confidence_intervals import rate_text
-from palmbots._util.plain_values import NOT_IN_JSON, derived
-from palmbots._util.report import Item, Line, Table, bold, quiet, verdict
 from palmbots.control.registry import ControllerEntry
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene, load_scene
@@ -25,6 +19,14 @@ from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.angle_grid import LIFT
 from palmbots.stability.clearance import outline_clearance
+from palmbots.stability.design_result import (
+    NOISE_FACTOR,
+    Design,
+    OwnAngles,
+    Plate,
+    PlateDesign,
+    ReactionTimes,
+)
 from palmbots.stability.interval_sets import around
 from palmbots.stability.plate_search import (
     KEYS,
@@ -35,112 +37,11 @@ from palmbots.stability.plate_search import (
 )
 from palmbots.stability.problem import stability_problem
 from palmbots.stability.reaction_region import reaction
-from palmbots.stability.tightest_margins import RankedMargin
 
-if TYPE_CHECKING:
-    from palmbots.stability.design_result import Design
-
-JOBS, NOISE_FACTOR = 1000, 3.0
-"""Simulated with each plate, and once more with this multiple of the noise: with their own noise,
-plates whose margins suffice do not differ measurably."""
+JOBS = 1000
+"""Simulated with each plate, and once more with `NOISE_FACTOR` times the noise."""
 TRIALS = 20
 """Simulated with each plate to which the search goes; at most half of them may fail."""
-
-
-@dataclass(frozen=True)
-class Plate:
-    """A plate with two angles, its margins, and how jobs with it end."""
-
-    nose_m: float
-    bevel_m: float
-    heel_m: float
-    shallow_deg: float
-    steep_deg: float
-    margins: tuple[RankedMargin, ...]
-    """The margins of `palmbots.analyze`, the tightest first; empty: the plate does not qualify."""
-    refusal: str
-    """Why it does not qualify; empty: it does."""
-    counts: OutcomeCounts | None
-    """How jobs end; None: there is no controller, or it or the scene refuses them."""
-    noisy: OutcomeCounts | None
-    """The same with `NOISE_FACTOR` times the noise."""
-
-    @derived
-    def least_margin(self) -> float | None:
-        """The tightest margin, relative to what the scene uses up of it; None: the plate does not
-        qualify."""
-        return next((one.times for one in self.margins if one.times is not None), None)
-
-    def sizes(self) -> dict[str, float]:
-        """The scene keys of the plate and their values."""
-        return {key: getattr(self, key.removeprefix("palm.")) for key in KEYS}
-
-    def text(self) -> str:
-        """Its sizes and angles."""
-        lengths = {"nose": self.nose_m, "bevel": self.bevel_m, "heel": self.heel_m}
-        parts = ", ".join(f"{name} {1e3 * value:g} mm" for name, value in lengths.items())
-        return f"{parts}, {self.shallow_deg:g}° and {self.steep_deg:g}°"
-
-
-@dataclass(frozen=True)
-class PlateDesign:
-    """The plate and angles whose tightest margin is largest, and the scene's own for comparison."""
-
-    best: Plate
-    own: Plate
-    """The scene's own plate; that of the left palm, if the palms differ."""
-    analysis: Analysis = field(metadata=NOT_IN_JSON)
-    """Of the designed scene."""
-
-    @derived
-    def fails_more(self) -> bool:
-        """Whether simulated jobs fail measurably more often than with the scene's own plate."""
-        mine, own = self.best.counts, self.own.counts
-        if mine is None or own is None:
-            return False
-        return mine.failure_interval[0] > own.failure_interval[1]
-
-    def lines(self) -> Iterator[Item]:
-        """The plate, its margins beside those of the scene's own, and simulated jobs."""
-        mine, own = self.best, self.own
-        yield Line(verdict(not self.fails_more, "DESIGNED", "FAILS"), bold(f"  {mine.text()}"))
-        if self.fails_more:
-            yield "simulated jobs fail more often than with the scene's own plate"
-        least = f"tightest margin {_times(mine.least_margin)}"
-        if own.refusal:
-            yield f"{least}; the scene's own plate does not qualify: {own.refusal}"
-        elif mine.sizes() == own.sizes():
-            yield f"{least}: the scene's own plate; no other plate that was tried has a larger one"
-        else:
-            yield f"{least} instead of {_times(own.least_margin)} with {own.text()}"
-        heads = ("designed", "the scene's own")
-        yield Table(list(self._rows()), ("", *heads), right=heads)
-        if mine.counts is not None:
-            yield quiet(
-                f"margins: relative to what the scene uses up; jobs: {mine.counts.carries:,} with "
-                f"{mine.counts.controller}, seeds from 0; 95 %"
-            )
-        yield "tightest with the designed plate:"
-        for number, margin in enumerate(mine.margins[:3], 1):
-            yield Line(f"{number}. {margin.sentence()}", indent=2)
-
-    def _rows(self) -> Iterator[tuple[str, str, str]]:
-        # A quantity has several margins where several parts limit it: the least one is shown.
-        tables = [
-            {one.quantity: one.times for one in reversed(plate.margins) if one.times is not None}
-            for plate in (self.best, self.own)
-        ]
-        for name in sorted(tables[0], key=lambda name: tables[0][name]):
-            yield f"  {name}", _times(tables[0][name]), _times(tables[1].get(name))
-        if self.best.counts is not None:
-            best, own = self.best, self.own
-            yield "  jobs that fail", failures_text(best.counts), failures_text(own.counts)
-            name = f"  {NOISE_FACTOR:g} × noise"
-            yield name, failures_text(best.noisy), failures_text(own.noisy)
-
-
-def _times(value: float | None) -> str:
-    return "–" if value is None else f"{value:.2f}"
 
 
 def design_plate(
@@ -162,8 +63,6 @@ def design_plate(
     Raises:
         PalmbotsError: the job neither begins nor ends on the floor, or no plate qualifies.
     """
-    from palmbots.stability.design_result import Design, OwnAngles, ReactionTimes
-
     if not is_on_floor(scene):
         raise PalmbotsError(
             "maximize: value is lift, but the job neither begins nor ends on the floor; allowed: a "
@@ -243,10 +142,3 @@ def _jobs(
         return count_outcomes(scene, entry, seeds=jobs, overrides=overrides)
     except SceneError:
         return None
-
-
-def failures_text(counts: OutcomeCounts | None) -> str:
-    """The share of carries that do not deliver; None: they are refused."""
-    return (
-        "refused" if counts is None else rate_text(counts.dropped + counts.stalled, counts.carries)
-    )
