@@ -114,6 +114,28 @@ def test_scripted_bumps_shift_the_contacts() -> None:
     assert np.count_nonzero(np.diff(column(carry, "separation"))) == 2
 
 
+@pytest.mark.parametrize(("direction", "rate"), [("forward", 0.0), ("backward", 100.0)])
+def test_longest_script_of_bumps(direction: str, rate: float) -> None:
+    """Each bump comes once, at its time or place along the way, whatever their order. Random bumps
+    that shift nothing change nothing."""
+    draw = np.random.default_rng(3)
+    bumps = [
+        (SIDES[k % 3 % 2], ("at_s", "at_m")[k % 2], draw.uniform(0, 0.5), draw.uniform(-2e-4, 2e-4))
+        for k in range(64)
+    ]
+    script = [{"robot": side, key: at, "shift_m": shift} for side, key, at, shift in bumps]
+    random = {"bumps.rate_per_m": rate, "bumps.max_shift_m": 0.0}
+    keys = {"task.direction": direction, "bumps.script": script}
+    carry = pb.carry("paper", "none", overrides=CALM | random | keys)
+    p, time, midpoint = (column(carry, name) for name in ("contact", "time", "midpoint"))
+    reached = {"at_s": time, "at_m": midpoint if direction == "forward" else -midpoint}
+    expected = np.zeros_like(p)
+    for side, key, at, shift in bumps:
+        expected[:, SIDES.index(side)] += shift * (reached[key] >= at)
+    np.testing.assert_allclose(p, expected, atol=1e-14)
+    assert carry.bump_count > 164 if rate else carry.bump_count == 64
+
+
 def test_bump_past_the_end_of_the_palm_drops_the_object() -> None:
     script = [{"robot": "right", "at_s": 2.0, "shift_m": 0.1}]
     carry = carried("distributed", robot__noise_m_s=0.0, bumps__script=script)
@@ -131,7 +153,7 @@ def test_bump_that_drops_the_object_ends_its_corrections() -> None:
 
 def test_random_bumps_have_the_given_rate() -> None:
     """Their number has mean rate × distance × 2 robots and the variance of a Poisson number."""
-    n, rate, way = 400, 6.0, 1.5
+    n, rate, way = 400, 1.0, 1.5
     scene = pb.load_scene(
         "paper",
         CALM | {"bumps.rate_per_m": rate, "bumps.max_shift_m": 0.0, "task.distance_m": way},
