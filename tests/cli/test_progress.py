@@ -3,13 +3,14 @@
 
 import importlib
 import io
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from commands import Run, unwrapped
-from palmbots.cli._progress import LineProgress, progress, staged_progress
+from palmbots.cli._progress import Estimate, LineProgress, progress, staged_progress
 from palmbots.cli._warnings import hold_warnings, warn
 from palmbots.errors import PalmbotsError
 
@@ -61,8 +62,48 @@ def test_time_left_is_not_claimed_where_nothing_moves() -> None:
         lines.report("carrying", fraction)
         clock.now_s += 61
     assert [line.split(", ")[1] for line in stream.getvalue().splitlines()] == [
-        "about 1:01 min left", "time left unknown", "time left unknown", "time left unknown",
+        "about 1:01 min left", "takes longer than expected", "finishing", "finishing",
     ]  # fmt: skip
+
+
+def test_time_left_counts_down_between_reports() -> None:
+    """Also where a step takes minutes, as a carry in MuJoCo does."""
+    stream, clock = io.StringIO(), Clock()
+    lines = LineProgress(stream, clock)
+    for minute in range(9):
+        clock.now_s = 1001.0 + 60 * minute
+        lines.report("carrying", minute // 3 / 4)  # a step of a quarter takes three minutes
+    assert [line.split(", ")[1] for line in stream.getvalue().splitlines()] == [
+        "time left unknown", "time left unknown", "about 9:03 min left", "about 8:03 min left",
+        "about 7:03 min left", "about 6:01 min left", "about 5:01 min left", "about 4:01 min left",
+    ]  # fmt: skip
+
+
+def test_time_left_counts_from_the_beginning_of_the_work() -> None:
+    """Not from the first report: what comes before it is work, too."""
+    stream, clock = io.StringIO(), Clock()
+    lines = LineProgress(stream, clock, " of this stage")
+    clock.now_s += 100
+    lines.report("splitting", 0.5)
+    line = "palmbots: splitting: 50 % after 1:40 min, about 1:40 min left of this stage\n"
+    assert stream.getvalue() == line
+
+
+def test_bar_in_a_terminal_says_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    from palmbots.cli import _progress
+
+    clock, stream = Clock(), io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(_progress, "Estimate", lambda of: Estimate(clock, of))
+    with progress("carrying") as report:
+        for fraction, left in ((0.0, "unknown"), (0.5, "about 0:10 min left"), (1.0, "finishing")):
+            clock.now_s += 10 * (fraction == 0.5)
+            report(fraction)
+            time.sleep(0.15)  # the bar is drawn ten times a second
+            assert left in stream.getvalue()
+    assert "of this stage" not in stream.getvalue()
 
 
 @pytest.mark.parametrize("quiet", [True, False])

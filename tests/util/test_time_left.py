@@ -34,6 +34,28 @@ def test_fraction_follows_the_time(guess: float) -> None:
             assert 0.99 * min(guess, 1.0) <= said_s / (100.0 - time) <= 1.01 * max(guess, 1.0)
 
 
+def test_nothing_is_claimed_before_anything_is_known() -> None:
+    """An assessment that knows nothing yet of how long its parts take showed 100 % at once."""
+    now, shown = 0.0, list[float]()
+    left = TimeLeft(shown.append, ("counts", "load"), lambda: now)
+    now = 0.1
+    report = left.begin("counts")
+    now = 1.0
+    report(0.01)
+    assert shown == [0.0, 0.0]
+    left.expect(load=6.0)
+    now = 2.0
+    report(0.5)
+    assert shown[-1] == pytest.approx(2.0 / (2.0 + 1.9 + 6.0))
+    now = 4.0
+    report(1.0)
+    report = left.begin("load")
+    assert shown[-1] == pytest.approx(0.4)
+    now = 9.0  # it takes longer than expected
+    report(0.0)
+    assert shown[-1] == pytest.approx(9.0 / (9.0 + 0.2 * 6.0))
+
+
 def test_total_contains_what_is_expected() -> None:
     now = 5.0
     left = TimeLeft(lambda done: None, ("a", "b"), lambda: now)

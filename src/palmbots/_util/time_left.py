@@ -10,13 +10,15 @@ from palmbots._util.text import duration
 
 _WAIT_S = 2.0
 _EARLY = 0.04  # of the work: then its pace is known
+_LEAST_LEFT = 0.2  # of what a part was expected to take, while its own pace is not known
 
 
 class TimeLeft:
     """The completed fraction: the time spent, as a share of it and of the time that is left.
 
     What is left of a part follows from the pace of that part. Parts that have not begun take as
-    long as expected, and may be expected anew whenever more is known. The fraction never falls.
+    long as expected, and may be expected anew whenever more is known. The fraction never falls, and
+    stays as it is while nothing is known of the time that is left.
 
     Args:
         report: called with the fraction.
@@ -51,8 +53,12 @@ class TimeLeft:
 
         def report(done: float) -> None:
             spent_s = self._clock() - self._part_begin
-            left_s = spent_s * (1 - done) / done if done > 0.05 else expected_s * (1 - done)
-            self._show(left_s)
+            if done > 0.05:
+                self._show(spent_s * (1 - done) / done)
+            elif expected_s > 0:
+                self._show(max(expected_s - spent_s, _LEAST_LEFT * expected_s))
+            else:
+                self._report(self._fraction)
 
         report(0.0)
         return report

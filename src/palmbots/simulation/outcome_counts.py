@@ -256,12 +256,18 @@ def scene_statistics(
     better = None
     if tries_others and own.failure_rate >= SMALL:
         world = prepared.world.name
-        better = better_controllers(own, prepared.scene, world=world, precision=precision)
+        rest = _part(on_progress, 1, 6, 5) if on_progress else None
+        better = better_controllers(
+            own, prepared.scene, world=world, precision=precision, on_progress=rest
+        )
     return SceneStatistics(own, better)
 
 
-def _part(report: Callable[[float], None], k: int, of: int) -> Callable[[float], None]:
-    return lambda fraction: report((k + fraction) / of)
+def _part(
+    report: Callable[[float], None], k: int, of: int, parts: int = 1
+) -> Callable[[float], None]:
+    """For `parts` of `of` equal parts of the work, after the first k."""
+    return lambda fraction: report((k + parts * fraction) / of)
 
 
 def _counted(
