@@ -319,6 +319,9 @@ CHANGES: list[tuple[ChangeTrial | NoChange | None, str, list[str]]] = [
     (change(time_s=24.0), "yes", ["not: a carry takes"]),  # 4 %
     (change(time_s=26.4), "yes", ["a carry takes 26 s instead of 25"]),  # 6 %
     (change(messages=50.0), "yes", ["; a carry sends 50 messages instead of 100", "not: takes"]),
+    (change(messages=50.0), "yes", ["not: own noise"]),
+    (change(messages=50.0, noise_factor=6.0), "yes",
+     ["at 6 times the noise, silent", "sends 50 messages instead of 100 at the scene's own noise"]),
     (change(own_messages=None), "yes", ["not: sends"]),
     (change(time_s=None), "yes", ["not: takes"]),
     (change(**HEAVY), "yes", ["up to 2 kg instead of 1 kg as far out as contacts get; silent"]),
@@ -397,7 +400,8 @@ CURVES: list[tuple[CurveTrial | None, str, list[str]]] = [
     (curve(1), "partly", ["10.0 %", "; off-palm: a contact left", "not: explain"]),
     (curve(5), "partly", ["50.0 %"]),
     (curve(6), "no", ["60.0 %", "permitted, so this drift alone does not explain"]),
-    (curve(6, lips=True), "no", ["60.0 %", "not: explain"]),
+    (curve(6, lips=True), "no", ["60.0 %", "lips stop the drift after 35.0 mm", "not: explain"]),
+    (curve(0, mean=0.1, lips=True), "likely", ["not: 100.0 mm", "not: forecast"]),
     (curve(6, mean=0.036), "no", ["not: explain"]),
     (curve(6, forecast=DriftBudget(0.035, 0.02, 0.04, 8, 1, 3.0, False)), "no", ["not: explain"]),
     (curve(None, mean=0.05), "no", ["mean 50.0 mm", "which > 68.8 % of carries reach"]),

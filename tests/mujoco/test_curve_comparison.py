@@ -63,14 +63,15 @@ def test_every_change_that_is_printed_was_carried(carried: list[dict[str, Any]])
         "paper", turn_radius_m=0.6, on_progress=done.append, on_line=said.append
     )
     first = said[: len(carried)]
-    assert all("forecast drift" in line for line in first) and first[0].startswith("as it is: ")
+    assert first[0] == "as it is: drift (forecast) 51.0 mm, permitted 35.0 mm (tips)"
+    assert all("drift (forecast)" in line for line in first)
     assert len(said) == 2 * len(carried) - 1 and "left" in said[-2] and "left" not in said[-1]
     assert done == sorted(done) and done[-1] == 1.0
     assert [one.changes for one in found.others] != [] and len(carried) == 1 + len(found.others)
     best = found.best
     assert best is not None and best.counts is not None and best.counts.dropped == 1
     text = repr(found)
-    assert "BETTER" in text and "length_m=0.225" in text
+    assert "BETTER" in text and "palm.length_m=0.225" in text
     (command,) = [line for line in text.splitlines() if "run: " in line]
     for key, value in {**found.own.changes, **best.changes}.items():
         assert f"--set {key}={value:g}" in command if isinstance(value, float) else key in command
@@ -138,3 +139,42 @@ def test_few_carries_do_not_say_yes(carries: int, dropped: int, word: str) -> No
     text = repr(curve_comparison.CurveComparison(own, (), pb.load_scene("paper")))
     assert text.startswith(f"{word}  as it is: ")
     assert ("most often tipping: " in text) == (dropped > 0)
+
+
+LIPS = {"palm.left.lip_height_m": 0.03, "palm.right.lip_height_m": 0.03, "task.path.radius_m": 2.0}
+
+
+@pytest.mark.parametrize(
+    ("forecast", "dropped", "shown", "says"),
+    [
+        # The drift with lips is what the object would drift without them.
+        (replace(FORECAST, lips=True, tips=0, budget_m=0.007), 0, "up to the lips", None),
+        (replace(FORECAST, lips=True, tips=0, budget_m=0.007), 9, "7.0 mm (lips)",
+         "lips stop the drift, but 9 of 20 carries drop, most often sliding: "),
+        (replace(FORECAST, mean_m=0.02, tips=0), 1, "20.0 mm", None),
+        (replace(FORECAST, mean_m=0.02, tips=0), 9, "35.0 mm (tips)", "but 9 of 20 carries drop"),
+        (replace(FORECAST, mean_m=0.03, tips=6), 0, "30.0 mm", "of drops, but 0 of 20"),
+        (replace(FORECAST, mean_m=0.03, tips=4), 9, "30.0 mm", None),
+    ],
+)  # fmt: skip
+def test_rows_do_not_contradict_the_forecast_in_silence(
+    forecast: DriftBudget, dropped: int, shown: str, says: str | None
+) -> None:
+    counts = OutcomeCounts(
+        "silent", 20, dropped, 0, reasons={"sliding": dropped} if dropped else {}
+    )
+    own = CurveTrial("silent", {}, FORECAST, None, "")
+    one = CurveTrial("silent", LIPS, forecast, counts, "")
+    scene = pb.load_scene("paper")
+    text = repr(curve_comparison.CurveComparison(own, (one,), scene))
+    label = "palm.lip_height_m=0.03 task.path.radius_m=2.0"
+    (row,) = [line for line in text.splitlines() if line.startswith(f"  {label}  ")]
+    assert shown in row and "51.0 mm" not in row
+    assert (f"{label}: " in text.split(row)[1]) == (says is not None)
+    assert says is None or says in text
+
+
+def test_wider_palms_are_tried_up_to_the_depth_of_the_object(carried: list[dict[str, Any]]) -> None:
+    pb.mujoco.compare_on_curve("paper", turn_radius_m=0.6, overrides={"object.depth_m": 0.262})
+    widths = [one["palm.width_m"] for one in carried if "palm.width_m" in one]
+    assert widths == [0.15, 0.265]  # 2.5 times the forecast of the worst seed; the depth

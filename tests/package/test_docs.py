@@ -65,7 +65,7 @@ FEW = {
     "carry --set radio.loss=1": ["--seeds", "1"],
     "carry lift": ["--seeds", "1"],
     "compare": ["--carries", "2"],
-    "curve": ["--carries", "1", "--turn-angle-deg", "4", "--set", "robot.speed_m_s=0.18"],
+    "curve": ["--carries", "1", "--turn-angle-deg", "7", "--set", "robot.speed_m_s=0.18"],
     "design": ["--resolution-deg", "3", "--set", "task.distance_m=0.1"],
     "drop-rate": ["--effort", "20", "--relative-error-percent", "100", *NEAR],
     "bound": ["--set", "task.distance_m=0.05"],

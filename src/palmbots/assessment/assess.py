@@ -59,10 +59,12 @@ from palmbots.mujoco.curve_trial import (
     FORECASTS,
     CurveTrial,
     Keys,
+    refuse_tight,
     respelled,
     try_curve,
     turn_keys,
 )
+from palmbots.mujoco.engine import without_mujoco
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.sides import on_every_side, value_of
@@ -219,7 +221,7 @@ class Assessment(Result):
     progress="assessing",
     friction=Option(),
     turn_radius_m=Option(least=0.0, most=100.0),
-    turn_angle_deg=Option(least=1.0, most=360.0),
+    turn_angle_deg=Option(least=7.0, most=360.0),
 )
 def assess(
     scene: SceneLike = "paper",
@@ -256,6 +258,9 @@ def assess(
     name = chosen.spelled
     planar = respelled(name, {"task.path.kind": "straight"} if chosen.task.path.is_curved else {})
     interval = None if friction is None else interval_of_friction(chosen, friction)
+    path = _turn(chosen, turn_radius_m, turn_angle_deg)
+    if on_line is not None and (hint := without_mujoco()):
+        on_line(f"nothing is tried in {hint}")
     straight = _straightened(chosen)
     analysis = analyze(straight)
     left = TimeLeft(on_progress or (lambda fraction: None), _PARTS)
@@ -304,9 +309,6 @@ def assess(
     known("change", on_change(change, planar, straight))
     report = left.begin("curve")
     if best is not None and turn_radius_m > 0:
-        path: Keys = {}
-        if chosen.task.path.kind == "straight":
-            path = turn_keys(chosen, turn_radius_m, turn_angle_deg)
         curve = try_curve(chosen, best.controller, path, report, carries=CURVE_CARRIES)
     known("curve", on_curve(curve, best, chosen))
     known("assumed", on_assumptions(chosen, interval))
@@ -318,6 +320,14 @@ def assess(
     trial = change if isinstance(change, ChangeTrial) else None
     found = Answers(**answers)
     return Assessment(found, counts, pairs, load, rough, radio, curve, trial, chosen, analysis)
+
+
+def _turn(scene: Scene, radius_m: float, angle_deg: float) -> Keys:
+    """The keys of the turn that is tried; empty: the scene has a curve of its own, or none is."""
+    if scene.task.path.kind != "straight" or radius_m == 0:
+        return {}
+    refuse_tight(scene, radius_m)
+    return turn_keys(scene, radius_m, angle_deg)
 
 
 def _near(scene: Scene, best: OutcomeCounts | None) -> Analysis | None:

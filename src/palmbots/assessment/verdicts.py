@@ -25,6 +25,7 @@ from palmbots.control.registry import WIDE_ZONE, describe
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits
 from palmbots.mujoco.curve_trial import respelled
+from palmbots.mujoco.engine import without_mujoco
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import value_of
 from palmbots.simulation.noise_limit import MOST_M_S, NOISE_KEY
@@ -109,7 +110,7 @@ def on_load(
             )
             verdict = "likely" if reach <= limits.held_within_m else "partly"
     if trial is None:
-        texts += ["not tried in MuJoCo"] * (best is not None)
+        texts += [_untried()] * (best is not None)
     else:
         texts.append(_arrivals(trial))
         if trial.cause == "weight":
@@ -121,6 +122,13 @@ def on_load(
     if rough is not None:
         texts.append(f"all with friction {friction:g}, which permits the hardest squeeze")
     return Answer(question, verdict, "; ".join(texts), command)
+
+
+def _untried() -> str:
+    """Why no carry was tried in MuJoCo."""
+    if hint := without_mujoco():
+        return f"not tried in {hint}"
+    return "not tried in MuJoCo, which refuses the scene"
 
 
 def _arrivals(trial: LoadTrial) -> str:

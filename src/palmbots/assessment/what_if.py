@@ -193,7 +193,9 @@ def _failure_command(scene: Scene, name: str, controller: str) -> str:
 
 
 def _costs(trial: ChangeTrial) -> Iterator[str]:
-    """Time and messages, if the change alters them, also as shown."""
+    """Time and messages, if the change alters them, also as shown. Both are counted at the noise of
+    the scene, whatever the noise of the failures before them."""
+    where = "" if trial.noise_factor == 1 else " at the scene's own noise"
     pairs = (
         ("a carry takes", trial.own_time_s, trial.time_s, "s"),
         ("a carry sends", trial.own_messages, trial.messages, "messages"),
@@ -202,7 +204,7 @@ def _costs(trial: ChangeTrial) -> Iterator[str]:
         if before and after and abs(after / before - 1) > _SAME:
             now, was = f"{after:.0f}", f"{before:.0f}"
             if now != was:
-                yield f"{words} {now} {unit} instead of {was}"
+                yield f"{words} {now} {unit} instead of {was}{where}"
 
 
 def on_radio(
@@ -252,8 +254,10 @@ def on_curve(trial: CurveTrial | None, best: OutcomeCounts | None, scene: Scene)
         return Answer(question, "open", f"{where}: {trial.refusal}", command)
     if counts is None:
         return Answer(question, "no", f"{where}: {forecast.text()}", command)
-    drift = f"forecast drift {millimetres(forecast.mean_m)}"
-    room = f"of the {millimetres(forecast.budget_m)} permitted"
+    room = millimetres(forecast.budget_m)
+    drift = f"forecast drift {millimetres(forecast.mean_m)} of the {room} permitted"
+    if forecast.lips:
+        drift = f"lips stop the drift after {room}"
     verdict: Verdict = "likely" if counts.failure_rate == 0 else "partly"
     if counts.failure_rate > 0.5:
         verdict = "no"
@@ -265,7 +269,7 @@ def on_curve(trial: CurveTrial | None, best: OutcomeCounts | None, scene: Scene)
     if verdict == "no" and not forecast.lips and forecast.tips == 0:
         doubt = ", so this drift alone does not explain the failures"
     reason = usual_reason(counts, "mujoco")
-    text = "; ".join(filter(None, [f"{where}: {fails}", reason, f"{drift} {room}{doubt}"]))
+    text = "; ".join(filter(None, [f"{where}: {fails}", reason, f"{drift}{doubt}"]))
     return Answer(question, verdict, text, command)
 
 

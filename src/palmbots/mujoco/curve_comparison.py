@@ -8,6 +8,7 @@ stands beside it. A turn of fixed angle keeps its angle: a larger radius makes i
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ from palmbots.mujoco.curve_trial import (
     Keys,
     carry_curve,
     forecast_curve,
+    refuse_tight,
     respelled,
     turn_keys,
     whole_turn_keys,
@@ -44,7 +46,9 @@ from palmbots.simulation.reason_words import usual_reason
 
 LIP_HEIGHT_M = 0.03
 LONGER, RADII = 1.5, (1.5, 2.0)
+_SIDE = re.compile(r"\.(left|right)\.")
 _FORECASTS = 0.1  # of the work
+_SLACK = 0.05  # by which forecast and carries may differ beyond the interval of the carries
 _Plan: TypeAlias = tuple[ControllerLike, Scene, Keys]
 
 
@@ -69,11 +73,14 @@ class CurveComparison(Result):
             return tried[0]
         return None
 
+    def _label(self, one: CurveTrial) -> str:
+        return "as it is" if one is self.own else _name(self.own, one)
+
     def lines(self) -> Iterator[Item]:
         """What helps, and what each change does."""
         best, own = self.best, self.own
         if best is not None:
-            yield Line(good("BETTER"), bold(f"  {_name(own, best)}: {_failures(best)}"))
+            yield Line(good("BETTER"), bold(f"  {self._label(best)}: {_failures(best)}"))
         elif own.counts is None:
             yield Line(bad("NO"), bold("  nothing that was tried gets around this curve"))
         elif own.counts.failure_rate == 0:
@@ -87,9 +94,12 @@ class CurveComparison(Result):
                 yield Line(f"most often {reason}", indent=2)
             yield "no change that was tried helps measurably"
         yield Table(
-            [_row(own, "as it is"), *(_row(one, _name(own, one)) for one in self.others)],
-            ("  change", "drops", "stalls", "forecast drift"),
+            [_row(one, self._label(one)) for one in (own, *self.others)],
+            ("  change", "drops", "stalls", "drift (forecast)", "drift permitted"),
         )
+        for one in (own, *self.others):
+            if doubt := _contradiction(one):
+                yield Line(f"{self._label(one)}: {doubt}", indent=2)
         shown = best or own
         scene = respelled(self.scene.spelled, {**self.own.changes, **shown.changes})
         carries = ""
@@ -102,9 +112,14 @@ class CurveComparison(Result):
 
 
 def _name(own: CurveTrial, one: CurveTrial) -> str:
-    """What differs from the scene as it is."""
-    keys = (f"{key.rpartition('.')[2]}={value}" for key, value in one.changes.items())
-    return " ".join([*dict.fromkeys(keys), *[one.controller] * (one.controller != own.controller)])
+    """What differs from the scene as it is. A change of both sides alike has no side."""
+    keys: dict[str, float | str] = {}
+    for key, value in one.changes.items():
+        common = _SIDE.sub(".", key)
+        is_alike = all(v == value for k, v in one.changes.items() if _SIDE.sub(".", k) == common)
+        keys[common if is_alike else key] = value
+    words = [f"{key}={value}" for key, value in keys.items()]
+    return " ".join([*words, *[one.controller] * (one.controller != own.controller)])
 
 
 def _failures(one: CurveTrial) -> str:
@@ -113,20 +128,40 @@ def _failures(one: CurveTrial) -> str:
     return f"fails in {rate_text(failed, one.counts.carries)} of carries"
 
 
-def _drift(one: CurveTrial) -> str:
-    """The forecast drift, and the drift that is permitted."""
+def _drift(one: CurveTrial) -> tuple[str, str]:
+    """The forecast drift, and the drift that is permitted. Lips stop it, and there is no forecast
+    of what happens then."""
     if one.forecast is None:
-        return "–"
-    return f"{millimetres(one.forecast.mean_m)} of {millimetres(one.forecast.budget_m)}"
+        return "–", "–"
+    limit = millimetres(one.forecast.budget_m)
+    if one.forecast.lips:
+        return "up to the lips", f"{limit} (lips)"
+    return millimetres(one.forecast.mean_m), f"{limit} (tips)"
+
+
+def _contradiction(one: CurveTrial) -> str | None:
+    """Where the forecast expects more or fewer drops than there are; None: it agrees."""
+    if one.forecast is None or one.counts is None:
+        return None
+    expected = one.forecast.tips / one.forecast.seeds
+    low, high = one.counts.drop_interval
+    if low - _SLACK <= expected <= high + _SLACK:
+        return None
+    tips = f"the forecast expects {rate_text(one.forecast.tips, one.forecast.seeds)} of drops"
+    if one.forecast.lips:
+        tips = "lips stop the drift"
+    reason = usual_reason(one.counts, "mujoco")
+    most = f", most often {reason}" if reason else ""
+    return f"{tips}, but {one.counts.dropped} of {one.counts.carries} carries drop{most}"
 
 
 def _row(one: CurveTrial, name: str) -> tuple[str, ...]:
     counts, drift = one.counts, _drift(one)
     if counts is None:
-        return f"  {name}", "refused" if one.refusal else "not carried", "", drift
+        return f"  {name}", "refused" if one.refusal else "not carried", "", *drift
     return (
         f"  {name}", rate_text(counts.dropped, counts.carries),
-        rate_text(counts.stalled, counts.carries), drift,
+        rate_text(counts.stalled, counts.carries), *drift,
     )  # fmt: skip
 
 
@@ -136,7 +171,7 @@ def _row(one: CurveTrial, name: str) -> tuple[str, ...]:
     example="palmbots curve crate.toml -c shared-sign --turn-radius-m 0.6",
     progress="carrying along the curve",
     turn_radius_m=Option(least=0.01, most=100.0),
-    turn_angle_deg=Option(least=1.0, most=360.0),
+    turn_angle_deg=Option(least=7.0, most=360.0),
     carries=Option("--carries -n", least=1, most=10_000),
 )
 def compare_on_curve(
@@ -175,6 +210,7 @@ def compare_on_curve(
     chosen, report = load_scene(scene, overrides), on_progress or (lambda fraction: None)
     path: Keys = {}
     if chosen.task.path.kind == "straight":
+        refuse_tight(chosen, turn_radius_m)
         path = turn_keys(chosen, turn_radius_m, turn_angle_deg)
     curved = load_scene(chosen, dict(path)) if path else chosen
     say = on_line or (lambda text: None)
@@ -185,7 +221,8 @@ def compare_on_curve(
     for k, plan in enumerate(plans):
         if k > 0:
             trials.append(forecast_curve(plan[1], plan[0], plan[2]))
-        say(f"{_title(trials, k)}: forecast drift {_drift(trials[k])}")
+        drift, limit = _drift(trials[k])
+        say(f"{_title(trials, k)}: drift (forecast) {drift}, permitted {limit}")
         report(_FORECASTS * (k + 1) / len(plans))
     # The time of a carry is about proportional to its distance.
     metres = [
@@ -233,9 +270,12 @@ def _plans(scene: Scene, own: CurveTrial) -> Iterator[tuple[str | None, Keys]]:
         yield None, _lips(scene)
         if can_be_longer:
             yield None, {**longer, **_lips(load_scene(scene, dict(longer)))}
-        width = _up(2 * (1.25 * own.forecast.most_m if own.forecast else 0.0))
-        if width > max(palm.width_m for palm in palms):
-            yield None, on_every_side(scene, {"palm.width_m": width})
+        # The drift grows with the width; beyond the depth of the object no width helps.
+        enough = _up(2 * (1.25 * own.forecast.most_m if own.forecast else 0.0))
+        widest = _up(scene.object.depth_m)
+        for width in dict.fromkeys((min(enough, widest), widest)):
+            if width > max(palm.width_m for palm in palms):
+                yield None, on_every_side(scene, {"palm.width_m": width})
     if scene.task.path.kind not in ("arc", "s"):
         return
     for factor in RADII:

@@ -62,6 +62,16 @@ def respelled(name: str, changes: Mapping[str, Any]) -> str:
     return shlex.join(kept) + settings_of(changes)
 
 
+def refuse_tight(scene: Scene, radius_m: float) -> None:
+    """Raise `PalmbotsError` for a turn that robots so far apart cannot drive."""
+    least = scene.object.width_m
+    if radius_m < least:
+        raise PalmbotsError(
+            f"turn_radius_m: value is {radius_m:g}; allowed: from {least:g}, the distance of the "
+            "palms, to 100"
+        )
+
+
 def turn_keys(scene: Scene, radius_m: float, angle_deg: float = 90.0) -> Keys:
     """The keys with which a scene drives a turn of this radius to its end. The floor is level,
     because the MuJoCo world has no curves on slopes."""

@@ -54,13 +54,15 @@ class DriftBudget(Result):
         )
 
     def text(self) -> str:
-        """The forecast in one line."""
-        limit = "the lips allow" if self.lips else "the object tips at"
-        drops = "" if self.lips else f", which {rate_text(self.tips, self.seeds)} of carries reach"
+        """The forecast in one line. With lips there is none of the drift: they stop it."""
+        askew = f"(palms misaligned by up to {self.askew_deg:.1f}°)"
+        if self.lips:
+            return f"lateral drift: lips stop it after {_mm(self.budget_m)} {askew}"
+        drops = rate_text(self.tips, self.seeds)
         return (
             f"lateral drift, forecast over {self.seeds} seeds: mean {_mm(self.mean_m)}, "
-            f"at most {_mm(self.most_m)}; {limit} {_mm(self.budget_m)}{drops} (palms misaligned by "
-            f"up to {self.askew_deg:.1f}°)"
+            f"at most {_mm(self.most_m)}; the object tips at {_mm(self.budget_m)}, which {drops} "
+            f"of carries reach {askew}"
         )
 
     def warning(self) -> str:

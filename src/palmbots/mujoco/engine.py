@@ -6,11 +6,12 @@ them; if it is not set, the first that is installed is used.
 """
 
 import ctypes.util
+import importlib.util
 import os
 import warnings
 from typing import Any
 
-from palmbots._util.optional_imports import require
+from palmbots._util.optional_imports import install_command, require
 from palmbots.errors import PalmbotsError
 
 
@@ -33,6 +34,13 @@ def mujoco() -> Any:
         # that they report are detected by `MujocoWorld.move`.
         module.set_mju_user_warning(_silent)
     return module
+
+
+def without_mujoco() -> str:
+    """That MuJoCo is not installed, and the command that installs it; empty: it is."""
+    if importlib.util.find_spec("mujoco") is not None:
+        return ""
+    return f"MuJoCo, which is not installed; run: {install_command('mujoco')}"
 
 
 def check_offscreen() -> None:
