@@ -3,7 +3,7 @@
 
 from collections.abc import Iterable
 
-from palmbots.pair.pair_file import pair_keys
+from palmbots.pair.pair_keys import pair_keys
 from palmbots.scene.key_reference import SceneKey
 from palmbots.simulation.imperfections import imperfection_keys
 

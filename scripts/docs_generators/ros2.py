@@ -3,7 +3,7 @@
 
 from collections.abc import Iterable
 
-from palmbots.pair.pair_file import pair_keys
+from palmbots.pair.pair_keys import pair_keys
 from palmbots.pair.ros2_keys import Ros2Table
 from palmbots.ros2.ros2_topics import (
     COMMANDS,

@@ -14,7 +14,7 @@ import pytest
 from pydantic import BaseModel, BeforeValidator, ValidationError
 
 from palmbots.errors import SceneError
-from palmbots.pair.pair_file import PairFile
+from palmbots.pair.pair_keys import PairFile
 from palmbots.scene.core_keys import ROWS, Optionally
 from palmbots.scene.error_messages import dotted_keys, validation_message
 from palmbots.scene.fields import OneOf, OneOrList, Range, from_list, is_switch, whole

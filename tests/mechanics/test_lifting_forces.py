@@ -13,12 +13,10 @@ from tests.conftest import is_soak
 
 import palmbots as pb
 from palmbots._types import Side
+from palmbots.mechanics.lifting_bodies import Plate, Standing, edge_lean
 from palmbots.mechanics.lifting_forces import (
     Docking,
-    Plate,
-    Standing,
     docking,
-    edge_lean,
     floor_friction_to_stay,
     least_partner_angle,
 )
@@ -387,7 +385,7 @@ def test_the_least_angle_of_a_partner_is_where_it_just_holds() -> None:
 
 
 def dock(keys: dict[str, Any]) -> Docking:
-    from palmbots.mechanics.lifting_forces import plate_on_floor, standing
+    from palmbots.mechanics.lifting_bodies import plate_on_floor, standing
     from palmbots.scene.spec import to_spec
 
     spec = to_spec(pb.load_scene("lift", keys))

@@ -14,7 +14,8 @@ from palmbots.drivers.driver_registry import DRIVERS
 from palmbots.pair import pair_edit
 from palmbots.pair.live_ends import open_pair_driver
 from palmbots.pair.pair_edit import write_hardware
-from palmbots.pair.pair_file import init_pair, load_pair, pair_keys
+from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.pair.pair_keys import pair_keys
 from palmbots.pair.stored_state import read_state
 
 ZONES = [

@@ -23,15 +23,12 @@ from palmbots._util.text import millimetres, rounded_down, rounded_up
 from palmbots.errors import SceneError
 from palmbots.mechanics import lift_refusals
 from palmbots.mechanics.lift_refusals import newtons, numbers_of
+from palmbots.mechanics.lifting_bodies import Plate, Standing, plate_on_floor, standing
 from palmbots.mechanics.lifting_forces import (
     Docking,
-    Plate,
-    Standing,
     docking,
     floor_friction_to_stay,
     least_partner_angle,
-    plate_on_floor,
-    standing,
 )
 from palmbots.mechanics.unlevel_pivots import PROPERTIES, PivotRises
 from palmbots.scene.scene import Scene

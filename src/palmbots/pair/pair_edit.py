@@ -13,7 +13,7 @@ from palmbots._types import Side
 from palmbots._util.atomic_files import write_whole
 from palmbots._util.optional_imports import require
 from palmbots.errors import PalmbotsError
-from palmbots.pair.pair_file import PairFile
+from palmbots.pair.pair_keys import PairFile
 from palmbots.scene.error_messages import validation_message
 
 

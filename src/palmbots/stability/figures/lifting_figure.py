@@ -18,15 +18,8 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.lifting import Lifting
-from palmbots.mechanics.lifting_forces import (
-    Climb,
-    Docking,
-    Plate,
-    Point,
-    Standing,
-    docking,
-    raised_by,
-)
+from palmbots.mechanics.lifting_bodies import Climb, Plate, Point, Standing
+from palmbots.mechanics.lifting_forces import Docking, docking, raised_by
 from palmbots.stability.analysis import Analysis
 from palmbots.viz.style import BACKGROUND, DROP, FLOOR, HUE, INK, OBJECT, QUIET, axis_label, styled
 
