@@ -197,6 +197,7 @@ def controllers() -> list[dict[str, Any]]:
                 "usesRadio": entry.uses_radio,
                 "isPeriodic": entry.is_periodic,
                 "cases": dict(entry.cases),
+                "states": list(entry.states.values()),
                 "messages": list(entry.messages),
                 "colour": looks[name].colour,
             }

@@ -39,6 +39,9 @@ class PageTeam {
   void fork(std::uint64_t seed) { held_->fork(seed); }
   char name(std::size_t side) const { return now_.names[side]; }
   bool waits(std::size_t side) const { return now_.waits[side]; }
+  // The number of the state of a robot's table; no_state: it has none.
+  static constexpr int no_state = -1;
+  int state(std::size_t side) const { return now_.states[side]; }
   MessageKind awaits(std::size_t side) const { return held_->awaits(side); }
   CorrectionActivity activity(std::size_t side) const { return held_->activity(side); }
   // The packets of this tick, if the team has a station.
@@ -50,12 +53,16 @@ class PageTeam {
     std::uint32_t next_decision_tick = 0;
     PerSide<char> names{};
     PerSide<bool> waits{};
+    PerSide<int> states{{no_state, no_state}};
 
     template <class T>
     void take_names(const T& team) {
       for (const std::size_t side : {left, right}) {
         names[side] = team.name(side);
         waits[side] = team.waits(side);
+        if constexpr (requires { team.robot(side).state(); }) {
+          states[side] = static_cast<int>(team.robot(side).state());
+        }
       }
     }
   };

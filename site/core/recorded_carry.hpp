@@ -18,9 +18,10 @@ using Numbers = std::vector<double>;
 
 // Times in s, lengths in m, angles in rad; pairs are left, right.
 struct RecordedCarry {
-  // Rows of 20: time, contacts, palm angles, speeds, commanded speeds, separation, midpoint, object
-  // angle, signs, cases (character codes), motions, lifts.
-  static constexpr std::size_t row_width = 20;
+  // Rows of 24: time, contacts, palm angles, speeds, commanded speeds, separation, midpoint, object
+  // angle, signs, cases (character codes), motions, lifts, states (PageTeam::state), whether each
+  // robot waits for a message.
+  static constexpr std::size_t row_width = 24;
   Numbers rows;
   // Rows of 7: sent, received (not a number: lost), sender, receiver (2: the station), kind (as
   // MessageKind, or a kind_… below), number among all that the sender transmits to this receiver,
@@ -47,7 +48,9 @@ class PageRecorder : public TraceRecorder {
 
   template <class Carry>
   void before(const Carry& carry, const PerSide<RobotObservation>& sensed) {
-    if (stores_) TraceRecorder::before(carry, sensed);
+    if (!stores_) return;
+    TraceRecorder::before(carry, sensed);
+    store(carry.team());
   }
   template <class Carry>
   void after(const Carry& carry) {
@@ -58,11 +61,23 @@ class PageRecorder : public TraceRecorder {
   }
   template <class Carry>
   void end(const Carry& carry) {
-    if (stores_) TraceRecorder::end(carry);
+    if (!stores_) return;
+    TraceRecorder::end(carry);
+    store(carry.team());
   }
   Numbers take_packets() { return std::move(packets_); }
+  // Of each row.
+  struct Doing {
+    PerSide<int> states;
+    PerSide<bool> waits;
+  };
+  const std::vector<Doing>& doings() const { return doings_; }
 
  private:
+  void store(const PageTeam& team) {
+    doings_.push_back(
+        {{{team.state(left), team.state(right)}}, {{team.waits(left), team.waits(right)}}});
+  }
   // A report's content: sign + 1, + 3 if the palm is shallow, + 6 if it has reached its angle. A
   // command's: 1 if the palm is to be shallow, + 2 × the move.
   void store(const StationPackets& sent, double period) {
@@ -92,13 +107,15 @@ class PageRecorder : public TraceRecorder {
   std::uint32_t tick_ = 0;
   std::array<std::uint32_t, 4> numbers_{};
   Numbers packets_;
+  std::vector<Doing> doings_;
 };
 
 using PageCarry = Carry<double, PageTeam, PageRecorder>;
 
 namespace detail {
 
-inline void append_row(const Row& row, double time, Numbers& out) {
+inline void append_row(const Row& row, const PageRecorder::Doing& doing, double time,
+                       Numbers& out) {
   out.push_back(time);
   for (const auto* pair : {&row.contact, &row.palm, &row.speed, &row.commanded}) {
     out.insert(out.end(), {(*pair)[left], (*pair)[right]});
@@ -108,6 +125,8 @@ inline void append_row(const Row& row, double time, Numbers& out) {
   out.insert(out.end(), {double(row.name[left]), double(row.name[right])});
   out.insert(out.end(), {double(row.motion[left]), double(row.motion[right])});
   out.insert(out.end(), {row.lift[left], row.lift[right]});
+  out.insert(out.end(), {double(doing.states[left]), double(doing.states[right])});
+  out.insert(out.end(), {double(doing.waits[left]), double(doing.waits[right])});
 }
 
 inline void append_metrics(const PageCarry& carry, Numbers& out) {
@@ -147,7 +166,8 @@ inline RecordedCarry record(const Spec& spec, std::uint64_t seed, PageTeam team,
   const double end = m.time_ticks * spec.period;
   kept.rows.reserve(rows.size() * RecordedCarry::row_width);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    detail::append_row(rows[k], k + 1 < rows.size() ? double(k) * spec.period : end, kept.rows);
+    const double time = k + 1 < rows.size() ? double(k) * spec.period : end;
+    detail::append_row(rows[k], carry.recorder().doings()[k], time, kept.rows);
   }
   kept.messages = carry.recorder().take_packets();
   PerSide<std::uint32_t> numbers{};

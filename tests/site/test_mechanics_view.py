@@ -108,7 +108,7 @@ def drag_handle(page: Page, name: str, dx: float, dy: float) -> None:
 
 
 def drawings(page: Page) -> dict[str, bytes]:
-    names = ("mechanics", "map-closing", "com-map")
+    names = ("state-picture", "map-closing", "com-map")
     return dict(zip(names, pictures(page, *names), strict=True))
 
 
@@ -123,7 +123,7 @@ def test_mechanics_can_be_dragged(open_page: Open) -> None:
         before = drawings(page)
         drag_handle(page, name, dx, dy)
         after = drawings(page)
-        assert after["mechanics"] != before["mechanics"]  # Figures 3 and 4
+        assert after["state-picture"] != before["state-picture"]  # Figures 3 and 4
         if name in ("palm-left", "contact-right"):
             assert after["map-closing"] != before["map-closing"]  # Figure 5
         # Figure 6, which is for all contacts.

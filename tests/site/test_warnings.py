@@ -120,4 +120,18 @@ def test_compare_shows_them_too(open_page: Open, side: str) -> None:
     keys = lost(side, 1)
     (line, *_) = pb.carry(overrides={"radio.script": keys["radio__script"]}).warnings
     page = open_page(hash_of("compare", {"v.a": "distributed", "t": 10000}, **keys))
-    expect(page.locator(".lane-title").first).to_contain_text(line)
+    expect(page.locator(".lane-warnings").first).to_contain_text(line)
+
+
+def test_compare_warns_of_the_scene_from_the_start_as_carry_does(open_page: Open) -> None:
+    keys: dict[str, object] = {"task__slope_deg": 8.0, "radio__latency_s": 0.15}
+    shown = {}
+    for controller in ("centralized", "resilient", "silent", "none"):
+        page = open_page(hash_of("carry", {"controller": controller, "t": 0.1}, **keys))
+        shown[controller] = page.locator(".warnings li").all_inner_texts()
+    assert len({len(lines) for lines in shown.values()}) > 1
+    for first, second in (("centralized", "resilient"), ("silent", "none")):
+        names = {"v.a": first, "v.b": second, "t": 0.1}
+        page = open_page(hash_of("compare", names, **keys), width=1366, height=768)
+        for lane, name in zip(page.locator(".lane-warnings").all(), (first, second), strict=True):
+            expect(lane.locator("li")).to_have_text(shown[name])

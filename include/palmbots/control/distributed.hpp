@@ -37,6 +37,25 @@ struct Distributed {
   };
   static constexpr int states = 14;
   static constexpr State initial = State::idle;
+
+  // The name of each state, and its meaning for people.
+  static constexpr StateMeaning meanings[states] = {
+      {"idle", "no correction"},
+      {"a_or_b_request", "has asked its partner to tilt its palm up, and waits for an Ack"},
+      {"a_move", "moves away, its partner assists"},
+      {"b_wait_ack", "both robots have asked; waits for an Ack"},
+      {"b_move", "moves away; its partner asked, too"},
+      {"b_tilt_up", "tilts its palm up for its partner"},
+      {"b_wait_down", "holds its palm up for its partner, and waits for TiltDown"},
+      {"b_tilt_down", "tilts its palm down"},
+      {"c_tilt_up", "tilts its palm up to assist"},
+      {"c_wait_down", "assists with its palm up until TiltDown arrives"},
+      {"c_tilt_down", "tilts its palm down after it has assisted"},
+      {"d_tilt_up", "tilts its palm up"},
+      {"d_move", "moves closer"},
+      {"d_tilt_down", "tilts its palm down"},
+  };
+
   static constexpr Mail mail = Mail::queue;
 
   enum class Limit : std::uint8_t {};
@@ -100,11 +119,7 @@ struct Distributed {
 };
 
 constexpr const char* name_of(Distributed::State state) {
-  constexpr const char* names[] = {"idle",      "a_or_b_request", "a_move",      "b_wait_ack",
-                                   "b_move",    "b_tilt_up",      "b_wait_down", "b_tilt_down",
-                                   "c_tilt_up", "c_wait_down",    "c_tilt_down", "d_tilt_up",
-                                   "d_move",    "d_tilt_down"};
-  return names[static_cast<int>(state)];
+  return Distributed::meanings[static_cast<int>(state)].name;
 }
 
 }  // namespace palmbots

@@ -128,6 +128,7 @@ inline constexpr std::tuple controller_rows{
             .messages = detail::table2_messages,
             .cases = detail::table2_cases,
             .assisted_cases = detail::table2_assisted,
+            .states = Distributed::meanings,
         },
         runtime::TableProgramMaker<Distributed>{}),
     detail::row(

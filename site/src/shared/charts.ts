@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Charts over time: contacts, palms, and the sequence of messages. All share one time axis.
-import type { Correction, Message, Recorded } from "./core";
+import { type Activity, activitiesOf } from "./activities";
+import type { Message, Recorded } from "./core";
 import { ROW } from "./core";
 import type { Surface } from "./canvas";
 import { type Lettering, line, write } from "./strokes";
@@ -183,30 +184,34 @@ export function sequenceHeight(lanes: Lanes): number {
   return lanes.robots[1] + 34;
 }
 
-function drawCorrection(
-  surface: Surface, p: Palette, axis: TimeAxis, item: Correction, lanes: Lanes,
+// Solid: corrects; pale with a dashed edge: waits; empty, in the partner's colour: assists.
+function drawActivity(
+  surface: Surface, p: Palette, axis: TimeAxis, item: Activity, lanes: Lanes,
 ): void {
   const c = surface.context;
   const x0 = timeX(axis, item.start);
   const x1 = Math.max(timeX(axis, item.end), x0 + 2);
-  const bar = (side: number, solid: boolean) => {
-    const y = lanes.robots[side]! - 8;
-    c.fillStyle = solid ? sideColour(p, item.robot) : p.background;
-    c.strokeStyle = sideColour(p, item.robot);
-    c.lineWidth = 1.2;
+  const y = lanes.robots[item.robot]! - 8;
+  const colour = sideColour(p, item.kind === "assists" ? 1 - item.robot : item.robot);
+  c.fillStyle = p.background;
+  c.fillRect(x0, y, x1 - x0, 16);
+  c.fillStyle = c.strokeStyle = colour;
+  c.lineWidth = 1.2;
+  if (item.kind !== "assists") {
+    c.globalAlpha = item.kind === "waits" ? 0.18 : 1;
     c.fillRect(x0, y, x1 - x0, 16);
-    c.strokeRect(x0, y, x1 - x0, 16);
-    if (x1 - x0 > 14 && solid) {
-      write(c, item.name, (x0 + x1) / 2, y + 8.5, p.background, { weight: 650, size: 11 });
-    }
-  };
-  if (item.robot === 2) {
-    bar(0, true);
-    bar(1, true);
-  } else {
-    bar(item.robot, true);
-    if (item.assistant >= 0 && item.assistant !== item.robot) bar(item.assistant, false);
+    c.globalAlpha = 1;
   }
+  c.setLineDash(item.kind === "waits" ? [4, 3] : []);
+  c.strokeRect(x0, y, x1 - x0, 16);
+  c.setLineDash([]);
+  if (item.kind === "assists" || x1 - x0 <= 14) return;
+  // In the middle of what the axis shows of it.
+  const from = Math.max(x0, LEFT_MARGIN);
+  const to = Math.min(x1, surface.width - RIGHT_MARGIN);
+  const words = item.kind === "waits" && to - from > 60 ? `${item.name} waits` : item.name;
+  const ink = item.kind === "waits" ? colour : p.background;
+  write(c, words, (from + to) / 2, y + 8.5, ink, { weight: 650, size: 11 });
 }
 
 export interface Arrow {
@@ -298,8 +303,8 @@ export function drawSequence(
     write(c, side === 0 ? "left" : "right", LEFT_MARGIN - 6, lanes.robots[side]!, sideColour(p, side), LANE_NAME);
   }
   clipped(surface, () => {
-    for (const item of run.corrections) {
-      if (item.end >= axis.from && item.start <= axis.to) drawCorrection(surface, p, axis, item, lanes);
+    for (const item of activitiesOf(run)) {
+      if (item.end >= axis.from && item.start <= axis.to) drawActivity(surface, p, axis, item, lanes);
     }
     drawArrows(surface, p, axis, run, latency, chosen, isPeriodic, lanes);
   });

@@ -66,8 +66,8 @@ export const PALMS = tables.palms;
 export const DRIVES = tables.drives;
 
 export const ROW = {
-  width: 20, time: 0, contact: 1, palm: 3, speed: 5, commanded: 7, separation: 9, midpoint: 10,
-  object: 11, sign: 12, name: 14, motion: 16, lift: 18,
+  width: 24, time: 0, contact: 1, palm: 3, speed: 5, commanded: 7, separation: 9, midpoint: 10,
+  object: 11, sign: 12, name: 14, motion: 16, lift: 18, state: 20, waits: 22,
 } as const;
 
 export interface Message {

@@ -9,12 +9,14 @@ export class Player {
   readonly frames = signal(0); // drawn so far, for measurements
   end = () => 0; // how long the carry lasts [s]
   onEnd: () => void = () => {};
+  isHeld = () => false; // whether it waits for an answer first
   filming = false; // a film goes on where nobody looks
   private visible = true;
   private last = 0;
   private request = 0;
 
   play(): void {
+    if (this.isHeld()) return;
     if (this.time.peek() >= this.end()) this.time.value = 0;
     this.playing.value = true;
     this.next();
@@ -33,9 +35,14 @@ export class Player {
     this.time.value = Math.min(Math.max(time, 0), this.end());
   }
 
-  step(seconds: number): void {
+  // What a visitor does by hand.
+  scrub(time: number): void {
     this.pause();
-    this.seek(Math.round((this.time.peek() + seconds) * 1e6) / 1e6);
+    if (!this.isHeld()) this.seek(time);
+  }
+
+  step(seconds: number): void {
+    this.scrub(Math.round((this.time.peek() + seconds) * 1e6) / 1e6);
   }
 
   // Stops the clock while the element is outside the window or the window is hidden.

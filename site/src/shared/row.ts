@@ -24,5 +24,6 @@ export function caseAt(run: Recorded, row: number, side: number): string {
   const time = cell(run, row, ROW.time);
   const isAsked = () =>
     run.messages.some((m) => m.sender === 1 - side && m.kind === "TiltUp" && m.sent <= time);
-  return letter === "c" && !isAsked() ? "" : letter;
+  const began = cell(run, 0, ROW.name + side) === code;
+  return letter === "c" && began && !isAsked() ? "" : letter;
 }

@@ -24,6 +24,7 @@ interface SidePicture {
   places: Float64Array;
   motion?: [number, number]; // of the contacts: up 1, sticks 0, down −1
   tags?: [string, string]; // on the robots' bodies
+  waits?: [boolean, boolean]; // which of them wait for a message
   off?: [boolean, boolean];
   zones?: { from: number; to: number }; // the zero zone along each palm [m]
   flights?: Flight[];
@@ -127,6 +128,9 @@ function drawRobot(
   if (tag) {
     const letters = Math.max(12, Math.min(22, 0.075 * view.scale));
     write(c, tag, bodyX, y(body.top - 0.055), colour, { weight: 650, size: letters });
+    if (picture.waits?.[side] && !off) {
+      write(c, "waits", bodyX, y(body.top - 0.055) + 0.9 * letters, colour, { size: 12 });
+    }
   }
   c.globalAlpha = 1;
   if (picture.labels) {

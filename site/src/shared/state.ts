@@ -127,9 +127,12 @@ export function setKey(key: string, value: Json | undefined): void {
 }
 
 const SIDED = /^(palm|robot|arm|radio)\.([^.]+)$/;
+const OF_ONE_SIDE = /^(palm|robot|arm)\.(left|right)\.([^.]+)$/;
 
 // The values of a key on the left and on the right (of the radio, of the station, too), as carried.
 export function valuesOf(key: string): number[] {
+  const one = OF_ONE_SIDE.exec(key);
+  if (one) return [valuesOf(`${one[1]}.${one[3]}`)[one[2] === "left" ? 0 : 1]!];
   const [, section, name] = SIDED.exec(key) ?? [];
   if (!section) return [Number(get(scene.value, key))];
   if (key === "palm.friction" && core.value) return core.value.facts(scene.value).friction;
@@ -137,7 +140,7 @@ export function valuesOf(key: string): number[] {
   return who.map((side) => Number(ofSide(scene.value, section, side, name!)));
 }
 
-// Sets a key for both sides: what one side has of its own is gone.
+// Sets a key; one that both sides have, for both: what one side has of its own is gone.
 export function setForAll(key: string, value: Json): void {
   const [, section, name] = SIDED.exec(key) ?? [];
   const next = { ...overrides.peek() };
@@ -145,7 +148,10 @@ export function setForAll(key: string, value: Json): void {
     delete next[`${section}.${side}${name}`];
     if (key === "palm.friction") delete next[`palm.${side}friction_angle_deg`];
   }
-  const usual = get(builtInScene(base.peek()), key);
+  const { [key]: _, ...without } = next;
+  const [, table, side, own] = OF_ONE_SIDE.exec(key) ?? [];
+  const rest = sceneOf(base.peek(), without);
+  const usual = side ? ofSide(rest, table!, side, own!) : get(rest, key);
   if (value === usual) delete next[key];
   else next[key] = value;
   overrides.value = next;
@@ -282,8 +288,10 @@ export function followState(): void {
   });
 }
 
+// Opens another view at its top.
 export function go(hash: string): void {
   history.pushState(null, "", hash);
   const time = readAddress(hash);
   player.seek(time ?? 0);
+  window.scrollTo(0, 0);
 }

@@ -12,6 +12,7 @@ interface ControllerInfo {
   usesRadio: boolean;
   isPeriodic: boolean;
   cases: Record<string, string>;
+  states: string[]; // what a robot does in each state of its program
   messages: string[];
   colour: string;
 }

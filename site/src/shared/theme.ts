@@ -43,7 +43,7 @@ export const reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
 
 // A wide window without much height, such as a browser with all its bars on 1366 × 768: drawings are
 // lower, so that what belongs together is on one screen (style.css has the same query).
-const low = matchMedia("(min-width: 70rem) and (max-height: 48rem)");
+const low = matchMedia("(min-width: 60rem) and (max-height: 48rem)");
 export const isLow = signal(low.matches);
 low.addEventListener("change", () => (isLow.value = low.matches));
 

@@ -8,6 +8,7 @@ import { PlayerBar, usePlayerKeys } from "./player_bar";
 import { saveFilm, savePicture } from "./save";
 import { Charts } from "./sequence";
 import { Stage, offAt, pushRobot, shiftObject, showCones } from "./stage";
+import { stateAt } from "../shared/activities";
 import { ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
 import { get } from "../shared/scene_values";
@@ -27,6 +28,20 @@ export function outcomeText(run: Recorded): string {
   return `delivered: ${run.distance.toFixed(2)} m in ${run.time.toFixed(1)} s`;
 }
 
+// The warnings about the scene, and at the end those about the carry.
+export function warningsAt(run: Recorded, time: number): string[] {
+  return time >= run.time ? [...run.early, ...run.warnings] : run.early;
+}
+
+export function Warnings(props: { lines: string[] }) {
+  if (props.lines.length === 0) return null;
+  return (
+    <ul class="warnings">
+      {props.lines.map((text) => <li>warning: {text}</li>)}
+    </ul>
+  );
+}
+
 // Good is only a carry that ended well and in which nothing went wrong unnoticed.
 export function outcomeClass(run: Recorded): string {
   return run.outcome === 1 && run.warnings.length === 0 ? "good" : "bad";
@@ -44,13 +59,14 @@ function Status() {
   if (!run) return <p class="status">…</p>;
   const row = rowAt(run, player.time.value, Number(get(scene.value, "control.period_s")));
   const ended = row === run.count - 1;
-  const warnings = ended ? [...run.early, ...run.warnings] : run.early;
+  const warnings = warningsAt(run, player.time.value);
   const contact = pair(run, row, ROW.contact);
   const does = SIDES.map((side, k) => {
     if (offAt(scene.value, player.time.value)[k]) return `${side}: switched off`;
     const letter = caseAt(run, row, k);
     const mm = (1000 * contact[k]!).toFixed(1).replace("-", "−");
-    return `${side} p = ${mm} mm${letter ? `, ${caseWords(controller.value, letter)}` : ""}`;
+    const does = letter && `, ${caseWords(controller.value, letter, stateAt(run, row, k))}`;
+    return `${side} p = ${mm} mm${does}`;
   });
   return (
     <>
@@ -62,11 +78,7 @@ function Status() {
         <span class="right-text">{does[1]}</span>
       </div>
       <p class="unseen" role="status">{[...(ended ? [outcomeText(run)] : []), ...warnings].join("; ")}</p>
-      {warnings.length > 0 && (
-        <ul class="warnings">
-          {warnings.map((text) => <li>warning: {text}</li>)}
-        </ul>
-      )}
+      <Warnings lines={warnings} />
     </>
   );
 }
@@ -211,10 +223,10 @@ export function CarryView() {
       </div>
       <section class="panel beside" aria-label="the carry">
         <div class="scene">
-          <Stage run={run} name={controller.value} id="stage" draggable periodic={info?.isPeriodic} />
-          <Status />
+          <Stage run={run} name={controller.value} id="stage" draggable hasKey periodic={info?.isPeriodic} />
           <PlayerBar />
           <Hands />
+          <Status />
         </div>
         <Charts />
       </section>

@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { AtHome, type Run, ControllerChoice, Disturbances, ResetButton, SceneChoice, controllerTitle } from "./parts";
 import { PlayerBar, usePlayerKeys } from "./player_bar";
-import { outcomeClass, outcomeText } from "./carry";
+import { Warnings, outcomeClass, outcomeText, warningsAt } from "./carry";
 import { Stage } from "./stage";
 import { carryCommand, controllerWord, sceneWords } from "../shared/command";
 import { DRIVES, PALMS, type PolicyRow, type Recorded } from "../shared/core";
@@ -223,12 +223,18 @@ export function CompareView() {
                 name={names.value[place]}
                 id={`stage-${place}`}
                 low
+                hasKey={place === 0}
                 periodic={controllerInfo(names.value[place])?.isPeriodic}
               />
             </div>
           );
         })}
         <PlayerBar end={end} />
+        {runs.map(({ value: run }) => (
+          <div class="lane-warnings">
+            {run && typeof run !== "string" && <Warnings lines={warningsAt(run, player.time.value)} />}
+          </div>
+        ))}
       </section>
       <section>
         <h2>Drops in {CARRIES} carries</h2>
@@ -264,5 +270,5 @@ function LaneEnd(props: { run: Recorded | string | null }) {
   if (!props.run) return null;
   if (typeof props.run === "string") return <>{props.run}</>;
   if (player.time.value < props.run.time) return null;
-  return <span class={outcomeClass(props.run)}>{[outcomeText(props.run), ...props.run.early, ...props.run.warnings].join("; ")}</span>;
+  return <span class={outcomeClass(props.run)}>{outcomeText(props.run)}</span>;
 }

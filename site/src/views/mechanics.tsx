@@ -43,7 +43,7 @@ export function MechanicsView() {
       <div class="state-and-words">
       <section class="panel" aria-label="one state">
         <div class="stage over">
-          <Canvas id="mechanics" height={mechanicsHeight} draw={drawState}
+          <Canvas id="state-picture" height={mechanicsHeight} draw={drawState}
             label="object, palms, friction cones and line of gravity of one state" />
           <Handles handles={handles()} />
           {f && !f.reaches && <p class="status refusal">The object does not reach from palm to palm.</p>}

@@ -55,7 +55,7 @@ function objectName(): string {
 
 // The changed keys of the scene that no control beside it shows.
 function changedKeys(): string[] {
-  const shown = ["object", "robot.noise_m_s", "radio.latency_s", "radio.loss"];
+  const shown = ["object", ...SLIDERS.map((slider) => slider.name)];
   return Object.keys(overrides.value).filter((key) => !shown.includes(key));
 }
 
@@ -125,10 +125,28 @@ export function ResetButton() {
   );
 }
 
-export function KeySlider(props: {
-  name: string; label: string; min: number; max: number; step: number; unit?: string;
-  factor?: number; digits?: number;
-}) {
+interface SliderOfKey {
+  name: string;
+  label: string;
+  min: number;
+  max: number;
+  step: number;
+  unit?: string;
+  factor?: number;
+  digits?: number;
+}
+
+// Loss up to 100 %: the radio is jammed. In the quasistatic world no motion depends on the mass.
+const SLIDERS: SliderOfKey[] = [
+  { name: "robot.noise_m_s", label: "speed noise", min: 0, max: 40, step: 1, factor: 1000, unit: "mm/s" },
+  { name: "radio.latency_s", label: "radio latency", min: 0, max: 500, step: 10, factor: 1000, unit: "ms" },
+  { name: "radio.loss", label: "radio loss", min: 0, max: 100, step: 1, factor: 100, unit: "%" },
+  { name: "palm.left.friction", label: "left friction", min: 0.05, max: 1.2, step: 0.01, digits: 2 },
+  { name: "palm.right.friction", label: "right friction", min: 0.05, max: 1.2, step: 0.01, digits: 2 },
+  { name: "object.mass_kg", label: "mass", min: 0.1, max: 10, step: 0.1, digits: 1, unit: "kg: same motion" },
+];
+
+export function KeySlider(props: SliderOfKey) {
   const factor = props.factor ?? 1;
   const values = valuesOf(props.name).map((v) => v * factor);
   const value = values[0]!;
@@ -158,9 +176,7 @@ export function KeySlider(props: {
 export function Disturbances() {
   return (
     <div class="sliders">
-      <KeySlider name="robot.noise_m_s" label="speed noise" min={0} max={40} step={1} factor={1000} unit="mm/s" />
-      <KeySlider name="radio.latency_s" label="radio latency" min={0} max={500} step={10} factor={1000} unit="ms" />
-      <KeySlider name="radio.loss" label="radio loss" min={0} max={50} step={1} factor={100} unit="%" />
+      {SLIDERS.map((slider) => <KeySlider {...slider} />)}
     </div>
   );
 }
@@ -265,11 +281,12 @@ export async function openScene(file: File): Promise<void> {
   player.seek(0);
 }
 
-// A case in words. Its condition held when it began: later the contacts may be elsewhere, and the palm of
-// a robot that assists may turn back.
-export function caseWords(name: string, letter: string): string {
+// A case in words: what a robot does in the state that its table names. A station has no such states,
+// and the condition of its cases held when they began: later the contacts may be elsewhere.
+export function caseWords(name: string, letter: string, state: number): string {
+  const does = controllerInfo(name)?.states[state];
+  if (does) return `(${letter}) ${does}`;
   const meaning = (controllerInfo(name)?.cases[letter] ?? "").replaceAll(/ ([<>]) /g, "\u00a0$1\u00a0");
-  if (letter === "c") return `(c) ${meaning.split(":")[0]}`;
   return `(${letter}) ${/[<>]/.test(meaning) ? "began with " : ""}${meaning}`;
 }
 

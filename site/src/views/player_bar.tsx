@@ -21,11 +21,12 @@ function momentWords(): string {
 }
 
 // `end`: of several carries; without it, the bar is that of the one which the state describes.
-export function PlayerBar(props: { end?: number }) {
+// `isHeld`: as that of the player.
+export function PlayerBar(props: { end?: number; isHeld?: boolean }) {
   const end = props.end ?? recorded.value?.time ?? 0;
   return (
     <div class="player" role="group" aria-label="playback">
-      <button type="button" class="round" id="play" onClick={() => player.toggle()}
+      <button type="button" class="round" id="play" onClick={() => player.toggle()} disabled={props.isHeld}
         aria-label={player.playing.value ? "pause" : "play"} title="space">
         {player.playing.value ? <Pause /> : <Play />}
       </button>
@@ -42,13 +43,13 @@ export function PlayerBar(props: { end?: number }) {
         min={0}
         max={end}
         step={TICK}
+        disabled={props.isHeld}
         value={player.time.value}
         aria-valuetext={props.end === undefined ? momentWords() : `${player.time.value.toFixed(2)} s`}
         onInput={(event) => {
-          player.pause();
           // The end seldom is a whole number of steps.
           const to = Number(event.currentTarget.value);
-          player.seek(to + TICK > end ? end : to);
+          player.scrub(to + TICK > end ? end : to);
         }}
       />
       <output class="time" aria-live="off">{player.time.value.toFixed(2)} s</output>

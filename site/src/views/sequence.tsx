@@ -101,8 +101,7 @@ export function Charts(props: { hidesFuture?: boolean; showsWholePalms?: boolean
       held.value = axis(run, rect.width);
       place.setPointerCapture(event.pointerId);
     }
-    player.pause();
-    player.seek(timeAt(axis(run, rect.width), event.clientX - rect.left));
+    player.scrub(timeAt(axis(run, rect.width), event.clientX - rect.left));
   };
   const release = () => {
     held.value = null;
@@ -133,13 +132,13 @@ export function Charts(props: { hidesFuture?: boolean; showsWholePalms?: boolean
     const step = event.shiftKey ? 0.1 : 0.01;
     if (event.key === "ArrowLeft") player.step(-step);
     else if (event.key === "ArrowRight") player.step(step);
-    else if (event.key === "Home") player.seek(0);
-    else if (event.key === "End") player.seek(run.time);
+    else if (event.key === "Home") player.scrub(0);
+    else if (event.key === "End") player.scrub(run.time);
     else if (event.key === "m" || event.key === "M") {
       const next = nextNews(run.messages, event.key === "m" ? 1 : -1);
       if (next >= 0) {
         choose(next);
-        player.seek(run.messages[next]!.sent);
+        player.scrub(run.messages[next]!.sent);
       }
     } else return;
     event.preventDefault();
@@ -196,7 +195,8 @@ export function Charts(props: { hidesFuture?: boolean; showsWholePalms?: boolean
         <figure>
           <figcaption class="keys">
             {talks ? "corrections and messages: click a message" : "corrections"}
-            <span class="corrects-key" aria-hidden="true">corrects, in this case</span>
+            <span class="corrects-key" aria-hidden="true">corrects</span>
+            {talks && !hasStation && <span class="waits-key" aria-hidden="true">waits</span>}
             {talks && !hasStation && <span class="assists-key" aria-hidden="true">assists</span>}
             {talks && <span class="lost-key" aria-hidden="true">lost</span>}
           </figcaption>

@@ -2,6 +2,7 @@
 // The side view of one carry at the time of the player. On it one can drag the object or a robot.
 import { type ReadonlySignal, computed, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { isWaiting } from "../shared/activities";
 import { Canvas, type Surface } from "../shared/canvas";
 import { PLACES, ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
@@ -64,7 +65,7 @@ function lowHeight(width: number): number {
 
 export function Stage(props: {
   run: Recorded | null; of?: Scene; name: string; id?: string; draggable?: boolean; label?: string;
-  periodic?: boolean; low?: boolean;
+  periodic?: boolean; low?: boolean; hasKey?: boolean;
   hidesCases?: boolean; // which corrections the robots make
   time?: ReadonlySignal<number>; // of the carry, if it is not the player's
 }) {
@@ -98,6 +99,7 @@ export function Stage(props: {
         motion: ended ? [0, 0] : pair(run, row, ROW.motion),
         tags: [0, 1].map((side) => (props.hidesCases ? "" : caseAt(run, row, side)))
           .map((c) => (c ? `(${c})` : "")) as [string, string],
+        waits: [0, 1].map((side) => !props.hidesCases && isWaiting(run, row, side)) as [boolean, boolean],
         off: offAt(of, time),
         zones: zeroZone(of),
         flights: flightsAt(run, time, Number(get(of, "radio.latency_s")), props.periodic ?? false),
@@ -164,7 +166,21 @@ export function Stage(props: {
           else pushRobot(done.what, done.what === 0 ? -done.by : done.by);
         }}
       />
+      {props.hasKey && <PictureKey isRight={tiltOf(props.of ?? scene.value) > 0} />}
     </div>
+  );
+}
+
+// What dots, arrows and wedges of the picture mean, in the upper corner that no robot reaches.
+function PictureKey(props: { isRight: boolean }) {
+  return (
+    <ul class={`picture-key ${props.isRight ? "at-right" : ""}`}>
+      <li><i class="dot sticks" /> contact sticks</li>
+      <li><i class="dot slides" /> slides along the arrow</li>
+      <li><i class="dot com" /> centre of mass</li>
+      <li><i class="dot hinge" /> hinge of a palm</li>
+      {showCones.value && <li>wedge: friction cone</li>}
+    </ul>
   );
 }
 

@@ -102,6 +102,12 @@ export function StoriesView() {
   }, [place]);
   usePlayerKeys();
   useEnd();
+  useEffect(() => {
+    player.isHeld = isAsking;
+    return () => {
+      player.isHeld = () => false;
+    };
+  }, []);
   const carried = recorded.value;
   const info = controllerInfo(controller.value);
   const number = partNumber();
@@ -125,9 +131,6 @@ export function StoriesView() {
       <div class="task">
         {part.question && <Question story={story} part={part} />}
         {!part.question && <strong>{part.task}</strong>}
-        {!isSeen() && !isAsking() && !player.playing.value && (
-          <span class="note">Press play, or the space bar, to see what happens.</span>
-        )}
         {number > 1 && (
           <button type="button" class="plain" onClick={() => goOn(place, 1)}>
             back to the beginning
@@ -136,10 +139,10 @@ export function StoriesView() {
       </div>
       <section class="panel beside" aria-label="the carry">
         <div class="scene">
-          <Stage run={carried} name={controller.value} id="stage" draggable periodic={info?.isPeriodic}
+          <Stage run={carried} name={controller.value} id="stage" draggable hasKey periodic={info?.isPeriodic}
             hidesCases={isAsking() && player.time.value <= (part.at ?? 0)} />
+          <PlayerBar isHeld={isAsking()} />
           <Ending />
-          <PlayerBar />
           {isSeen() && (
             <div class="after" role="status">
               <p>{part.after}</p>
@@ -178,8 +181,8 @@ function Question(props: { story: Story; part: Part }) {
               setExtra("answer", String(k + 1), "");
               run();
             }} />
+          <span class="tick">{isSeen() && k === right && <>✓<span class="unseen">this happens:</span></>}</span>
           <span class="number">{k + 1}</span> {words}
-          {isSeen() && k === right && <strong class="good">✓ this happens</strong>}
         </label>
       ))}
     </fieldset>
@@ -194,11 +197,11 @@ function Squeezes() {
   const [shallow, steep] = ["palm.shallow_deg", "palm.steep_deg"].map(
     (key) => (Number(get(scene.value, key)) * Math.PI) / 180,
   ) as [number, number];
-  const words = (left: number, p: number) => decision(machine.statics([left, steep], [p, 0]), true);
+  const words = (palms: [number, number], p: [number, number]) => decision(machine.statics(palms, p), true);
   return (
     <ul id="squeezes">
-      <li>Both palms steep, both contacts at p = 0: {words(steep, 0)}</li>
-      <li>Left palm shallow, p_L = −20 mm, as in case (d): {words(shallow, -0.02)}</li>
+      <li>Both palms steep, both contacts at p = 0: {words([steep, steep], [0, 0])}</li>
+      <li>Left palm shallow, p_L = −20 mm, as in case (d): {words([shallow, steep], [-0.02, 0])}</li>
     </ul>
   );
 }
@@ -217,9 +220,16 @@ function endless(carried: Recorded): string[] {
 const counted = (number: number, what: string) =>
   `${number === 0 ? "no" : number} ${what}${number === 1 ? "" : "s"}`;
 
+// What to do next, below the buttons: above them it would move them.
+function hint(): string {
+  if (isAsking()) return "Answer first: then it plays.";
+  if (isSeen() || player.playing.value) return "\u00a0";
+  return "Press play, or the space bar, to see what happens.";
+}
+
 function Ending(): ComponentChildren {
   const carried = recorded.value;
-  if (!carried || player.time.value < carried.time) return <p class="status" role="status">&nbsp;</p>;
+  if (!carried || player.time.value < carried.time) return <p class="status ending" role="status">{hint()}</p>;
   const wrong = carried.warnings.length > 0 ? carried.warnings : endless(carried);
   return (
     <p class="status ending" role="status">
