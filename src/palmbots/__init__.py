@@ -92,5 +92,6 @@ _OFFERS = {
         "controller": "palmbots.control.registry:CONTROLLER",
     },
     "figure": {"those of viz": "palmbots.viz"},
+    "lines": {"load": "palmbots.stability.holding:load_lines"},
     "writer": {"figure": "palmbots.viz:write_figure"},
 }

@@ -46,6 +46,7 @@ def test_headline_combines_properties_and_clearance(
     below = "\n".join(lines[1:])
     assert ("TOUCHES" in below) == (word == "TOUCHES")
     assert ("FAILS" in below) == (word == "FAILS")
+    assert printed(capsys, "load", "--set", key)[0] == lines[0]  # the same question
 
 
 def test_angle_error_states_what_clearance_leaves_of_it(

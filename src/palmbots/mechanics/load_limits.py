@@ -8,20 +8,23 @@ The core computes the limits, the refusal and the warning, for the page, too
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import palmbots._core as _core
 from palmbots._types import SIDES, BySide, Overrides, Side
 from palmbots._util.command import command
+from palmbots._util.named_registry import Registry
 from palmbots._util.plain_values import derived
-from palmbots._util.report import Item, Line, Table, bold, verdict
+from palmbots._util.report import Item
 from palmbots._util.results import Result
 from palmbots._util.text import millimetres
 from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.section import as_given
 
+LINES: Registry[Callable[..., Iterator[Item]]] = Registry("lines")
+"""What people read of a result that a higher room judges, too."""
 _HALVINGS = 20
 _NEAR = 5e-4  # [m] from the pivot; two contacts are never both as close as this
 MEANINGS: dict[str, tuple[str, str]] = {
@@ -81,6 +84,10 @@ class LoadLimits(Result):
     def holds(self) -> bool:
         """Whether the robots hold the scene's object in the whole region."""
         return self.heaviest_kg is None or self.mass_kg <= self.heaviest_kg
+
+    def lines(self) -> Iterator[Item]:
+        """The verdict on palms and robots, and every limit."""
+        return LINES.get("load")(self)
 
     @property
     def reach_m(self) -> float:
@@ -144,30 +151,6 @@ class LoadLimits(Result):
             f"heaviest object {mass_text(first.heaviest_kg)} kg with contacts anywhere on the "
             f"palms: beyond it {first.meaning} {_place(first)} ({first.key})"
         )
-
-    def lines(self) -> Iterator[Item]:
-        """The verdict, and every limit."""
-        can = self.refusal() is None
-        yield Line(
-            verdict(self.holds, "HOLDS", "MAY FAIL" if can else "FAILS"),
-            bold(f"  an object of {self.mass_kg:g} kg"),
-        )
-        if not can:
-            yield str(self.refusal())
-        elif not self.holds:
-            yield self.zone_sentence()
-        yield self.sentence()
-        half = _heaviest(self.scene, 0.5 * self.reach_m)
-        rows = [
-            (
-                f"  {limit.meaning}",
-                *map(_mass, (limit.heaviest_kg, half[limit.kind].mass_kg, limit.at_start_kg)),
-                limit.key,
-            )
-            for limit in self.limits
-        ]
-        numbers = ("anywhere\n[kg]", "inner half\n[kg]", "at start\n[kg]")
-        yield Table(rows, ("", *numbers, "key"), right=numbers)
 
     def zone_sentence(self) -> str:
         """How far from the pivots the contacts may be, and which other limits are exceeded."""
@@ -245,10 +228,6 @@ def _heaviest(scene: Scene, reach_m: float | None) -> dict[str, _Heaviest]:
 def mass_text(mass: float) -> str:
     """A mass with three digits, rounded down, so that it is allowed itself."""
     return _core.mass_text(mass)
-
-
-def _mass(mass: float | None) -> str:
-    return "any" if mass is None or math.isinf(mass) else mass_text(mass)
 
 
 def _place(limit: LoadLimit) -> str:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import palmbots._core as _core
 from palmbots._types import Interval
-from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, verdict, warning
-from palmbots._util.text import millimetres, plural
+from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, warning
+from palmbots._util.text import millimetres
 from palmbots.scene.object_frame import object_frame
+from palmbots.stability.holding import holding
 
 if TYPE_CHECKING:
     from palmbots.stability.analysis import Analysis
@@ -23,7 +24,7 @@ PROPERTIES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 
 def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
     """The tightest margins, the properties with theirs, what limits them, and admissible ranges."""
-    yield _verdict(analysis)
+    yield holding(analysis).line()
     if analysis.lifting is not None:
         yield from analysis.lifting.verdict_lines()
     yield bold("Tightest margins, relative to what this scene uses up")
@@ -48,17 +49,6 @@ def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
     if analysis.lifting is not None:
         yield from analysis.lifting.lines()
     yield from map(warning, analysis.warnings)
-
-
-def _verdict(analysis: "Analysis") -> Line:
-    """The headline. Where a palm is inside the object, the properties are of no use."""
-    if analysis.holds and analysis.clearance.touches:
-        claim = "  the object touches a palm elsewhere, although all properties hold"
-        return Line(bad("TOUCHES"), bold(claim))
-    word = verdict(analysis.holds, "HOLDS", "FAILS")
-    count = len(analysis.warnings)
-    doubts = f"; {plural(count, 'warning')} at the end" if analysis.holds and count else ""
-    return Line(word, bold(f"  all properties, either palm shallow{doubts}"))
 
 
 def _margins(analysis: "Analysis") -> Table:
