@@ -12,13 +12,17 @@ import pytest
 
 import palmbots as pb
 from palmbots._util.confidence_intervals import rate_interval
-from palmbots.assessment.angles import FRESH, AngleTrial, NoPair, count_failures, try_angles
-from palmbots.assessment.assess import QUESTIONS, _with_losses
-from palmbots.assessment.assumptions import assumed, on_assumptions
-from palmbots.assessment.changes import ChangeTrial, NoChange, _plans, _revealing_noise, try_changes
+from palmbots.assessment.angles import AngleTrial, NoPair, try_angles
+from palmbots.assessment.assess import QUESTIONS
+from palmbots.assessment.assumptions import assumed, deciding_keys, on_assumptions
+from palmbots.assessment.change_trial import ChangeTrial, NoChange
+from palmbots.assessment.changes import _plans, try_changes
 from palmbots.assessment.friction import try_friction
 from palmbots.assessment.load import try_load
 from palmbots.assessment.page import write_page
+from palmbots.assessment.radio import try_losses
+from palmbots.assessment.raised_noise import FRESH, count_failures, revealing_noise
+from palmbots.assessment.side_effects import known_warnings, new_warnings
 from palmbots.assessment.verdicts import on_controllers
 from palmbots.assessment.what_if import on_angles, on_change, on_radio
 from palmbots.cli.main import run
@@ -47,7 +51,7 @@ def few_carries(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch)
     """Tests that do not look at the load, at changes or at other angles do not try them."""
     for name, looks_at_it in (("load", "load"), ("changes", "changes"), ("angles", "command")):
         if looks_at_it not in request.node.name:
-            monkeypatch.setattr(f"palmbots.assessment.assess.try_{name}", lambda *given: None)
+            monkeypatch.setattr(f"palmbots.assessment.assess.try_{name}", lambda *_, **__: None)
 
 
 def test_one_lucky_seed_is_not_the_answer() -> None:
@@ -249,8 +253,7 @@ def test_losses_are_those_of_every_sender() -> None:
     scenes = [pb.load_scene("paper", keys) for keys in ({}, senders)]
     counts = (count_outcomes("paper", "distributed", seeds=100),)
     all_alike, each = (
-        [trial.counts[0].dropped for trial in _with_losses(scene, counts, print)]
-        for scene in scenes
+        [trial.counts[0].dropped for trial in try_losses(scene, counts, print)] for scene in scenes
     )
     assert all_alike == each and all_alike[-1] > 10 * (all_alike[0] + 1)
 
@@ -299,7 +302,7 @@ def test_changes_help_on_seeds_that_did_not_choose_them(
     scene = pb.load_scene("paper", keys)
     trial = try_changes(scene, "shared-sign", {}, None)
     assert isinstance(trial, ChangeTrial) and trial.is_better
-    assert key is None or list(trial.changes) == [key]
+    assert key is None or next(iter(trial.changes)) == key
     assert noise is None or trial.noise_factor == noise
     factor = trial.noise_factor * scene.robot.noise_m_s
     changed = pb.load_scene(scene, dict(trial.changes) | {"robot.noise_m_s": factor})
@@ -339,10 +342,10 @@ def test_changes_for_the_load_are_carried_where_weight_acts() -> None:
 def test_changes_are_compared_where_few_carries_show_a_difference() -> None:
     """No failure of 120 says nothing about a change, so that the noise is raised; a scene without
     noise that fails in one of 40 carries is compared as it is."""
-    factor = _revealing_noise(pb.load_scene("paper"), "shared-sign", 120)
+    factor = revealing_noise(pb.load_scene("paper"), "shared-sign", 120)
     assert factor is not None and factor > 1
     keys = {"robot.noise_m_s": 0, "robot.left.bias_m_s": 0.004, "radio.loss": 0.001}
-    assert _revealing_noise(pb.load_scene("paper", keys), "distributed", 40) == 1
+    assert revealing_noise(pb.load_scene("paper", keys), "distributed", 40) == 1
 
 
 OWN = {
@@ -395,6 +398,9 @@ def test_defaults_that_may_be_wrong_are_listed() -> None:
     )
     for given in outlines:  # the first has no default contacts, the second tips by its default COM
         assert "palm.friction" in assumed(pb.load_scene({"object": given}))
+    given = pb.load_scene({"robot": {"noise_m_s": 0.01}, "palm": {"left": {"rate_deg_s": 50.0}}})
+    keys = ("robot.noise_m_s", "palm.rate_deg_s", "tactile.zero_half_width_m")
+    assert assumed(given, keys) == {"palm.rate_deg_s": 50.0, "tactile.zero_half_width_m": 0.005}
     text = on_assumptions(own).text
     assert all(f"{key} " in text for key in found)
     assert "palm.friction 0.3, " in on_assumptions(pb.load_scene({})).text
@@ -402,6 +408,56 @@ def test_defaults_that_may_be_wrong_are_listed() -> None:
         text = on_assumptions(scene, (0.3, 0.4)).text
         assert "given: palm.friction from 0.3 to 0.4 (--friction)" in text
         assert text.count("friction ") == 1
+
+
+@pytest.mark.parametrize("keys", [{}, {"radio.latency_s": 0.03, "robot.noise_m_s": 0.012}])
+def test_changes_that_are_advised_bring_no_warning(keys: dict[str, Any]) -> None:
+    """Twice the correction speed needs a wider zero zone, which is advised with it; the warnings
+    are those of the changed scene, and what it costs is counted."""
+    scene = pb.load_scene("paper", keys)
+    fast = pb.load_scene(scene, {"robot.correction_m_s": 0.06})
+    known = known_warnings(scene, "shared-sign", None)
+    assert len(new_warnings(known, fast, "shared-sign", None)) == 1
+    trial = try_changes(scene, "shared-sign", {}, 0.01, friction=(0.28, 0.32))
+    assert isinstance(trial, ChangeTrial) and trial.is_better
+    assert trial.changes.keys() == {"robot.correction_m_s", "tactile.zero_half_width_m"}
+    changed = pb.load_scene(scene, dict(trial.changes))
+    assert not new_warnings(known, changed, "shared-sign", (0.28, 0.32))
+    assert trial.farthest_m is not None and trial.own_farthest_m is not None
+    assert trial.farthest_m > trial.own_farthest_m
+    hardest = pb.load_limits(changed, overrides={"palm.friction": 0.32})
+    assert trial.heaviest_kg == hardest.heaviest_within(trial.farthest_m)
+    assert "robot.correction_m_s" in trial.deciding
+
+
+def test_values_that_decide_are_listed_if_nobody_gave_them() -> None:
+    """Those of warnings and of the tightest margins, of changes that carries notice, of the needs
+    of controllers, and of a curve."""
+    scene = pb.load_scene({"robot": {"acceleration_m_s2": 0.8}})
+    analysis = pb.analyze(scene)
+    (warning,) = analysis.warnings
+    assert warning.startswith("robot.acceleration_m_s2 is 0.8")
+    good = (count_outcomes("paper", "shared-sign", seeds=1000),)
+    keys = deciding_keys(analysis, good, None, None)
+    assert "robot.acceleration_m_s2" in keys and "tactile.zero_half_width_m" in keys
+    assert "palm.width_m" not in keys and "palm.rate_deg_s" not in keys
+    silent = (count_outcomes("paper", "silent", seeds=1000),)
+    assert "tactile.zero_half_width_m" not in deciding_keys(analysis, silent, None, None)
+    text = on_assumptions(scene, None, keys).text
+    missing, given = text.split("; given: ")
+    assert "robot.acceleration_m_s2 0.8" in given and "tactile.zero_half_width_m" in missing
+
+
+def test_first_lines_of_analyze_load_and_assess_agree() -> None:
+    keys = {"object.mass_kg": 1.5, "task.distance_m": 0.2}
+    first = [
+        str(next(iter(found.lines())))
+        for found in (pb.analyze(overrides=keys), pb.load_limits(overrides=keys))
+    ]
+    assert first[0] == first[1] and first[0].startswith("MAY FAIL  with contacts up to ")
+    word, text = first[0].split("  ")
+    found = pb.assess(turn_radius_m=0.0, overrides=keys)
+    assert found.conclusion.endswith(f"; with contacts anywhere on the palms {word}: {text}")
 
 
 def test_changes_keep_the_object_light_enough_for_how_far_contacts_then_get() -> None:

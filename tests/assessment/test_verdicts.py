@@ -4,7 +4,12 @@
 Words after ``not: `` must not occur.
 """
 
+import ast
+import math
+import re
 from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,9 +22,11 @@ from palmbots.assessment.answer import (
     best_of,
 )
 from palmbots.assessment.assess import QUESTIONS, Answers, Assessment, _near
-from palmbots.assessment.changes import ChangeTrial, NoChange
+from palmbots.assessment.change_trial import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial
 from palmbots.assessment.load import LoadTrial
+from palmbots.assessment.radio import RadioTrial
+from palmbots.assessment.side_effects import least_sound
 from palmbots.assessment.verdicts import (
     counts_table,
     needs_table,
@@ -29,7 +36,6 @@ from palmbots.assessment.verdicts import (
     on_mechanics,
 )
 from palmbots.assessment.what_if import (
-    RadioTrial,
     on_angles,
     on_change,
     on_curve,
@@ -37,8 +43,10 @@ from palmbots.assessment.what_if import (
     on_radio,
     radio_table,
 )
-from palmbots.mujoco.curve_trial import CurveTrial, respelled
+from palmbots.cli.declared_commands import declared_commands
+from palmbots.mujoco.curve_trial import CurveTrial
 from palmbots.mujoco.drift_budget import DriftBudget
+from palmbots.scene.command_text import command_text, respelled
 from palmbots.simulation.outcome_counts import OutcomeCounts
 
 PAPER = pb.load_scene("paper")
@@ -74,7 +82,7 @@ def test_best_controller() -> None:
     assert best_of([counts("none", 1000)]) is best_of([]) is None
 
 
-NEAR = "shared-sign keeps the contacts within 10.0 mm of the pivots"
+NEAR = "in 1,000 carries with shared-sign no contact got farther from its pivot than 10.0 mm"
 FAST = {"task.inertia": True, "robot.acceleration_m_s2": 0.8}
 LOW, TALL = {"object.box_m": [0.2, 0.1]}, {"object.box_m": [0.12, 0.4]}
 ASIDE = {"object.com_m": [0.05, 0.04]}
@@ -83,15 +91,15 @@ MECHANICS: list[tuple[dict[str, Any], OutcomeCounts | None, str, list[str]]] = [
     ({"robot.noise_m_s": 0.02}, GOOD, "yes", ["tightest margin", "the robots have to correct it"]),
     ({"object.mass_kg": 3}, GOOD, "yes", ["not: kg"]),
     # what fails only where no contact gets
-    (FAST, GOOD, "likely", [f"{NEAR}, and there all", "farther out: robot.acceleration_m_s2 is"]),
+    (FAST, GOOD, "likely", [f"{NEAR}, and within that all", "farther out: robot.accel"]),
     (LOW, GOOD, "likely", [NEAR, "farther out: a palm touches the object already, by 0.57°"]),
     (TALL, GOOD, "likely", [NEAR, "farther out: with the left palm shallow, on closing"]),
-    (FAST, None, "partly", ["robot.acceleration_m_s2 is 0.8", "not: keeps"]),
+    (FAST, None, "partly", ["robot.acceleration_m_s2 is 0.8", "not: no contact"]),
     (LOW, None, "partly", ["a palm touches the object already"]),
     (TALL, None, "no", ["with the left palm shallow, on closing"]),
     # what fails there, too
-    (FAST | {"robot.acceleration_m_s2": 2.0}, GOOD, "partly", [f"{NEAR}; there, robot.accel"]),
-    (ASIDE, GOOD, "no", [f"{NEAR}; there, with the left palm shallow, "]),
+    (FAST | {"robot.acceleration_m_s2": 2.0}, GOOD, "partly", [f"{NEAR}; within that, robot."]),
+    (ASIDE, GOOD, "no", [f"{NEAR}; within that, with the left palm shallow, "]),
 ]  # fmt: skip
 
 
@@ -103,8 +111,20 @@ def test_mechanics(
     near = _near(scene, best)
     answer = on_mechanics(pb.analyze(scene), near, best, "SCENE")
     check(answer, verdict, words)
-    region = " --region -0.01,0.01" if any("; there, " in word for word in words) else ""
+    region = " --region -0.01,0.01" if any("; within that, " in word for word in words) else ""
     assert answer.command == f"palmbots analyze SCENE{region}"
+
+
+def test_mechanics_are_those_of_the_worst_friction_that_was_given() -> None:
+    """With a friction of 0.32 the paper's box holds at any acceleration that its robots reach."""
+    keys = {"robot.acceleration_m_s2": 0.75, "task.inertia": True}
+    scene = pb.load_scene("paper", keys)
+    worst = least_sound(scene, (0.3, 0.6))
+    assert not pb.analyze(scene).warnings and worst.warnings
+    assert worst.scene.palm.friction == 0.6
+    answer = on_mechanics(worst, _near(worst.scene, GOOD), GOOD, "SCENE", 0.6)
+    check(answer, "likely", ["all with friction 0.6, the worst of the interval"])
+    assert answer.command == "palmbots analyze SCENE --set palm.friction=0.6"
 
 
 def load(
@@ -138,11 +158,11 @@ LOADS: list[tuple[float, OutcomeCounts | None, LoadTrial | None, str, list[str]]
     (0.5, GOOD, load(4, 3), "partly", [UNCLEAR, "not: off-palm"]),
     (0.5, GOOD, load(0, None, ("wheels slip", "more")), "partly", ["; wheels slip", "not: more"]),
     # held where the contacts get, and not there
-    (2, GOOD, load(0), "likely", ["within 10.0 mm", "above 4.75 kg", "a wheel slips above"]),
+    (2, GOOD, load(0), "likely", [f"{NEAR}; within that ", "above 4.75 kg", "a wheel slips above"]),
     (2, GOOD, load(5, 5), "likely", [NOT_WEIGHT]),
-    (2, counts("shared-sign", 0, reach=0.07), load(0), "partly", ["within 70.0 mm"]),
-    (2, counts("shared-sign", 0, reach=None), load(0), "partly", ["not: keeps the contacts"]),
-    (2, None, None, "partly", ["no robot tips", "not: keeps the contacts"]),
+    (2, counts("shared-sign", 0, reach=0.07), load(0), "partly", ["than 70.0 mm"]),
+    (2, counts("shared-sign", 0, reach=None), load(0), "partly", ["not: no contact"]),
+    (2, None, None, "partly", ["no robot tips", "not: no contact"]),
     # beyond what a carry can begin with
     (500, None, None, "no", ["object.mass_kg: value is 500", "at most 6.42 kg"]),
 ]  # fmt: skip
@@ -247,6 +267,18 @@ def test_angles(trial: AngleTrial | NoPair | None, verdict: str, words: list[str
     assert answer.command == f"palmbots design SCENE{' -c silent' * isinstance(trial, AngleTrial)}"
 
 
+def test_angles_are_compared_at_a_noise_that_shows_a_difference() -> None:
+    """And the text says at which; better ones are no must where carries rarely fail."""
+    noisy = "at 6 times the noise (robot.noise_m_s=0.06), silent fails in "
+    same = replace(angle_trial(200, 190, 0.1, 0.3), noise_factor=6.0)
+    check(on_angles(same, "SCENE", PAPER, counts("silent", 0)), "yes", [f"{noisy}20.0 %"])
+    check(on_angles(same, "SCENE", PAPER, counts("silent", 50)), "partly", [noisy])
+    better = replace(angle_trial(200, 20), noise_factor=6.0)
+    reserve = f"other angles give more reserve: {noisy}2.0 %"
+    check(on_angles(better, "SCENE", PAPER, counts("silent", 0)), "yes", [reserve])
+    check(on_angles(better, "SCENE", PAPER, counts("silent", 50)), "partly", [noisy])
+
+
 def test_few_carries_without_a_failure_do_not_speak_against_angles() -> None:
     few = AngleTrial("silent", 9, 0.0, 0.0, 50, 0, (4.0, 12.0), 0, 0.5, 0.25)
     assert on_angles(few, "SCENE", PAPER).verdict == "partly"
@@ -311,7 +343,7 @@ CHANGES: list[tuple[ChangeTrial | NoChange | None, str, list[str]]] = [
     (change(), "yes", ["robot.speed_m_s from 0.06 to 0.084: silent fails in 1.0 %", "not: noise"]),
     (change(), "yes", ["instead of 10.0 %", "not: carry takes", "not: sends", "not: reserve"]),
     (change(failures=90), "no", ["silent fails in 10.0 %", "none of the 9 changes"]),
-    (change(noise_factor=2.0), "yes", ["more reserve: robot.", "at 2 times the noise, silent"]),
+    (change(noise_factor=2.0), "yes", ["more reserve: robot.", "(robot.noise_m_s=0.02), silent"]),
     (change(own_holds=False), "yes", ["; then all properties hold"]),
     (change(own_holds=False, holds=False), "yes", ["not: properties"]),
     (change(own_holds=False, noise_factor=2.0), "yes", ["all properties hold", "not: reserve"]),
@@ -321,13 +353,28 @@ CHANGES: list[tuple[ChangeTrial | NoChange | None, str, list[str]]] = [
     (change(messages=50.0), "yes", ["; a carry sends 50 messages instead of 100", "not: takes"]),
     (change(messages=50.0), "yes", ["not: own noise"]),
     (change(messages=50.0, noise_factor=6.0), "yes",
-     ["at 6 times the noise, silent", "sends 50 messages instead of 100 at the scene's own noise"]),
+     ["at 6 times the noise (robot.noise_m_s=0.06), silent",
+      "sends 50 messages instead of 100 at the scene's own noise"]),
     (change(own_messages=None), "yes", ["not: sends"]),
     (change(time_s=None), "yes", ["not: takes"]),
     (change(**HEAVY), "yes", ["up to 2 kg instead of 1 kg as far out as contacts get; silent"]),
     (change(**HEAVY, own_failures=None), "yes", ["at the start; silent then fails in 1.0 %"]),
     (change(**HEAVY, mujoco=counts("silent", 0, 5)), "yes", ["in MuJoCo 5 of 5 carries arrive"]),
     (change(**HEAVY, mujoco=counts("silent", 1, 5)), "partly", ["in MuJoCo 4 of 5 carries arrive"]),
+]  # fmt: skip
+
+
+MASSES = {"own_heaviest_kg": 7.85, "heaviest_kg": 4.67}
+CHANGES += [
+    # what a change costs
+    (change(own_farthest_m=0.0121, farthest_m=0.0202), "yes",
+     ["; the largest distance of a contact from its pivot in 1,000 carries is 20.2 mm instead of"]),
+    (change(own_farthest_m=0.0121, farthest_m=0.0122), "yes", ["not: distance"]),
+    (change(**MASSES), "yes", ["no palm sags up to 4.67 kg as far out", "instead of 7.85 kg"]),
+    (change(**MASSES | {"own_heaviest_kg": math.inf}), "yes", ["instead of any mass"]),
+    (change(own_drift_m=0.0283, drift_m=0.0334), "yes", ["curve is 33.4 mm instead of 28.3"]),
+    (change(own_drift_m=0.0283), "yes", ["not: drift"]),
+    (change(own_holds=False, warnings=("too fast",)), "yes", ["; it brings a warning: too fast"]),
 ]  # fmt: skip
 
 
@@ -341,8 +388,20 @@ def test_change(trial: ChangeTrial | NoChange | None, verdict: str, words: list[
     elif isinstance(trial, ChangeTrial):
         command = "noise-limit SCENE -c silent"
         if verdict != "no":
-            command = f"assess SCENE{trial.settings}"
+            command = command_text("assess", "SCENE", trial.changes).removeprefix("palmbots ")
     assert answer.command == f"palmbots {command}"
+
+
+def test_printed_commands_repeat_the_options_of_the_user() -> None:
+    given = {"friction": (0.35, 0.45), "turn_radius_m": 0.8, "turn_angle_deg": 60.0}
+    turn = "--turn-radius-m 0.8 --turn-angle-deg 60"
+    assert on_change(change(), "SCENE", PAPER, given).command == (
+        f"palmbots assess SCENE --set robot.speed_m_s=0.084 --friction 0.35 0.45 {turn}"
+    )
+    rough = on_friction(None, pb.analyze("paper"), "SCENE", given | {"friction": None})
+    assert rough.command == f"palmbots assess SCENE --friction 0.27 0.33 {turn}"
+    angles = on_angles(angle_trial(0, 0), "SCENE", PAPER, None, (0.35, 0.45))
+    assert angles.command == "palmbots design SCENE -c silent --friction 0.35 0.45"
 
 
 def radio(**failed: tuple[int, ...]) -> list[RadioTrial]:
@@ -504,3 +563,32 @@ def test_commands_give_each_key_once() -> None:
         "crate.toml --set robot.noise_m_s=0.1 --set task.path.kind=straight"
     )
     assert respelled(name, {}) == name
+    steep = "crate.toml --set palm.friction_angle_deg=20"  # in place of which the change is
+    assert respelled(steep, {"palm.friction": 0.3}) == "crate.toml --set palm.friction=0.3"
+
+
+def test_options_of_a_command() -> None:
+    text = command_text(
+        "design", "'my crate.toml'", controller="silent", friction=(0.35, 0.45),
+        region=[-0.01, 0.01], force=True, view=False, seeds=None, world="mujoco",
+    )  # fmt: skip
+    assert text == (
+        "palmbots design 'my crate.toml' -c silent --friction 0.35 0.45 --region -0.01,0.01 "
+        "--force --world mujoco"
+    )
+
+
+def test_one_module_makes_commands() -> None:
+    """No other one puts a scene, a file or a controller into the text of a command."""
+    package = Path(pb.__file__).parent
+    names = "|".join(name.split()[0] for name in declared_commands())
+    made = re.compile(rf"\bpalmbots ({names}) ")
+    found = set()
+    for path in package.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.JoinedStr):
+                for part, follower in pairwise(node.values):
+                    text = part.value if isinstance(part, ast.Constant) else ""
+                    if isinstance(follower, ast.FormattedValue) and made.search(str(text)):
+                        found.add(path.relative_to(package).as_posix())
+    assert not found

@@ -3,18 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from palmbots._types import Interval
-from palmbots._util.confidence_intervals import rate_interval
+from palmbots.assessment.raised_noise import FRESH, count_failures, differ, noisy
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curve_trial import Keys
-from palmbots.scene.scene import Scene
-from palmbots.simulation.batch import DELIVERED
-from palmbots.simulation.outcome_counts import carry_seeds, default_carries
+from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.sides import on_every_side
+from palmbots.simulation.outcome_counts import default_carries
 from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.stability.analysis import analyze
 from palmbots.stability.angle_certificate import scene_at
@@ -23,9 +21,6 @@ SHALLOW_DEG = (2.0, 4.0, 6.0, 8.0, 10.0)
 BETWEEN_DEG = (5.0, 8.0, 10.0, 12.0, 15.0)
 """Tried as the shallow angle, and as the angle by which the steep palm is steeper."""
 PAIRS = tuple((shallow, shallow + more) for shallow in SHALLOW_DEG for more in BETWEEN_DEG)
-FRESH = 1_000_000
-"""First seed of the comparison. It uses other seeds than those that chose the pair, on which that
-pair may be best by luck."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +49,9 @@ class AngleTrial:
     own_clearance_deg: float
     best_clearance_deg: float
     """How far a palm may turn until the outline touches it."""
+    noise_factor: float = 1.0
+    """Factor by which the noise of the wheels was raised in all these carries; 1: as in the
+    scene."""
 
     @property
     def keys(self) -> Keys:
@@ -64,16 +62,27 @@ class AngleTrial:
     @property
     def is_better(self) -> bool:
         """Whether the interval of the best pair lies below that of the scene's own angles."""
-        own, best = (
-            rate_interval(n, self.carries) for n in (self.own_failures, self.best_failures)
-        )
-        return best[1] < own[0]
+        fewer = self.best_failures < self.own_failures
+        return fewer and differ(self.carries, self.own_failures, self.best_failures)
 
 
 def try_angles(
-    scene: Scene, controller: str, report: Callable[[float], None] = lambda fraction: None
+    scene: Scene,
+    controller: str,
+    report: Callable[[float], None] = lambda fraction: None,
+    *,
+    noise: float = 1.0,
+    frictions: Sequence[float] = (),
 ) -> AngleTrial | NoPair:
-    """Carry with other pairs of angles, the same on both palms."""
+    """Carry with other pairs of angles, the same on both palms.
+
+    Args:
+        scene: with a straight path.
+        controller: of all carries.
+        report: called with the completed fraction.
+        noise: factor of the noise in all carries, as of `revealing_noise`.
+        frictions: further ones at which the properties have to hold.
+    """
     own = prepare(scene, controller)
     count = default_carries(own)
     if count is None:
@@ -84,8 +93,9 @@ def try_angles(
         try:
             candidate = scene_at(scene, pair)
             analysis = analyze(candidate)
-            if analysis.holds:
-                found[pair] = prepare(candidate, controller)
+            others = [on_every_side(candidate, {"palm.friction": one}) for one in frictions]
+            if analysis.holds and all(analyze(load_scene(candidate, o)).holds for o in others):
+                found[pair] = noisy(candidate, controller, noise)
                 clearances[pair] = analysis.clearance_deg
         except PalmbotsError:
             continue
@@ -106,14 +116,10 @@ def try_angles(
         least_failure_rate=min(failures.values()) / count,
         most_failure_rate=max(failures.values()) / count,
         carries=count,
-        own_failures=count_failures(own, FRESH, count),
+        own_failures=count_failures(noisy(scene, controller, noise), FRESH, count),
         best_deg=best,
         best_failures=count_failures(found[best], FRESH, count),
         own_clearance_deg=analyze(scene).clearance_deg,
         best_clearance_deg=clearances[best],
+        noise_factor=noise,
     )
-
-
-def count_failures(prepared: Prepared, first: int, count: int) -> int:
-    """How many of the carries with the seeds `first` … `first + count - 1` do not deliver."""
-    return int(np.count_nonzero(carry_seeds(prepared, first, count)["outcome"] != DELIVERED))

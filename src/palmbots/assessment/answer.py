@@ -10,6 +10,7 @@ from typing import Literal
 
 from palmbots._util.confidence_intervals import rate_text
 from palmbots._util.report import Item, Line, Marked, Table, bad, bold, good, quiet, warn_word
+from palmbots._util.text import millimetres
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import on_every_side
@@ -71,6 +72,17 @@ def best_of(counts: Sequence[OutcomeCounts]) -> OutcomeCounts | None:
 def swept(scene: Scene, key: str) -> str:
     """The key to sweep: that of the left side if both sides override the key."""
     return next(iter(on_every_side(scene, {key: None})))
+
+
+def reached(counts: OutcomeCounts) -> str:
+    """How far contacts got: what was seen in so many carries, and no bound."""
+    assert counts.farthest_m is not None
+    count = counts.carries - counts.dropped - counts.stalled
+    carries = "1 carry" if count == 1 else f"{count:,} carries"
+    return (
+        f"in {carries} with {counts.controller} no contact got farther from its pivot than "
+        f"{millimetres(counts.farthest_m)}"
+    )
 
 
 def arrived(counts: OutcomeCounts) -> str:

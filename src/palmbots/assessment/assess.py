@@ -23,10 +23,10 @@ from palmbots.assessment.answer import (
     Verdict,
     best_of,
     failures,
-    suffices,
 )
-from palmbots.assessment.assumptions import on_assumptions
-from palmbots.assessment.changes import FACTORS, ChangeTrial, NoChange, try_changes
+from palmbots.assessment.assumptions import deciding_keys, on_assumptions
+from palmbots.assessment.change_trial import ChangeTrial, NoChange
+from palmbots.assessment.changes import FACTORS, try_changes, with_drift
 from palmbots.assessment.friction import (
     FrictionTrial,
     hardest_to_hold,
@@ -34,6 +34,9 @@ from palmbots.assessment.friction import (
     try_friction,
 )
 from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
+from palmbots.assessment.radio import LOSSES, RadioTrial, try_losses
+from palmbots.assessment.raised_noise import revealing_noise
+from palmbots.assessment.side_effects import least_sound
 from palmbots.assessment.verdicts import (
     counts_table,
     needs_table,
@@ -43,7 +46,6 @@ from palmbots.assessment.verdicts import (
     on_mechanics,
 )
 from palmbots.assessment.what_if import (
-    RadioTrial,
     on_angles,
     on_change,
     on_curve,
@@ -51,7 +53,7 @@ from palmbots.assessment.what_if import (
     on_radio,
     radio_table,
 )
-from palmbots.control.registry import describe, shipped_names
+from palmbots.control.registry import shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mechanics.load_limits import load_limits
@@ -60,21 +62,19 @@ from palmbots.mujoco.curve_trial import (
     CurveTrial,
     Keys,
     refuse_tight,
-    respelled,
     try_curve,
     turn_keys,
 )
 from palmbots.mujoco.engine import without_mujoco
+from palmbots.scene.command_text import command_text, respelled
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
-from palmbots.scene.sides import on_every_side, value_of
 from palmbots.simulation.batch import available_cores
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes, default_carries
 from palmbots.simulation.prepare import prepare
 from palmbots.stability.analysis import Analysis, analyze
+from palmbots.stability.holding import Holding, holding
 
-LOSSES = (0.0, 0.05, 0.2, 0.5)
-"""Shares of lost messages that are tried."""
 FEWEST = 400
 """Fewest carries of each controller; if none of 400 fails, the interval ends below 1 %."""
 CURVE_CARRIES = 10
@@ -84,7 +84,8 @@ QUESTIONS = (
     "assumed",
 )  # fmt: skip
 """Fields of `Answers`, in the order of the page."""
-_PARTS = ("counts", "friction", "load", "angles", "radio", "change", "curve")
+_PARTS = ("counts", "friction", "load", "angles", "radio", "curve", "change")
+_USUAL_TURN = {"turn_radius_m": 1.0, "turn_angle_deg": 90.0}
 MUJOCO_PACE = 15.0
 """How many times faster than the robots the MuJoCo world is taken to run, before it has run."""
 _LONG_S = 60.0
@@ -129,6 +130,8 @@ class Assessment(Result):
     """The best change of one thing; None: none could be tried."""
     scene: Scene
     analysis: Analysis = field(metadata=NOT_IN_JSON)
+    held: Holding | None = field(default=None, metadata=NOT_IN_JSON)
+    """What `analyze` and `load` say first; with an interval of friction, where it is worst."""
 
     @derived
     def verdict(self) -> Verdict:
@@ -179,6 +182,8 @@ class Assessment(Result):
                 use += f", and in {failures(self.curve.counts)} on its curve, in MuJoCo"
             else:
                 doubts.append("on its curve the object would tip sideways")
+        if self.held is not None and self.held.word != "HOLDS":
+            use += f"; with contacts anywhere on the palms {self.held.word}: {self.held.text}"
         return "; ".join([*doubts, use])
 
     def _doubt_of_load(self) -> str:
@@ -263,6 +268,10 @@ def assess(
         on_line(f"nothing is tried in {hint}")
     straight = _straightened(chosen)
     analysis = analyze(straight)
+    worst = least_sound(straight, interval)
+    worst_mu = None if interval is None else worst.scene.palm_of("left").friction
+    asked = {"turn_radius_m": turn_radius_m, "turn_angle_deg": turn_angle_deg}
+    given = {"friction": interval, **{k: v for k, v in asked.items() if v != _USUAL_TURN[k]}}
     left = TimeLeft(on_progress or (lambda fraction: None), _PARTS)
     answers: dict[str, Answer] = {}
 
@@ -273,7 +282,7 @@ def assess(
 
     counts = _counted(straight, left)
     best = best_of(counts)
-    known("carried", on_mechanics(analysis, _near(straight, best), best, planar))
+    known("carried", on_mechanics(worst, _near(worst.scene, best), best, planar, worst_mu))
     known("controllers", on_controllers(counts, planar, straight))
     rough, loaded = None, chosen
     left.begin("friction")
@@ -281,7 +290,7 @@ def assess(
         rules = best.controller if best else None
         rough = try_friction(analysis, interval, rules, counts[0].carries if counts else 0)
         loaded = hardest_to_hold(chosen, interval)
-    known("friction", on_friction(rough, analysis, planar))
+    known("friction", on_friction(rough, analysis, planar, given))
     angles: AngleTrial | NoPair | None = None
     curve = load = None
     change: ChangeTrial | NoChange | None = None
@@ -293,10 +302,18 @@ def assess(
     known("drops", on_drops(counts, load, planar))
     report = left.begin("angles")
     if best is not None:
-        angles = try_angles(straight, best.controller, report)
-    known("angles", on_angles(angles, planar, straight, best))
-    radio = tuple(_with_losses(straight, counts, left.begin("radio")))
+        count = default_carries(prepare(straight, best.controller))
+        noise = revealing_noise(straight, best.controller, count) if count else None
+        angles = try_angles(
+            straight, best.controller, report, noise=noise or 1.0, frictions=interval or ()
+        )
+    known("angles", on_angles(angles, planar, straight, best, interval))
+    radio = tuple(try_losses(straight, counts, left.begin("radio")))
     known("radio", on_radio(radio, counts, planar, straight))
+    report = left.begin("curve")
+    if best is not None and turn_radius_m > 0:
+        curve = try_curve(chosen, best.controller, path, report, carries=CURVE_CARRIES)
+    known("curve", on_curve(curve, best, chosen))
     report = left.begin("change")
     if best is not None or load_limits(straight).refusal():
         change = try_changes(
@@ -305,21 +322,23 @@ def assess(
             angles.keys if isinstance(angles, AngleTrial) else {},
             best.farthest_m if best else None,
             report,
+            friction=interval,
         )
-    known("change", on_change(change, planar, straight))
-    report = left.begin("curve")
-    if best is not None and turn_radius_m > 0:
-        curve = try_curve(chosen, best.controller, path, report, carries=CURVE_CARRIES)
-    known("curve", on_curve(curve, best, chosen))
-    known("assumed", on_assumptions(chosen, interval))
+    if isinstance(change, ChangeTrial) and change.is_better and curve is not None:
+        change = with_drift(change, curve, chosen)
+    known("change", on_change(change, planar, straight, given))
+    trial = change if isinstance(change, ChangeTrial) else None
+    deciding = deciding_keys(worst, counts, trial, curve)
+    known("assumed", on_assumptions(chosen, interval, deciding))
     report(1.0)
     if not counts:
         refused = _refused(straight)
         answers |= {name: replace(answers[name], **refused) for name in _OF_CARRIES}
     pairs = angles if isinstance(angles, AngleTrial) else None
-    trial = change if isinstance(change, ChangeTrial) else None
     found = Answers(**answers)
-    return Assessment(found, counts, pairs, load, rough, radio, curve, trial, chosen, analysis)
+    return Assessment(
+        found, counts, pairs, load, rough, radio, curve, trial, chosen, analysis, holding(worst)
+    )
 
 
 def _turn(scene: Scene, radius_m: float, angle_deg: float) -> Keys:
@@ -345,7 +364,7 @@ def _near(scene: Scene, best: OutcomeCounts | None) -> Analysis | None:
 def _refused(scene: Scene) -> dict[str, str]:
     """Text and command of the answers on carries where none can begin."""
     command = "load" if load_limits(scene).refusal() else "carry"
-    return {"text": "no carry can begin", "command": f"palmbots {command} {scene.spelled}"}
+    return {"text": "no carry can begin", "command": command_text(command, scene.spelled)}
 
 
 def _straightened(scene: Scene) -> Scene:
@@ -378,19 +397,3 @@ def _counted(scene: Scene, left: TimeLeft) -> tuple[OutcomeCounts, ...]:
 def _carries_of_curve() -> float:
     """What a curve costs, in carries in the MuJoCo world one after the other."""
     return FORECASTS + CURVE_CARRIES / available_cores()
-
-
-def _with_losses(
-    scene: Scene, counts: tuple[OutcomeCounts, ...], report: Callable[[float], None]
-) -> Iterator[RadioTrial]:
-    best = best_of(counts)
-    tried = [one for one in counts if suffices(one)] or ([best] if best else [])
-    names = [one.controller for one in tried if describe(one.controller).uses_radio]
-    own = {value_of(scene, f"radio.{side}.loss") for side in SIDES}
-    losses = sorted({*LOSSES, *own}) if names else []
-    for k, loss in enumerate(losses):
-        report(k / len(losses))
-        lossy = on_every_side(scene, {"radio.loss": loss})
-        carries = counts[0].carries
-        found = [count_outcomes(scene, name, seeds=carries, overrides=lossy) for name in names]
-        yield RadioTrial(loss, tuple(found))

@@ -19,6 +19,7 @@ from palmbots._util.user_paths import user_path
 from palmbots.assessment.carried import Carried
 from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import PalmbotsError, SceneError
+from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import SceneLike, load_scene
 from palmbots.simulation.batch import available_cores
 from palmbots.simulation.outcome_counts import scene_statistics
@@ -126,7 +127,7 @@ def carry_and_report(
             chosen, entry, on_progress=lambda part: report("forecasting the drift", part)
         )
         if budget.verdict == "beyond" and not force:
-            raise SceneError(budget.refusal(chosen, entry.name))
+            raise SceneError(budget.refusal(chosen, entry.spelled))
         if on_item is not None:
             on_item(Line(quiet(budget.text())))
         if budget.verdict != "kept":
@@ -173,17 +174,19 @@ def carry_and_report(
         drift_forecast=budget,
         hint=explain(chosen, entry.name) if explain else None,
         scene_statistics=statistics,
-        to_measure=_to_measure(prepared, one_s, force),
+        to_measure=_to_measure(prepared, one_s, force, precision),
         written=tuple(written),
         removed=tuple(removed),
     )
 
 
-def _to_measure(prepared: Prepared, one_s: float, force: bool) -> tuple[str, str]:
+def _to_measure(prepared: Prepared, one_s: float, force: bool, precision: str) -> tuple[str, str]:
     """The command that counts outcomes where carries take up to `one_s`, and how long it takes."""
-    controller, world = prepared.controller.spelled, prepared.world.name
-    command = f"palmbots carry {prepared.scene.spelled} -c {controller} --world {world}"
-    command += f" --seeds {_SEEDS}" + " --allow-drift-beyond-budget" * force
+    command = command_text(
+        "carry", prepared.scene.spelled, controller=prepared.controller.spelled,
+        world=prepared.world.name, precision=None if precision == "double" else precision,
+        seeds=_SEEDS, allow_drift_beyond_budget=force,
+    )  # fmt: skip
     return command, f"up to {duration(max(1.0, one_s * _SEEDS / available_cores()))}"
 
 

@@ -11,24 +11,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
 
-from palmbots._types import SIDES
-from palmbots._util.confidence_intervals import rate_interval
-from palmbots.assessment.angles import FRESH, count_failures
+from palmbots._types import SIDES, Interval
+from palmbots.assessment.change_trial import ChangeTrial, Keys, NoChange
+from palmbots.assessment.friction import hardest_to_hold
 from palmbots.assessment.load import LOAD_CARRIES
+from palmbots.assessment.raised_noise import (
+    FRESH,
+    NOISE_FACTORS,
+    count_failures,
+    differ,
+    makes_noise,
+    noisy,
+    revealing_noise,
+)
+from palmbots.assessment.side_effects import known_warnings, new_warnings
+from palmbots.control.dead_band import overrun_m, zero_zone_m
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.load_limits import DECISIVE, MEANINGS, LoadLimits, load_limits
-from palmbots.mujoco.curve_trial import settings_of
+from palmbots.mujoco.curve_trial import CurveTrial, forecast_curve
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import multiplied, value_of
 from palmbots.simulation.batch import DELIVERED, Columns
-from palmbots.simulation.noise_limit import NOISE_KEY
 from palmbots.simulation.outcome_counts import (
-    SMALL,
     OutcomeCounts,
     carry_seeds,
     count_outcomes,
@@ -50,78 +59,10 @@ FACTORS: Mapping[str, tuple[float, ...]] = {
 }
 """Factors by which keys are multiplied; the cheapest changes come first. The noise is not among
 them, because less noise is an obvious improvement."""
-NOISE_FACTORS = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 12.0)
-"""Factors by which the noise is raised if the scene rarely fails."""
 STRONGER = (1.25, 1.5, 2.0, 3.0, 5.0, 10.0)
 """Factors by which the strength of a robot is multiplied if it cannot hold the object."""
-Keys = Mapping[str, float | str | list[float]]
 MOST_IN_MUJOCO = 8
 """Changes for the load that are tried in the MuJoCo world, at most."""
-_ENOUGH = 0.05  # share of failures with more noise at which changes can be compared
-
-
-@dataclass(frozen=True)
-class NoChange:
-    """Why no change was found."""
-
-    why: str
-    is_for_load: bool = False
-    """Whether the object is too heavy."""
-
-
-@dataclass(frozen=True)
-class ChangeTrial:
-    """The change after which a scene fails least often. The failures are counted on other seeds
-    than those that chose it."""
-
-    controller: str
-    tried: int
-    changes: Keys
-    """The keys and their new values; more than one only where they belong together."""
-    before: Keys
-    """The values of the same keys in the scene."""
-    noise_factor: float
-    """Factor by which the noise of the wheels was raised, with and without the change; 1: as in the
-    scene."""
-    carries: int
-    own_failures: int | None
-    """Without the change; None: a carry cannot begin, because the object is too heavy."""
-    failures: int
-    own_holds: bool
-    """Whether all properties hold without the change."""
-    holds: bool
-    """Whether they hold with it."""
-    own_heaviest_kg: float
-    heaviest_kg: float
-    """The heaviest object that the robots hold at the start and as far out as the contacts get,
-    before and after."""
-    own_time_s: float | None
-    time_s: float | None
-    """Mean of the carries that deliver, at the scene's own noise, before and after."""
-    own_messages: float | None
-    messages: float | None
-    mujoco: OutcomeCounts | None = None
-    """Carries with a change for the load in the MuJoCo world, where weight acts; None: not
-    tried."""
-
-    @property
-    def settings(self) -> str:
-        """The change as options of a command, each preceded by a blank."""
-        return settings_of(self.changes)
-
-    @property
-    def is_for_load(self) -> bool:
-        """Whether the change makes the robots hold the object."""
-        return all(key.startswith("mujoco.") for key in self.changes)
-
-    @property
-    def is_better(self) -> bool:
-        """Whether the interval of its failures lies below that without the change, or the robots
-        hold the object only with it."""
-        if self.is_for_load or self.own_failures is None or self.holds > self.own_holds:
-            return True
-        own, changed = (rate_interval(n, self.carries) for n in (self.own_failures, self.failures))
-        return changed[1] < own[0]
 
 
 def try_changes(
@@ -130,9 +71,13 @@ def try_changes(
     angles: Keys,
     reach_m: float | None,
     report: Callable[[float], None] = lambda fraction: None,
+    *,
+    friction: Interval | None = None,
 ) -> ChangeTrial | NoChange:
     """Carry the scene with each change. Where the object is too heavy, the best changes are also
     carried in the MuJoCo world, until all carries with one arrive.
+
+    A change that brings a warning is no advice, unless a property holds only with it.
 
     Args:
         scene: with a straight path.
@@ -140,22 +85,32 @@ def try_changes(
         angles: a pair of palm angles that is better than the scene's own; empty: there is none.
         reach_m: how far the contacts get from the pivots; None: unknown, as no carry delivers.
         report: called with the completed fraction.
+        friction: an interval, within which warnings and loads are judged; None: as in the scene.
 
     Returns:
         The best change, or why there is none.
     """
-    load = load_limits(scene)
+
+    def load_of(one: Scene) -> LoadLimits:
+        return load_limits(one if friction is None else hardest_to_hold(one, friction))
+
+    load = load_of(scene)
     is_heavy = not _is_held(load, reach_m)
-    plans = [*(_stronger(scene, load, reach_m) if is_heavy else _plans(scene, angles))]
+    plans = [*(_stronger(load.scene, load, reach_m) if is_heavy else _plans(scene, angles))]
+    if friction is not None:  # nobody can choose what is known only roughly
+        plans = [keys for keys in plans if not any("friction" in key for key in keys)]
     own = None if load.refusal() else prepare(scene, controller)
     noise, count = 1.0, None if own is None else default_carries(own)
     if own is not None and count is not None and not is_heavy:
-        found = _revealing_noise(scene, controller, count)
+        found = revealing_noise(scene, controller, count)
         if found is None:
             return NoChange(_unfailing(scene, count))
         noise = found
     own_holds = analyze(scene).holds
+    known = known_warnings(scene, controller, friction)
     judged: dict[int, tuple[bool, int]] = {}
+    brought: dict[int, tuple[str, ...]] = {}
+    harms: list[int] = []
     for k, keys in enumerate(plans):
         report((0.5 if is_heavy else 0.9) * k / len(plans))
         try:
@@ -164,12 +119,17 @@ def try_changes(
             if count is None:
                 return NoChange(_LONG)
             holds = analyze(changed).holds
-            if holds or not own_holds:
-                judged[k] = not holds, count_failures(_noisy(changed, controller, noise), 0, count)
+            brought[k] = new_warnings(known, changed, controller, friction)
+            if brought[k] and (wider := _wider_zone(changed, controller)):
+                plans.append({**keys, **wider})
+            if own_holds and (brought[k] or not holds):
+                harms.append(k)
+            elif holds or not (own_holds or brought[k]):
+                judged[k] = not holds, count_failures(noisy(changed, controller, noise), 0, count)
         except PalmbotsError:  # the palms collide, or a value is beyond its limits
             continue
     if not judged or count is None:
-        why = "every change that was tried is refused or violates a property" if plans else _WEAK
+        why = _HARMFUL if plans else _WEAK
         return NoChange(why, is_for_load=is_heavy)
     ranked = sorted(judged, key=lambda k: judged[k])
     chosen, mujoco = ranked[0], None
@@ -177,20 +137,23 @@ def try_changes(
         chosen, mujoco = _carried_in_mujoco(scene, plans, ranked, controller, report)
         if mujoco is not None and mujoco.failure_rate == 1:
             return NoChange(_ALL_FAIL, is_for_load=True)
-        plans[chosen], mujoco = _least(scene, plans[chosen], mujoco, controller, reach_m)
+        plans[chosen], mujoco = _least(load.scene, plans[chosen], mujoco, controller, reach_m)
     for one in [chosen] if is_heavy else ranked:
         best, holds = plans[one], not judged[one][0]
         changed = load_scene(scene, dict(best))
         after = _usual(prepare(changed, controller), count)
         changed_reach_m = reach_m if is_heavy else farthest_m(after)
-        if _is_held(load_limits(changed), changed_reach_m):
+        if _is_held(load_of(changed), changed_reach_m):
             break
     else:
         return NoChange(_HEAVIER)
     usual = None if own is None else _usual(own, count)
-    own_failures = None
+    own_failures, deciding = None, []
     if own is not None:
-        own_failures = count_failures(_noisy(scene, controller, noise), FRESH, count)
+        own_failures = count_failures(noisy(scene, controller, noise), FRESH, count)
+    if own is not None and not is_heavy:
+        usually = count_failures(noisy(scene, controller, noise), 0, count)
+        deciding = [*harms, *(k for k in judged if differ(count, usually, judged[k][1]))]
     report(1.0)
     return ChangeTrial(
         controller=controller,
@@ -200,28 +163,43 @@ def try_changes(
         noise_factor=noise,
         carries=count,
         own_failures=own_failures,
-        failures=count_failures(_noisy(changed, controller, noise), FRESH, count),
+        failures=count_failures(noisy(changed, controller, noise), FRESH, count),
         own_holds=own_holds,
         holds=holds,
         own_heaviest_kg=_heaviest(load, reach_m),
-        heaviest_kg=_heaviest(load_limits(changed), changed_reach_m),
+        heaviest_kg=_heaviest(load_of(changed), changed_reach_m),
         own_time_s=None if usual is None else _mean(usual, "time_s"),
         time_s=_mean(after, "time_s"),
         own_messages=None if usual is None else _mean(usual, "messages"),
         messages=_mean(after, "messages"),
+        own_farthest_m=None if usual is None else farthest_m(usual),
+        farthest_m=farthest_m(after),
+        warnings=brought[one],
+        deciding=tuple(dict.fromkeys(key for k in sorted(deciding) for key in plans[k])),
         mujoco=mujoco,
     )
+
+
+def with_drift(change: ChangeTrial, curve: CurveTrial, scene: Scene) -> ChangeTrial:
+    """The change with the drift on the curve, forecast with it and without."""
+    changed = load_scene(scene, dict(change.changes))
+    drifts = [
+        one.forecast.mean_m if one.forecast and not one.forecast.lips else None
+        for one in (curve, forecast_curve(changed, curve.controller, curve.changes))
+    ]
+    return replace(change, own_drift_m=drifts[0], drift_m=drifts[1])
 
 
 _LONG = "carries take too long, so no change was tried"
 _WEAK = f"even robots up to {STRONGER[-1]:g} times as strong do not hold it"
 _HEAVIER = "with every change that was tried the object is too heavy for the robots"
+_HARMFUL = "every change that was tried is refused, violates a property, or brings a warning"
 _ALL_FAIL = "in MuJoCo every carry fails with each of the stronger robots that were tried"
 
 
 def _unfailing(scene: Scene, count: int) -> str:
     """Why no changes can be compared in a scene that rarely fails, even with more noise."""
-    if any(scene.robot_of(side).noise_m_s for side in SIDES):
+    if makes_noise(scene):
         return (
             f"too few of {count:,} carries fail for a comparison of changes, even with up to "
             f"{NOISE_FACTORS[-1]:g} times the noise"
@@ -315,6 +293,16 @@ def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:
         yield {"object.com_m": [round(0.5 * (left + right), 4), y]}
 
 
+def _wider_zone(scene: Scene, controller: str) -> Keys:
+    """The zero zone that a contact no longer overruns; empty: it is wide enough, or made of
+    switches."""
+    needed, half = overrun_m(scene, controller), scene.tactile.zero_half_width_m
+    if scene.tactile.zones is not None or needed < zero_zone_m(scene):
+        return {}
+    wider = math.ceil(1e3 * needed / 2 + 1e-9) / 1e3
+    return {"tactile.zero_half_width_m": wider} if wider > half else {}
+
+
 def _stronger(scene: Scene, load: LoadLimits, reach_m: float | None) -> Iterator[Keys]:
     """Changes of one kind of strength with which the robots hold the object, the smallest first. If
     no kind suffices alone: of all kinds together without which no carry begins."""
@@ -353,27 +341,6 @@ def _heaviest(load: LoadLimits, reach_m: float | None) -> float:
 
 def _is_held(load: LoadLimits, reach_m: float | None) -> bool:
     return load.mass_kg <= _heaviest(load, reach_m)
-
-
-def _revealing_noise(scene: Scene, controller: str, count: int) -> float | None:
-    """The factor of the noise at which changes can be compared: 1 if the scene fails often enough
-    already, else the least one at which it does; None: there is none."""
-    own = count_failures(prepare(scene, controller), 0, count)
-    makes_noise = any(scene.robot_of(side).noise_m_s > 0 for side in SIDES)
-    if rate_interval(own, count)[0] > SMALL or (own > 0 and not makes_noise):
-        return 1.0
-    for factor in NOISE_FACTORS if makes_noise else ():
-        try:
-            if count_failures(_noisy(scene, controller, factor), 0, count) > _ENOUGH * count:
-                return factor
-        except PalmbotsError:
-            break
-    return None
-
-
-def _noisy(scene: Scene, controller: str, factor: float) -> Prepared:
-    """The scene with the noise of both robots multiplied."""
-    return prepare(load_scene(scene, multiplied(scene, NOISE_KEY, factor)), controller)
 
 
 def _usual(prepared: Prepared, count: int) -> Columns:

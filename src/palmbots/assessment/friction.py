@@ -79,7 +79,7 @@ def try_friction(
         PalmbotsError: a scene refuses an end of the interval.
     """
     scene, (low, high) = analysis.scene, friction
-    ends = [_with_friction(scene, end) for end in (low, high)]
+    ends = [with_friction(scene, end) for end in (low, high)]
     alike: Verdict
     unlike: Verdict | None
     if any(contact_radii(to_spec(scene))):
@@ -105,7 +105,7 @@ def hardest_to_hold(scene: Scene, friction: Interval) -> Scene:
     load, so the limit of traction implies this. No contact wedges: scenes with so much friction
     are refused.
     """
-    return _with_friction(scene, friction[1])
+    return with_friction(scene, friction[1])
 
 
 def friction_keys(scene: Scene, friction: float) -> dict[str, float]:
@@ -113,5 +113,6 @@ def friction_keys(scene: Scene, friction: float) -> dict[str, float]:
     return on_every_side(scene, {"palm.friction": friction})
 
 
-def _with_friction(scene: Scene, friction: float) -> Scene:
+def with_friction(scene: Scene, friction: float) -> Scene:
+    """The scene with this friction of both palms."""
     return load_scene(scene, friction_keys(scene, friction))

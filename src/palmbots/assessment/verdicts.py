@@ -15,6 +15,7 @@ from palmbots.assessment.answer import (
     arrived,
     best_of,
     failures,
+    reached,
     suffices,
     swept,
 )
@@ -24,8 +25,8 @@ from palmbots.control.dead_band import overrun_m, zero_zone_m
 from palmbots.control.registry import WIDE_ZONE, describe
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits
-from palmbots.mujoco.curve_trial import respelled
 from palmbots.mujoco.engine import without_mujoco
+from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import value_of
 from palmbots.simulation.noise_limit import MOST_M_S, NOISE_KEY
@@ -36,33 +37,47 @@ from palmbots.stability.tightest_margins import RankedMargin
 
 
 def on_mechanics(
-    analysis: Analysis, near: Analysis | None, best: OutcomeCounts | None, name: str
+    analysis: Analysis,
+    near: Analysis | None,
+    best: OutcomeCounts | None,
+    name: str,
+    friction: float | None = None,
 ) -> Answer:
     """Whether the palms lift and hold the object, and what is tightest.
 
     `near` is the analysis for contacts no farther out than in the carries with the best controller;
     None: no carry delivers. A property that fails only farther out does not count against the
-    scene.
+    scene. `friction` is that of the analyses, the worst of an interval; None: that of the scene.
     """
-    question, command = "Can palms hold it?", f"palmbots analyze {name}"
+    question, region = "Can palms hold it?", None
+    verdict, text, is_near = _held(analysis, near, best)
+    if is_near and best is not None and best.farthest_m is not None:
+        region = [float(f"{end:.3g}") for end in (-best.farthest_m, best.farthest_m)]
+    keys = {} if friction is None else friction_keys(analysis.scene, friction)
+    if friction is not None:
+        text += f"; all with friction {friction:g}, the worst of the interval"
+    return Answer(question, verdict, text, command_text("analyze", name, keys, region=region))
+
+
+def _held(
+    analysis: Analysis, near: Analysis | None, best: OutcomeCounts | None
+) -> tuple[Verdict, str, bool]:
+    """Verdict, text, and whether they are about contacts as near as in carries."""
     if analysis.lifting is not None and not analysis.lifting.works:
-        return Answer(question, "no", analysis.lifting.refusals[0], command)
+        return "no", analysis.lifting.refusals[0], False
     doubt = _doubt(analysis)
     if doubt is None:
         tightest = _tightest(analysis)
         text = f"tightest margin: {tightest.sentence()}"
         if tightest.quantity == "contact" and (tightest.times or 1.0) < 1.0:
             text += "; so the robots have to correct it"
-        return Answer(question, "yes", text, command)
+        return "yes", text, False
     if near is None or best is None or best.farthest_m is None:
-        return Answer(question, "partly" if analysis.holds else "no", doubt, command)
-    reach = best.farthest_m
-    where = f"{best.controller} keeps the contacts within {millimetres(reach)} of the pivots"
+        return "partly" if analysis.holds else "no", doubt, False
     if (nearer := _doubt(near)) is None:
-        text = f"{where}, and there all properties hold; farther out: {doubt}"
-        return Answer(question, "likely", text, command)
-    command += f" --region {-reach:.3g},{reach:.3g}"
-    return Answer(question, "partly" if near.holds else "no", f"{where}; there, {nearer}", command)
+        text = f"{reached(best)}, and within that all properties hold; farther out: {doubt}"
+        return "likely", text, False
+    return "partly" if near.holds else "no", f"{reached(best)}; within that, {nearer}", True
 
 
 def _doubt(analysis: Analysis) -> str | None:
@@ -92,10 +107,10 @@ def on_load(
     """Whether the robots hold the weight: by statics, and in carries of the MuJoCo world. If the
     friction is known only roughly, `limits` and `trial` are those with the highest
     friction."""
-    question, command = "Can these robots hold it?", f"palmbots load {name}"
+    question = "Can these robots hold it?"
     friction = limits.scene.palm_of("left").friction
-    if rough is not None:
-        command = f"palmbots load {respelled(name, friction_keys(limits.scene, friction))}"
+    keys = {} if rough is None else friction_keys(limits.scene, friction)
+    command = command_text("load", name, keys)
     if refusal := limits.refusal():
         return Answer(question, "no", refusal, command)
     verdict: Verdict = "yes"
@@ -104,10 +119,7 @@ def on_load(
         reach = None if best is None else best.farthest_m
         verdict, texts = "partly", [limits.zone_sentence()]
         if best is not None and reach is not None:
-            texts.append(
-                f"{best.controller} keeps the contacts within {millimetres(reach)} of the "
-                f"pivots; there {limits.within_sentence(reach)}"
-            )
+            texts.append(f"{reached(best)}; within that {limits.within_sentence(reach)}")
             verdict = "likely" if reach <= limits.held_within_m else "partly"
     if trial is None:
         texts += [_untried()] * (best is not None)
@@ -155,8 +167,8 @@ def on_drops(counts: Sequence[OutcomeCounts], load: LoadTrial | None, name: str)
     question = "Does it arrive reliably?"
     best = best_of(counts)
     if best is None:
-        return Answer(question, "no", "no controller delivers it", f"palmbots carry {name}")
-    command = f"palmbots drop-rate {name} -c {best.controller}"
+        return Answer(question, "no", "no controller delivers it", command_text("carry", name))
+    command = command_text("drop-rate", name, controller=best.controller)
     verdict: Verdict = "yes" if suffices(best) else "no" if best.failure_rate > 0.5 else "partly"
     text = f"{best.controller} fails in {failures(best)} of carries"
     if load is not None and load.cause in ("other", "unclear"):
@@ -170,11 +182,11 @@ def on_drops(counts: Sequence[OutcomeCounts], load: LoadTrial | None, name: str)
 
 def on_controllers(counts: Sequence[OutcomeCounts], name: str, scene: Scene) -> Answer:
     """Which controllers suffice, and what each of them needs."""
-    question, command = "Which controllers suffice?", f"palmbots compare {name}"
-    key = swept(scene, NOISE_KEY)
-    if noise := value_of(scene, key):
-        noises = ",".join(f"{min(factor * noise, MOST_M_S):g}" for factor in (1, 2, 4))
-        command += f" --sweep {key} --values {noises}"
+    question = "Which controllers suffice?"
+    key: str | None = swept(scene, NOISE_KEY)
+    noise = value_of(scene, str(key))
+    values = [min(factor * noise, MOST_M_S) for factor in (1, 2, 4)] if noise else None
+    command = command_text("compare", name, sweep=key if noise else None, values=values)
     enough = [one.controller for one in counts if suffices(one)]
     if not enough:
         text = f"no controller is shown to fail in at most {100 * SMALL:g} % of carries"

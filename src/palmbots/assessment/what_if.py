@@ -4,10 +4,12 @@ changes of one thing each."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import takewhile
+from typing import Any
 
+from palmbots._types import Interval
 from palmbots._util.confidence_intervals import rate_interval, rate_text
 from palmbots._util.report import Table
 from palmbots._util.text import format_number, millimetres, plural
@@ -21,11 +23,14 @@ from palmbots.assessment.answer import (
     suffices,
     swept,
 )
-from palmbots.assessment.changes import ChangeTrial, NoChange
+from palmbots.assessment.change_trial import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial
+from palmbots.assessment.radio import LOSSES, RadioTrial
+from palmbots.assessment.raised_noise import noise_words
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import mass_text
-from palmbots.mujoco.curve_trial import CurveTrial, respelled
+from palmbots.mujoco.curve_trial import CurveTrial
+from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
 from palmbots.simulation.noise_limit import NOISE_KEY
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
@@ -35,29 +40,27 @@ from palmbots.stability.analysis import Analysis
 _SAME = 0.05  # relative difference of a time or a number of messages that is not reported
 
 
-@dataclass(frozen=True)
-class RadioTrial:
-    """How carries end if the share `loss` of messages is lost."""
-
-    loss: float
-    counts: tuple[OutcomeCounts, ...]
-
-
 def on_angles(
     trial: AngleTrial | NoPair | None,
     name: str,
     scene: Scene,
     counted: OutcomeCounts | None = None,
+    friction: Interval | None = None,
 ) -> Answer:
     """Whether other palm angles are better. If none are but the scene still fails, the verdict is
-    ``partly``. `counted` may have more carries with the scene's own angles than the trial."""
-    question, command = "Are the palm angles right?", f"palmbots design {name}"
-    if swept(scene, NOISE_KEY) != NOISE_KEY:  # the robots have no common noise to maximize
-        command += " --maximize angle"
+    ``partly``. `counted` may have more carries with the scene's own angles than the trial. If these
+    rarely fail, carries with more noise compare the angles, and better ones are no must."""
+    question = "Are the palm angles right?"
+    # Where each robot has its own noise, there is no common one to maximize.
+    maximize = None if swept(scene, NOISE_KEY) == NOISE_KEY else "angle"
+    controller = trial.controller if isinstance(trial, AngleTrial) else None
+    command = command_text(
+        "design", name, maximize=maximize, controller=controller, friction=friction
+    )
     if not isinstance(trial, AngleTrial):
         why = "no carry arrives, so pairs of angles cannot be compared"
         return Answer(question, "open", why if trial is None else trial.why, command)
-    command += f" -c {trial.controller}"
+    noise = noise_words(scene, trial.noise_factor)
     least, most = 100 * trial.least_failure_rate, 100 * trial.most_failure_rate
     tried = f"{trial.tried} pairs tried, with {trial.carries:,} carries each"
     spread = f"{least:.3g} to {most:.3g} % at the {tried}"
@@ -67,22 +70,29 @@ def on_angles(
         )
     own, best = (rate_text(n, trial.carries) for n in (trial.own_failures, trial.best_failures))
     if not trial.is_better:
-        text = f"{trial.controller} fails in {own} at the scene's angles; {spread}"
-        of_trial = rate_interval(trial.own_failures, trial.carries)[1] <= SMALL
+        text = f"{noise}{trial.controller} fails in {own} at the scene's angles; {spread}"
+        of_trial = not noise and rate_interval(trial.own_failures, trial.carries)[1] <= SMALL
         if of_trial or (counted is not None and suffices(counted)):
             return Answer(question, "yes", text, command)
         return Answer(question, "partly", f"no pair that was tried is better: {text}", command)
     shallow, steep = trial.best_deg
     text = (
-        f"{trial.controller} fails in {best} at {shallow:g}° and {steep:g}°, and in {own} at the "
-        f"scene's angles; the clearance becomes "
-        f"{trial.best_clearance_deg:.2f}° (now {trial.own_clearance_deg:.2f}°)"
+        f"{noise}{trial.controller} fails in {best} at {shallow:g}° and {steep:g}°, and in {own} "
+        f"at the scene's angles; the clearance becomes {trial.best_clearance_deg:.2f}° "
+        f"(now {trial.own_clearance_deg:.2f}°)"
     )
+    if noise and counted is not None and suffices(counted):
+        return Answer(question, "yes", f"other angles give more reserve: {text}", command)
     return Answer(question, "partly", text, command)
 
 
-def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> Answer:
-    """What holds for a friction that is known only roughly."""
+def on_friction(
+    trial: FrictionTrial | None,
+    analysis: Analysis,
+    name: str,
+    given: Mapping[str, Any] | None = None,
+) -> Answer:
+    """What holds for a friction that is known only roughly. `given` are the options of the user."""
     question = "Is the friction right?"
     if trial is None:
         ranges = ", or ".join(f"from {low:.3f} to {high:.3f}" for low, high in analysis.friction)
@@ -91,16 +101,18 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
             f"properties 1 and 2 {hold} (accelerations neglected); to try an interval of your own, "
             "use --friction"
         )
-        low, high = (factor * min(analysis.problem.friction) for factor in (0.9, 1.1))
-        command = f"palmbots assess {name} --friction {low:.3g} {high:.3g}"
+        middle = min(analysis.problem.friction)
+        near = (float(f"{0.9 * middle:.3g}"), float(f"{1.1 * middle:.3g}"))
+        options: dict[str, Any] = {**(given or {}), "friction": near}
+        command = command_text("assess", name, **options)
         return Answer(question, "open", text, command)
     low, high = trial.friction
-    where = f"--friction {low:g} {high:g}"
-    command = f"palmbots certify {name} {where}"
+    is_common = trial.unlike != "holds" and trial.alike == "holds"
+    command = command_text("certify", name, friction=trial.friction, common_friction=is_common)
     proofs = [f"with any friction from {low:g} to {high:g} all properties hold"]
     verdict: Verdict = "yes"
     if trial.unlike is None:
-        command = f"palmbots compare {name} --sweep palm.friction --values {low:g},{high:g}"
+        command = command_text("compare", name, sweep="palm.friction", values=[low, high])
         state = "hold" if trial.alike == "holds" else "do not all hold"
         proofs[0] = (
             f"with the same friction on both palms, from {low:g} to {high:g}, properties 1 and 2 "
@@ -110,9 +122,8 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
             ranges = " and ".join(f"from {a:.3f} to {b:.3f}" for a, b in analysis.friction)
             proofs[0] += f"; they hold {ranges}" if ranges else "; they fail for every friction"
         verdict = "likely" if trial.alike == "holds" else "no"
-    elif trial.unlike != "holds" and trial.alike == "holds":
+    elif is_common:
         proofs[0] += ", if it is the same on both palms"
-        command += " --common-friction"
         word = "fails for some pairs of values" if trial.unlike == "fails" else "may fail"
         proofs.append(f"if the palms differ within the interval, a property {word}")
         verdict = "likely"
@@ -135,23 +146,26 @@ def on_friction(trial: FrictionTrial | None, analysis: Analysis, name: str) -> A
     return Answer(question, verdict, "; ".join(proofs), command)
 
 
-def on_change(trial: ChangeTrial | NoChange | None, name: str, scene: Scene) -> Answer:
-    """Which change helps most, and what it costs."""
+def on_change(
+    trial: ChangeTrial | NoChange | None,
+    name: str,
+    scene: Scene,
+    given: Mapping[str, Any] | None = None,
+) -> Answer:
+    """Which change helps most, and what it costs. `given` are the options of the user."""
     question = "Does one change help?"
     if trial is None or isinstance(trial, NoChange):
         text = "no carry arrives, so changes cannot be compared"
         if trial is not None:
             text = trial.why
         if trial is not None and trial.is_for_load:
-            return Answer(question, "no", text, f"palmbots load {name}")
+            return Answer(question, "no", text, command_text("load", name))
         return Answer(question, "open", text, _failure_command(scene, name, RECOMMENDED))
     controller, own = trial.controller, "refused"
     if trial.own_failures is not None:
         own = rate_text(trial.own_failures, trial.carries)
-    setting = f"palmbots assess {respelled(name, trial.changes)}"
-    noise = f"at {trial.noise_factor:g} times the noise, "
-    if trial.noise_factor == 1:
-        noise = ""
+    setting = command_text("assess", name, trial.changes, **(given or {}))
+    noise = noise_words(scene, trial.noise_factor)
     if not trial.is_better:
         text = (
             f"{noise}{controller} fails in {own} of carries; none of the {trial.tried} changes "
@@ -189,22 +203,36 @@ def _failure_command(scene: Scene, name: str, controller: str) -> str:
     """The command for the noise that the scene tolerates or, if each robot has its own noise, for
     the drop rate."""
     is_one = swept(scene, NOISE_KEY) == NOISE_KEY
-    return f"palmbots {'noise-limit' if is_one else 'drop-rate'} {name} -c {controller}"
+    return command_text("noise-limit" if is_one else "drop-rate", name, controller=controller)
 
 
 def _costs(trial: ChangeTrial) -> Iterator[str]:
-    """Time and messages, if the change alters them, also as shown. Both are counted at the noise of
-    the scene, whatever the noise of the failures before them."""
+    """What the change alters besides, for better or worse, as far as it shows. Carries are counted
+    at the noise of the scene, whatever the noise of the failures before them."""
     where = "" if trial.noise_factor == 1 else " at the scene's own noise"
-    pairs = (
-        ("a carry takes", trial.own_time_s, trial.time_s, "s"),
-        ("a carry sends", trial.own_messages, trial.messages, "messages"),
-    )
-    for words, before, after, unit in pairs:
+    pairs = [
+        ("a carry takes", "{:.0f}", trial.own_time_s, trial.time_s, " s", where),
+        ("a carry sends", "{:.0f}", trial.own_messages, trial.messages, " messages", where),
+        (f"the largest distance of a contact from its pivot in {trial.carries:,} carries is",
+         "{:.1f}", _mm(trial.own_farthest_m), _mm(trial.farthest_m), " mm", where),
+        ("the forecast drift on the curve is", "{:.1f}", _mm(trial.own_drift_m),
+         _mm(trial.drift_m), " mm", ""),
+    ]  # fmt: skip
+    for words, form, before, after, unit, noise in pairs:
         if before and after and abs(after / before - 1) > _SAME:
-            now, was = f"{after:.0f}", f"{before:.0f}"
+            now, was = form.format(after), form.format(before)
             if now != was:
-                yield f"{words} {now} {unit} instead of {was}{where}"
+                yield f"{words} {now}{unit} instead of {was}{noise}"
+    if not trial.is_for_load and trial.heaviest_kg < (1 - _SAME) * trial.own_heaviest_kg:
+        now, was = mass_text(trial.heaviest_kg), mass_text(trial.own_heaviest_kg)
+        was = f"{was} kg" if math.isfinite(trial.own_heaviest_kg) else "any mass"
+        reach = "as far out as contacts then get"
+        yield f"no robot tips and no palm sags up to {now} kg {reach}, instead of {was}"
+    yield from (f"it brings a warning: {text}" for text in trial.warnings)
+
+
+def _mm(metres: float | None) -> float | None:
+    return None if metres is None else 1e3 * metres
 
 
 def on_radio(
@@ -213,7 +241,7 @@ def on_radio(
     """What lost messages do."""
     question = "Does it survive lost messages?"
     key = swept(scene, "radio.loss")
-    command = f"palmbots compare {name} --sweep {key} --values 0,0.05,0.2,0.5"
+    command = command_text("compare", name, sweep=key, values=[*LOSSES])
     if not trials:
         best = best_of(counts)
         if best is None:
@@ -240,15 +268,16 @@ def on_curve(trial: CurveTrial | None, best: OutcomeCounts | None, scene: Scene)
     question, name = "Does it survive a curve?", scene.spelled
     if trial is None:
         why = "no turn was requested" if best else "no carry arrives on a straight path"
-        return Answer(question, "open", why, f"palmbots curve {name}")
-    command = f"palmbots curve {name} -c {trial.controller}"
+        return Answer(question, "open", why, command_text("curve", name))
+    turn: dict[str, Any] = {}
     where, radius = f"on its path ({scene.task.path.kind})", trial.changes.get("task.path.radius_m")
     if isinstance(radius, float):
         angle = trial.changes["task.path.angle_deg"]
         where = f"{format_number(angle)}° with radius {radius:g} m"
         if "task.slope_deg" in trial.changes:
             where += ", on a level floor"
-        command += f" --turn-radius-m {radius:g} --turn-angle-deg {format_number(angle)}"
+        turn = {"turn_radius_m": radius, "turn_angle_deg": angle}
+    command = command_text("curve", name, controller=trial.controller, **turn)
     forecast, counts = trial.forecast, trial.counts
     if forecast is None or trial.refusal:
         return Answer(question, "open", f"{where}: {trial.refusal}", command)

@@ -6,6 +6,7 @@ The registry of controllers calls `load_policy` for every name that ends with ``
 """
 
 import hashlib
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from palmbots.derivation.global_policy import signs_text
 from palmbots.derivation.policy_file import read_policy
 from palmbots.derivation.verification import MEANINGS, Verification, verified
 from palmbots.errors import PalmbotsError
+from palmbots.scene.command_text import command_text
 
 # How a robot assists depends on the policy.
 _CASES = {
@@ -65,10 +67,11 @@ def load_policy(
         found = verified(machines, table.rest, on_progress)
         if not found.holds:
             name = found.fails[0]
+            command = command_text("derive", policy=shlex.quote(str(path)))
             raise PolicyNotProved(
                 f"{called}: {path}: the derived algorithm fails {name} ({MEANINGS[name]}); "
-                "allowed: a policy that passes, or --unproved (palmbots derive --policy "
-                f"{path} prints all runs)",
+                "allowed: a policy that passes, or --unproved "
+                f"({command} prints all runs)",
                 found,
             )
     states = [state for machine in machines for state in machine.states]

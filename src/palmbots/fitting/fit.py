@@ -18,6 +18,7 @@ from palmbots.fitting.motion_fit import MotionFit, fit_motion
 from palmbots.fitting.radio_fit import RadioFit, fit_radio
 from palmbots.fitting.recorded_logs import are_logs
 from palmbots.fitting.replay_files import write_replay
+from palmbots.scene.command_text import command_text
 
 
 @command(
@@ -98,7 +99,8 @@ def write_fit(
         if not part.replay.reason:
             files.append(write_replay(part.replay, part.sources, path))
             replays += f" --set {part.replay.key}={shlex.quote(str(files[-1]))}"
-    notes = [Line(f"carry with it: palmbots carry SCENE{options}", is_whole=True)]
+    notes = [Line(f"carry with it: {command_text('carry', f'SCENE{options}')}", is_whole=True)]
     if replays:
-        notes.append(Line(f"replay it: palmbots carry SCENE{options}{replays}", is_whole=True))
+        command = command_text("carry", f"SCENE{options}{replays}")
+        notes.append(Line(f"replay it: {command}", is_whole=True))
     return [*files, *notes]

@@ -11,14 +11,14 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Overrides
 from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import rate_text
-from palmbots._util.plain_values import derived
+from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, warn_word
 from palmbots._util.results import Result
 from palmbots._util.text import duration, millimetres, plural
@@ -31,13 +31,13 @@ from palmbots.mujoco.curve_trial import (
     carry_curve,
     forecast_curve,
     refuse_tight,
-    respelled,
     turn_keys,
     whole_turn_keys,
 )
 from palmbots.mujoco.drift_forecast import lip_clearance
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.path_curve import RADIUS_M
+from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.sides import on_every_side
 from palmbots.scene.spec import to_spec
@@ -60,6 +60,8 @@ class CurveComparison(Result):
     others: tuple[CurveTrial, ...]
     """The one that fails least often first; those that were not carried last."""
     scene: Scene
+    words: str = field(default="", metadata=NOT_IN_JSON)
+    """Those that name the controller of the scene as it is on a command line."""
 
     @derived
     def best(self) -> CurveTrial | None:
@@ -101,13 +103,19 @@ class CurveComparison(Result):
             if doubt := _contradiction(one):
                 yield Line(f"{self._label(one)}: {doubt}", indent=2)
         shown = best or own
-        scene = respelled(self.scene.spelled, {**self.own.changes, **shown.changes})
         carries = ""
         if shown.counts is not None:
             carries = f"{plural(shown.counts.carries, 'carry')} each, seeds "
         yield quiet(f"{own.controller}; MuJoCo; {carries}from 0; 95 % intervals")
-        extra = " --allow-drift-beyond-budget" if shown.counts is None else " --seeds 100"
-        command = f"palmbots carry {scene} --world mujoco -c {shown.controller}{extra}"
+        is_beyond = shown.counts is None
+        controller = shown.controller
+        if controller == own.controller and self.words:
+            controller = self.words
+        command = command_text(
+            "carry", self.scene.spelled, {**self.own.changes, **shown.changes}, world="mujoco",
+            controller=controller,
+            allow_drift_beyond_budget=is_beyond, seeds=None if is_beyond else 100,
+        )  # fmt: skip
         yield Line(f"run: {command}", indent=2, is_whole=True)
 
 
@@ -205,6 +213,7 @@ def compare_on_curve(
         PalmbotsError: another argument is not allowed, or MuJoCo is not installed.
     """
     entry = resolve(controller)
+    words = entry.spelled
     refuse_reference(entry, "carries in MuJoCo")
     mujoco()  # refuses at once if it is not installed
     chosen, report = load_scene(scene, overrides), on_progress or (lambda fraction: None)
@@ -244,7 +253,7 @@ def compare_on_curve(
     own, *others = trials
     others.sort(key=lambda one: 2.0 if one.counts is None else one.counts.failure_rate)
     report(1.0)
-    return CurveComparison(own, tuple(others), chosen)
+    return CurveComparison(own, tuple(others), chosen, words)
 
 
 def _title(trials: list[CurveTrial], k: int) -> str:

@@ -4,12 +4,9 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
-from palmbots._util.text import format_number
 from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curved_world import line_of
@@ -39,27 +36,6 @@ class CurveTrial:
     def can_be_carried(self) -> bool:
         """Whether the pair can drive along the curve, and the object is not expected to tip."""
         return self.forecast is not None and self.forecast.verdict != "beyond"
-
-
-def settings_of(changes: Mapping[str, Any]) -> str:
-    """Changed keys as options of a command, each with a blank in front."""
-    return "".join(
-        f" --set {shlex.quote(f'{key}={format_number(value)}')}" for key, value in changes.items()
-    )
-
-
-def respelled(name: str, changes: Mapping[str, Any]) -> str:
-    """A scene as a command line names it, with changed keys: each key is given once, and a straight
-    path takes the place of all that is given of a path."""
-    is_straight = changes.get("task.path.kind") == "straight"
-    words, kept = shlex.split(name), []
-    while words:
-        count = 2 if words[0] == "--set" else 1
-        option, words = words[:count], words[count:]
-        key = option[-1].partition("=")[0].strip() if count == 2 else ""
-        if key not in changes and not (is_straight and key.startswith("task.path.")):
-            kept += option
-    return shlex.join(kept) + settings_of(changes)
 
 
 def refuse_tight(scene: Scene, radius_m: float) -> None:

@@ -9,6 +9,7 @@ from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots._util.text import millimetres as _mm
+from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
 
 _NEAR = 0.8  # fraction of the budget above which there is a warning
@@ -74,7 +75,7 @@ class DriftBudget(Result):
 
     def refusal(self, scene: Scene, controller: str) -> str:
         """The error message for a path beyond the budget."""
-        command = f"palmbots curve {scene.spelled} -c {controller}"
+        command = command_text("curve", scene.spelled, controller=controller)
         return (
             f"task.path: the object would drift {_mm(self.mean_m)} sideways and tip at "
             f"{_mm(self.budget_m)}; allowed: less, or --allow-drift-beyond-budget; to try lips, "

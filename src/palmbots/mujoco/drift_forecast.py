@@ -30,6 +30,7 @@ from palmbots.errors import SceneError
 from palmbots.mujoco.curved_world import Line, line_of, world_of
 from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.mujoco.slip_statics import Pair, slip
+from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 
@@ -83,11 +84,13 @@ class Forecast:
         self.lip_room = lip_clearance(scene, self.line)
         for side, palm in zip(SIDES, palms, strict=True):
             if palm.lip_height_m > 0 and palm.lip_clearance_m < self.lip_room:
+                words = self.controller.spelled
+                command = command_text("curve", scene.spelled, controller=words)
                 raise SceneError(
                     f"palm.lip_clearance_m: {palm.lip_clearance_m:g} ({side}) is too tight: the "
                     f"object stands askew by {math.degrees(self.askew):.1f} degrees and would jam; "
                     f"allowed: at least {math.ceil(1e4 * self.lip_room) / 1e4:g} on this path; to "
-                    f"carry with lips that fit, run: palmbots curve {scene.spelled}"
+                    f"carry with lips that fit, run: {command}"
                 )
         self.half = min(palm.width_m for palm in palms) / 2
         self.budget = min(palm.lip_clearance_m for palm in palms) if self.lips else self.half

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import os
 import random
+import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,6 +28,7 @@ from palmbots.probing.object_set import ObjectSet, Prior
 from palmbots.probing.probe_run import Pace, ProbeRun
 from palmbots.probing.simulated_hands import SimulatedHands
 from palmbots.probing.slip_comparison import UP
+from palmbots.scene.command_text import command_text
 from palmbots.scene.object_frame import object_frame
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import contact_radii, refuse_low_noses, refuse_pipe, to_spec
@@ -324,5 +326,6 @@ def write_probe(result: Probe, path: str | os.PathLike[str]) -> list[Path | Item
     head = "# The intervals that contain the object; palmbots probe wrote them.\n"
     write_whole(place / "probe.toml", head + toml_text({"probed": outward}))
     result.save_figure(place / "probe.png")
-    files.append(Line(f"certify it: palmbots certify --from {place / 'probe.toml'}", is_whole=True))
+    command = command_text("certify", **{"from": shlex.quote(str(place / "probe.toml"))})
+    files.append(Line(f"certify it: {command}", is_whole=True))
     return files

@@ -3,9 +3,11 @@
 
 import threading
 from collections.abc import Callable, Collection, Mapping
+from shlex import quote
 
 from palmbots._types import SIDES, Side
 from palmbots.pair.pair_file import Pair
+from palmbots.scene.command_text import command_text
 from palmbots.wire import Role
 
 PATIENCE_S = 3.0
@@ -41,7 +43,7 @@ def hardware_text(pair: Pair, side: Side) -> str:
     if driver.kind != "simulated":
         return f"{side}: waits for the hardware of driver {driver.kind}"
     place = driver.address_of(side)
-    command = f"palmbots world {pair.scene()} --serve {place}"
+    command = command_text("world", quote(pair.scene()), serve=place)
     return f"{side}: waits for a world at {place}; run: {command}"
 
 
@@ -51,10 +53,8 @@ def reading_text(pair: Pair, side: Side) -> str:
     if driver.kind != "simulated":
         return f"{side}: waits for the first reading of driver {driver.kind}"
     other = partner_of(side)
-    return (
-        f"{side}: the world waits for the {other} robot; run: "
-        f"palmbots robot {pair.file} --side {other}"
-    )
+    command = command_text("robot", quote(str(pair.file)), side=other)
+    return f"{side}: the world waits for the {other} robot; run: {command}"
 
 
 def partner_of(side: Side) -> Side:

@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
 
 from palmbots.errors import SceneError
+from palmbots.scene.command_text import command_text
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.fields import field_error
 from palmbots.scene.file_kinds import FileKind
@@ -70,7 +71,7 @@ def by_name(given: object) -> object:
     if given not in known and (suffix := os.path.splitext(given)[1]) not in ("", ".toml"):
         made = "in which vertices_m is the outline"
         if suffix.lower() in IMPORTED:
-            made = f"as palmbots import {shlex.quote(given)} makes it"
+            made = f"as {command_text('import', shlex.quote(given))} makes it"
         raise field_error(
             given, f"is a {suffix} file", f"a TOML file with the table [object], {made}"
         )

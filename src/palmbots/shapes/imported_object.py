@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +17,7 @@ from palmbots._util.text import millimetres
 from palmbots._util.toml_writer import toml_text
 from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
+from palmbots.scene.command_text import command_text
 from palmbots.scene.object_frame import Point
 from palmbots.scene.object_section import Object
 from palmbots.shapes.point_arrays import Points
@@ -137,6 +137,5 @@ def write_object(result: ImportedObject, path: str | os.PathLike[str]) -> list[P
     check_file(picture)
     write_whole(file, result.toml())
     result.save_figure(picture)
-    name = shlex.quote(str(path))
-    hint = f"carry it: palmbots carry paper --set object={name}"
-    return [file, picture, Line(hint, is_whole=True)]
+    command = command_text("carry", "paper", {"object": str(path)})
+    return [file, picture, Line(f"carry it: {command}", is_whole=True)]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from palmbots._util.report import Item, Line, Table, bold, good, quiet, warn_word, warning
 from palmbots._util.text import millimetres
+from palmbots.scene.command_text import command_text
 from palmbots.stability.analysis_lines import friction_note
 from palmbots.stability.angle_grid import LIFT, NOISE, QUANTITIES
 from palmbots.stability.certificates.obligations import BOTH_TURN
@@ -21,10 +22,10 @@ def design_lines(design: "Design") -> Iterator[Item]:
         yield from _angle_lines(design)
     else:
         yield from design.plate.lines()
-    settings = " ".join(f"--set {key}={value:g}" for key, value in design.angle_keys.items())
-    controller = "" if design.counts is None else f" -c {design.counts.controller}"
-    run = f"run: palmbots carry {design.scene.spelled}{controller} {settings}"
-    yield Line(run, indent=2, is_whole=True)
+    controller = None if design.counts is None else design.counts.controller
+    keys = {key: float(f"{value:g}") for key, value in design.angle_keys.items()}
+    run = command_text("carry", design.scene.spelled, keys, controller=controller)
+    yield Line(f"run: {run}", indent=2, is_whole=True)
     yield from map(warning, design.warnings)
 
 

@@ -11,6 +11,7 @@ from palmbots.control.dead_band import zero_zone_edges_m
 from palmbots.control.registry import describe
 from palmbots.control.table_timing import transition_table
 from palmbots.errors import PalmbotsError
+from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
 from palmbots.stability.problem import Pair, permitted, stability_problem
 
@@ -84,12 +85,12 @@ def touch_start_hint(scene: Scene, controller: str) -> str | None:
 
 def _command(scene: Scene) -> str:
     """The command that analyzes the scene."""
-    command = f"palmbots analyze {scene.spelled}"
+    region = None
     try:
         stability_problem(scene)
     except PalmbotsError:  # the analysis applies to the zero zone, but not to whole palms
-        command += f" --region {','.join(map(str, _zero_zone(scene)))}"
-    return command
+        region = [*_zero_zone(scene)]
+    return command_text("analyze", scene.spelled, region=region)
 
 
 def _zero_zone(scene: Scene) -> Pair:
