@@ -136,6 +136,20 @@ def test_angles_that_cost_carries_are_found_and_judged_on_other_seeds() -> None:
     assert count_outcomes(better, "shared-sign", seeds=1500).failure_interval[1] < own[0]
 
 
+def test_angles_are_compared_at_raised_noise_within_the_interval_of_friction() -> None:
+    """Only pairs that hold with every friction that was given, and bring no warning."""
+    scene = pb.load_scene("paper", {"task.distance_m": 0.25})
+    found = try_angles(scene, "shared-sign", noise=8.0)
+    assert isinstance(found, AngleTrial) and found.noise_factor == 8.0
+    noisy = prepare(pb.load_scene(scene, {"robot.noise_m_s": 0.08}), "shared-sign")
+    assert found.own_failures == count_failures(noisy, FRESH, found.carries) > 0
+    some = try_angles(scene, "shared-sign", noise=8.0, friction=(0.12, 0.3))
+    assert isinstance(some, AngleTrial) and some.tried < found.tried
+    shallow, steep = some.best_deg
+    ends = {"palm.shallow_deg": shallow, "palm.steep_deg": steep, "palm.friction": 0.12}
+    assert pb.analyze(scene, overrides=ends).holds
+
+
 def test_why_no_pair_of_angles_is_tried() -> None:
     aside = pb.load_scene("paper", {"object.com_m": [0.02, 0.1]})
     found = try_angles(aside, "silent")

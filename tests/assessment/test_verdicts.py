@@ -373,6 +373,10 @@ CHANGES += [
     (change(**MASSES), "yes", ["no palm sags up to 4.67 kg as far out", "instead of 7.85 kg"]),
     (change(**MASSES | {"own_heaviest_kg": math.inf}), "yes", ["instead of any mass"]),
     (change(own_drift_m=0.0283, drift_m=0.0334), "yes", ["curve is 33.4 mm instead of 28.3"]),
+    (change(own_drift_m=0.0283, drift_m=0.0334, drift_permitted_m=0.035), "yes", ["not: tips"]),
+    (change(own_drift_m=0.0283, drift_m=0.0382, drift_permitted_m=0.035), "partly",
+     ["but on the curve it drifts by more than the 35.0 mm permitted, and tips; the forecast"]),
+    (change(own_drift_m=0.0363, drift_m=0.0382, drift_permitted_m=0.035), "yes", ["not: tips"]),
     (change(own_drift_m=0.0283), "yes", ["not: drift"]),
     (change(own_holds=False, warnings=("too fast",)), "yes", ["; it brings a warning: too fast"]),
 ]  # fmt: skip

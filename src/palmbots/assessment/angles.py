@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from palmbots._types import Interval
 from palmbots.assessment.raised_noise import FRESH, count_failures, differ, noisy
+from palmbots.assessment.side_effects import known_warnings, new_warnings
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.curve_trial import Keys
-from palmbots.scene.scene import Scene, load_scene
-from palmbots.scene.sides import on_every_side
+from palmbots.scene.scene import Scene
 from palmbots.simulation.outcome_counts import default_carries
 from palmbots.simulation.prepare import Prepared, prepare
 from palmbots.stability.analysis import analyze
@@ -36,7 +36,7 @@ class AngleTrial:
 
     controller: str
     tried: int
-    """Pairs of angles at which all properties hold."""
+    """Pairs of angles at which all properties hold, and which bring no warning."""
     least_failure_rate: float
     """The lowest among these pairs, on the seeds that chose the best pair."""
     most_failure_rate: float
@@ -72,7 +72,7 @@ def try_angles(
     report: Callable[[float], None] = lambda fraction: None,
     *,
     noise: float = 1.0,
-    frictions: Sequence[float] = (),
+    friction: Interval | None = None,
 ) -> AngleTrial | NoPair:
     """Carry with other pairs of angles, the same on both palms.
 
@@ -81,20 +81,20 @@ def try_angles(
         controller: of all carries.
         report: called with the completed fraction.
         noise: factor of the noise in all carries, as of `revealing_noise`.
-        frictions: further ones at which the properties have to hold.
+        friction: an interval, within which no pair may bring a warning; None: as in the scene.
     """
     own = prepare(scene, controller)
     count = default_carries(own)
     if count is None:
         return NoPair("carries take too long, so no other pair of angles was tried")
+    known = known_warnings(scene, controller, friction)
     clearances: dict[Interval, float] = {}
     found: dict[Interval, Prepared] = {}
     for pair in PAIRS:
         try:
             candidate = scene_at(scene, pair)
             analysis = analyze(candidate)
-            others = [on_every_side(candidate, {"palm.friction": one}) for one in frictions]
-            if analysis.holds and all(analyze(load_scene(candidate, o)).holds for o in others):
+            if analysis.holds and not new_warnings(known, candidate, controller, friction):
                 found[pair] = noisy(candidate, controller, noise)
                 clearances[pair] = analysis.clearance_deg
         except PalmbotsError:
@@ -102,8 +102,8 @@ def try_angles(
     report(0.05)
     if not found:
         return NoPair(
-            f"each of {len(PAIRS)} pairs of angles is refused or violates a property, so no "
-            "carry was tried with them"
+            f"each of {len(PAIRS)} pairs of angles is refused, violates a property or brings "
+            "a warning, so no carry was tried with them"
         )
     failures = {}
     for k, (pair, prepared) in enumerate(found.items()):

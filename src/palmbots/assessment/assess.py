@@ -305,7 +305,7 @@ def assess(
         count = default_carries(prepare(straight, best.controller))
         noise = revealing_noise(straight, best.controller, count) if count else None
         angles = try_angles(
-            straight, best.controller, report, noise=noise or 1.0, frictions=interval or ()
+            straight, best.controller, report, noise=noise or 1.0, friction=interval
         )
     known("angles", on_angles(angles, planar, straight, best, interval))
     radio = tuple(try_losses(straight, counts, left.begin("radio")))

@@ -59,6 +59,8 @@ class ChangeTrial:
     own_drift_m: float | None = None
     drift_m: float | None = None
     """Mean forecast drift on the curve that was tried, before and after; None: not forecast."""
+    drift_permitted_m: float | None = None
+    """Drift beyond which the object tips on that curve, with the change."""
     warnings: tuple[str, ...] = ()
     """Those that the change brings; only where a property fails without it."""
     deciding: tuple[str, ...] = ()
@@ -67,6 +69,13 @@ class ChangeTrial:
     mujoco: OutcomeCounts | None = None
     """Carries with a change for the load in the MuJoCo world, where weight acts; None: not
     tried."""
+
+    @property
+    def tips_on_curve(self) -> bool:
+        """Whether the object would tip on the curve only with the change."""
+        if self.own_drift_m is None or self.drift_m is None or self.drift_permitted_m is None:
+            return False
+        return self.own_drift_m <= self.drift_permitted_m < self.drift_m
 
     @property
     def is_for_load(self) -> bool:

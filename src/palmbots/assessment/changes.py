@@ -183,11 +183,12 @@ def try_changes(
 def with_drift(change: ChangeTrial, curve: CurveTrial, scene: Scene) -> ChangeTrial:
     """The change with the drift on the curve, forecast with it and without."""
     changed = load_scene(scene, dict(change.changes))
-    drifts = [
-        one.forecast.mean_m if one.forecast and not one.forecast.lips else None
-        for one in (curve, forecast_curve(changed, curve.controller, curve.changes))
-    ]
-    return replace(change, own_drift_m=drifts[0], drift_m=drifts[1])
+    own, other = curve.forecast, forecast_curve(changed, curve.controller, curve.changes).forecast
+    if own is None or other is None or own.lips or other.lips:
+        return change
+    return replace(
+        change, own_drift_m=own.mean_m, drift_m=other.mean_m, drift_permitted_m=other.budget_m
+    )
 
 
 _LONG = "carries take too long, so no change was tried"

@@ -196,6 +196,10 @@ def on_change(
         if trial.mujoco is not None:
             text += f", and in MuJoCo {arrived(trial.mujoco)} carries arrive"
             verdict = "yes" if trial.mujoco.failure_rate == 0 else "partly"
+    if trial.tips_on_curve and trial.drift_permitted_m is not None:
+        verdict = "partly"
+        limit = millimetres(trial.drift_permitted_m)
+        text += f"; but on the curve it drifts by more than the {limit} permitted, and tips"
     return Answer(question, verdict, "; ".join([text, *_costs(trial)]), setting)
 
 
