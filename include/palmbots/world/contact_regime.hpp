@@ -89,6 +89,14 @@ struct ContactProblem {
   std::size_t own_side(FeaturePair pair) const {
     return pair == shapes.own[left] ? left : (pair == shapes.own[right] ? right : 2);
   }
+  // The first contact of a regime on each palm; nullptr: the palm is not touched.
+  PerSide<const ActivePair*> first_on_palms(const Regime& regime) const {
+    PerSide<const ActivePair*> first{};
+    for (std::size_t i = regime.count; i-- > 0;)
+      if (const std::size_t side = carrier(regime.active[i].pair); side <= right)
+        first[side] = &regime.active[i];
+    return first;
+  }
   // How far such a contact is from the end of what may be used of its palm. A little before it
   // counts as there, because the palm may end there, too.
   double left_of_reach(std::size_t side, const FeatureContact& c) const {

@@ -124,4 +124,16 @@ inline bool is_pierced(const RoundedBody& body, const Pose& pose, const Frame& f
   return pierced || is_inside;
 }
 
+// Whether a face of a palm, moved by `deep` into the palm, lies in the object anywhere.
+inline bool is_pierced(const ContactShapes& shapes, const Pose& pose, const Frames& frames,
+                       double deep) {
+  for (std::size_t i = 0; i < shapes.surfaces.count; ++i) {
+    const Surface& face = shapes.surfaces.at[i];
+    if (face.tip || face.carrier == Carrier::ground) continue;
+    const Frame& frame = frames[static_cast<std::size_t>(face.carrier)];
+    if (is_pierced(shapes.body, pose, frame, face, deep)) return true;
+  }
+  return false;
+}
+
 }  // namespace palmbots

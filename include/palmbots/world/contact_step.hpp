@@ -17,6 +17,12 @@
 
 namespace palmbots {
 
+// A regime that the world took although others were as good, at a fraction of the last step.
+struct AmbiguousChoice {
+  double fraction;
+  Regime regime;
+};
+
 // Which of several motions that are possible alike follows: the first one by the rules of
 // world/regime_choice.hpp, or any of them with equal probability, by a counter-based draw for each
 // such event.

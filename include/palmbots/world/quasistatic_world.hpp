@@ -25,19 +25,9 @@
 #include "palmbots/world/contact_step.hpp"
 #include "palmbots/world/general_step.hpp"
 #include "palmbots/world/rolling_step.hpp"
+#include "palmbots/world/vertex_pose.hpp"
 
 namespace palmbots {
-
-// A gap (times w) below this counts as closed where the object is looked at.
-template <class Real>
-inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
-
-// Whether a contact vertex is rounded and rolls.
-template <class Real>
-bool rolls(const Model<Real>& model) {
-  const PerSide<Real> radius = contact_radii(model.outline);
-  return radius[left] > Real(0) || radius[right] > Real(0);
-}
 
 // Whether no step can be one of lanes: a contact vertex rolls, a nose or a heel may touch the object
 // within reach, or a robot may stall.
@@ -46,12 +36,6 @@ bool takes_single_steps(const Model<Real>& model) {
   return rolls(model) || model.limit != no_limits<double> ||
          model.profile[left].touches_within_reach || model.profile[right].touches_within_reach;
 }
-
-// A regime that the world took although others were as good, at a fraction of the last step.
-struct AmbiguousChoice {
-  double fraction;
-  Regime regime;
-};
 
 // The world of one carry.
 template <class Real>
@@ -80,7 +64,7 @@ class World {
     pose_ = pose;
     regime_ = {};
     state_.multi_contact = Real(1);
-    place_vertices(travel({}, angles), 0.0);
+    place(travel({}, angles).frames(0.0));
   }
   // When a step ends: as soon as the object leaves either palm (true), or only when nothing
   // holds the object any more (false).
@@ -103,17 +87,14 @@ class World {
   // Those of the last step that was not fast; empty where no event in it was ambiguous.
   const std::vector<AmbiguousChoice>& choices() const { return choices_; }
 
-  Pose pose() const { return posed_ ? pose_ : pose_on_vertices(); }
+  Pose pose() const { return posed_ ? pose_ : pose_on_vertices(model_, state_, here()); }
   // The position of a pivot.
   Vec pivot(std::size_t side) const {
     return {middle_ + 0.5 * outward<double>(side) * separation(), height_[side]};
   }
   // Whether the object touches a palm.
   bool is_touched(std::size_t side) const {
-    if (!posed_) return true;
-    for (std::size_t i = 0; i < regime_.count; ++i)
-      if (problem().carrier(regime_.active[i].pair) == side) return true;
-    return false;
+    return !posed_ || problem().first_on_palms(regime_)[side] != nullptr;
   }
   // The coordinates at which the palms are touched: p of the contact vertex as long as that is on
   // the palm [m].
@@ -121,16 +102,12 @@ class World {
     PerSide<Real> places = state_.configuration.contacts;
     if (!posed_) return places;
     const Frames frames = here();
-    PerSide<bool> known{};
-    for (std::size_t i = 0; i < regime_.count; ++i) {
-      const FeaturePair pair = regime_.active[i].pair;
-      const std::size_t side = problem().carrier(pair);
-      if (side > right || known[side]) continue;
-      known[side] = true;
-      if (pair == shapes().own[side]) continue;
-      const Surface& surface = problem().surface(pair);
-      places[side] =
-          Real(surface.tip ? surface.at.x : problem().contact(frames, pose_, pair).place);
+    const PerSide<const ActivePair*> first = problem().first_on_palms(regime_);
+    for (const std::size_t side : {left, right}) {
+      if (first[side] == nullptr || first[side]->pair == shapes().own[side]) continue;
+      const Surface& surface = problem().surface(first[side]->pair);
+      places[side] = Real(surface.tip ? surface.at.x
+                                      : problem().contact(frames, pose_, first[side]->pair).place);
     }
     return places;
   }
@@ -273,12 +250,7 @@ class World {
     const Real deep = closed / Real(64);
     const Pose pose = this->pose();
     const Frames frames = here();
-    for (std::size_t i = 0; i < shapes().surfaces.count; ++i) {
-      const Surface& face = shapes().surfaces.at[i];
-      if (face.tip || face.carrier == Carrier::ground) continue;
-      const Frame& frame = frames[static_cast<std::size_t>(face.carrier)];
-      if (is_pierced(shapes().body, pose, frame, face, double(deep))) return DropReason::flush;
-    }
+    if (is_pierced(shapes(), pose, frames, double(deep))) return DropReason::flush;
     return off_palm(problem(), frames, pose, double(closed))
                ? DropReason::off_palm
                : reason_of(problem(), touching(double(closed)));
@@ -308,29 +280,6 @@ class World {
     return posed_ ? separation_ : double(state_.configuration.separation);
   }
 
-  // A contact vertex of the object, from its COM.
-  Vec vertex(std::size_t side) const {
-    const Real along = side == left ? model_.object.com_left : model_.object.com_right;
-    return {outward<double>(side) * double(along), -double(model_.object.com_height)};
-  }
-
-  // The pose of the object that rests on its two contact vertices.
-  Pose pose_on_vertices() const {
-    const Configuration<Real>& now = state_.configuration;
-    const ContactVector<Real> across = state_.contact_vector;
-    const bool is_level = is_pipe(model_.object);  // until it rolls
-    const double angle = is_level ? 0.0 : angle_of(double(across.dy), double(across.dx));
-    const Pose turned = Pose::of({0.0, 0.0}, angle);
-    const Frames frames = here();
-    PerSide<Vec> com{};
-    for (const std::size_t side : {left, right}) {
-      const Vec place{double(now.contacts[side]), double(model_.offset[side])};
-      com[side] =
-          (frames[side].origin + frames[side].to_world(place)) - turned.to_world(vertex(side));
-    }
-    return Pose::of((com[left] + com[right]) * 0.5, turned.angle);
-  }
-
   // A whole step: on the two vertices alone and, from a further contact on, on any contacts.
   [[gnu::noinline]] Advance<Real> go(const PerSide<Vec>& by, const PerSide<Real>& goals) {
     Travel step = travel(by, goals);
@@ -347,7 +296,7 @@ class World {
         carry_on(by, double(total.fraction));
         return total;
       }
-      pose_ = pose_on_vertices();
+      pose_ = pose_on_vertices(model_, state_, here());
       separation_ = separation();
       posed_ = true;
     }
@@ -374,7 +323,7 @@ class World {
       middle_ += 0.5 * (done.lag[left] + done.lag[right]);
       for (const std::size_t side : {left, right}) step.palms[side].pivot.x += done.lag[side];
     }
-    place_vertices(step, done.fraction);
+    place(step.frames(done.fraction));
     if (on_vertices && !is_general() && model_.surroundings.none() &&
         height_[left] == height_[right] && !(may_leave_reach() && is_beyond_reach())) {
       regime_ = {};
@@ -405,25 +354,12 @@ class World {
     }
   }
 
-  // The configuration at an instant of a step, from the pose.
-  void place_vertices(const Travel& step, double t) {
-    Configuration<Real>& now = state_.configuration;
-    const Frames frames = step.frames(t);
+  // The moving state at an instant of a step, from the pose.
+  void place(const Frames& frames) {
     separation_ = frames[right].origin.x - frames[left].origin.x;
-    now.separation = Real(separation_);
-    for (const std::size_t side : {left, right}) {
-      now.palms[side] = PalmAngle<Real>::at(Real(frames[side].angle));
-      const Vec seen =
-          frames[side].from_world((pose_.at + pose_.to_world(vertex(side))) - frames[side].origin);
-      const bool held = regime_.has(shapes().own[side]);
-      // A sticking contact keeps every bit of its coordinate.
-      const Real slack = Real(64) * std::numeric_limits<Real>::epsilon() * Real(shapes().size);
-      const Real place = Real(seen.x);
-      if (!held || magnitude(place - now.contacts[side]) > slack) now.contacts[side] = place;
-      now.lift[side] = held ? Real(0) : Real(seen.y) - model_.offset[side];
-    }
-    state_.tied = Real(0);
-    state_.contact_vector = palmbots::contact_vector(now, vertex_offset(model_, now));
+    const PerSide<bool> held{regime_.has(shapes().own[left]), regime_.has(shapes().own[right])};
+    const Real slack = Real(64) * std::numeric_limits<Real>::epsilon() * Real(shapes().size);
+    place_vertices(model_, frames, pose_, held, slack, state_);
   }
 
   bool rests_on_vertices() const {
@@ -434,13 +370,9 @@ class World {
   // The motion of each palm's first contact.
   ContactMode motion_of_palms() const {
     ContactMode motion{};
-    PerSide<bool> known{};
-    for (std::size_t i = 0; i < regime_.count; ++i) {
-      const std::size_t side = problem().carrier(regime_.active[i].pair);
-      if (side > right || known[side]) continue;
-      known[side] = true;
-      motion[side] = static_cast<SlipDirection>(regime_.active[i].motion);
-    }
+    const PerSide<const ActivePair*> first = problem().first_on_palms(regime_);
+    for (const std::size_t side : {left, right})
+      if (first[side] != nullptr) motion[side] = static_cast<SlipDirection>(first[side]->motion);
     return motion;
   }
 

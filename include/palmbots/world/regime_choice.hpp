@@ -44,6 +44,10 @@ struct ClosedPair {
   FeatureContact contact;
 };
 
+// A gap (times w) below this counts as closed where the object is looked at.
+template <class Real>
+inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
+
 struct ClosedPairs {
   static constexpr std::size_t most = 2 * max_supports;
   std::array<ClosedPair, most> at;  // up to `count`

@@ -25,6 +25,13 @@
 
 namespace palmbots {
 
+// Whether a contact vertex is rounded and rolls.
+template <class Real>
+bool rolls(const Model<Real>& model) {
+  const PerSide<Real> radius = contact_radii(model.outline);
+  return radius[left] > Real(0) || radius[right] > Real(0);
+}
+
 // One step: the separation changes by `change` [m], and the palms turn to `angles` [rad], both
 // linearly.
 template <class Real>
