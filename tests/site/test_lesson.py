@@ -89,6 +89,24 @@ def test_every_answer_of_the_teacher(open_page: Open) -> None:
     expect(row).to_contain_text(answers.pop("count-silent"))
     expect(row.locator("td").last).to_have_text(answers.pop("messages-silent"))
 
+    page.get_by_role("button", name="reset").click()
+    page.locator("#controller-0").select_option("distributed")
+    page.locator("#controller-1").select_option("resilient")
+    rows = page.locator("#counts tbody tr")
+    for case, key, position in (
+        ("jammed", "radio.loss", "100"), ("slippery", "palm.left.friction", "0.1"),
+        ("heavy", "object.mass_kg", "5"),
+    ):  # fmt: skip
+        page.get_by_role("button", name="reset").click()
+        page.locator(f"[data-key='{key}']").fill(position)
+        expect(page.locator(".command")).to_contain_text(key)
+        for k, name in enumerate(("distributed", "resilient")):
+            expect(rows.nth(k)).to_have_attribute("data-carries", "1000")
+            if f"{case}-{name}" in answers:
+                expect(rows.nth(k)).to_contain_text(answers.pop(f"{case}-{name}"))
+        if case == "jammed":
+            expect(rows.nth(1).locator("td").nth(3)).to_have_text(answers.pop("jammed-stalled"))
+
     for number, button, name in ((6, "8°", "slope"), (7, "160 mm", "com")):
         story(page, number)
         page.get_by_text("The box falls.").click()

@@ -5,7 +5,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 import palmbots as pb
-from site_pages import Open, go, hash_of, seconds
+from site_pages import Open, go, hash_of, pictures, seconds
 
 SCREENS = [(1024, 640), (1366, 630), (1366, 768)]
 PARTS = (1, 2, 3, 4, 5, 6, 7, 8)
@@ -33,6 +33,7 @@ def test_play_is_in_sight_and_stands_still(open_page: Open, width: int, height: 
     expect(page.locator(".warnings li")).to_have_count(2)
     go(page, hash_of("compare", {"t": 0.1}, **lost))
     expect(page.locator("#stage-0")).to_be_visible()
+    pictures(page, "stage-0")  # the canvases have their heights
     before = tops(page, "#play")
     expect(page.locator("#play")).to_be_in_viewport(ratio=1)
     page.locator("#scrub").fill("1000")
