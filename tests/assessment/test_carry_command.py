@@ -33,3 +33,7 @@ def test_counting_is_offered_where_it_takes_long() -> None:
     found = pb.carry_and_report("paper", "exact-p", overrides={"task.distance_m": 0.02})
     assert found.scene_statistics is None
     assert "-c exact-p --world quasistatic --seeds 100" in repr(found)
+    single = pb.carry_and_report(
+        "paper", "exact-p", precision="float", overrides={"task.distance_m": 0.02}
+    )
+    assert "--world quasistatic --precision float --seeds 100" in repr(single)

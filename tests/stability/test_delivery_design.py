@@ -5,6 +5,7 @@
 """
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -123,6 +124,8 @@ def test_designed_angles_have_carried_this_scene_with_its_controller(crate: Desi
     assert "do not fail measurably less than the scene's own" in text
     run = f"run: palmbots carry {crate.scene.spelled} --set palm."
     assert run in text and " -c distributed\n" in f"{text}\n"
+    other = replace(crate, words="mine.toml --unproved")  # as the user named a policy
+    assert repr(other).splitlines()[-1].endswith(" -c mine.toml --unproved")
 
 
 def test_angles_of_one_palm_are_replaced_too() -> None:

@@ -22,7 +22,7 @@ def design_lines(design: "Design") -> Iterator[Item]:
         yield from _angle_lines(design)
     else:
         yield from design.plate.lines()
-    controller = None if design.counts is None else design.counts.controller
+    controller = None if design.counts is None else design.words or design.counts.controller
     keys = {key: float(f"{value:g}") for key, value in design.angle_keys.items()}
     run = command_text("carry", design.scene.spelled, keys, controller=controller)
     yield Line(f"run: {run}", indent=2, is_whole=True)

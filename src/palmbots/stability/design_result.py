@@ -214,6 +214,8 @@ class Design(Result):
     """The scene with the designed angles, and with the designed plate."""
     plate: PlateDesign | None = None
     """The designed plate with all margins; None: only angles were designed."""
+    words: str = field(default="", metadata=NOT_IN_JSON)
+    """Those that name the controller on a command line."""
 
     figure = "palm-angles"
 

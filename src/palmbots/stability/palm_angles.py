@@ -250,6 +250,7 @@ def design(
         region_m=answer.contacts[0],
         noise_limit=limit,
         counts=counted(designed, entry),
+        words=entry.spelled if entry is not None else "",
         own=OwnAngles(
             own_deg,
             own_tolerance,

@@ -109,6 +109,7 @@ def design_plate(
         map=search.dataset(),
         designed_scene=designed,
         plate=PlateDesign(best, own, analysis),
+        words=entry.spelled if entry is not None else "",
     )
 
 
