@@ -169,14 +169,20 @@ void bind_payloads(nb::module_& m) {
       nb::arg("payload"), "A command: palm, move, stop.");
 }
 
+// Names of an enumeration: as a tuple, and as a type (write_stubs.py).
+void put_names(nb::module_& m, const char* all, const char* type, const nb::tuple& names) {
+  m.attr(all) = names;
+  m.attr(type) = nb::module_::import_("typing").attr("Literal")[names];
+}
+
 }  // namespace
 
 void bind_wire(nb::module_& core) {
   nb::module_ m = core.def_submodule("wire", "Packets, and one end of the wire.");
-  m.attr("packet_kinds") = names_to(wire::PacketKind::command);
-  m.attr("roles") = names_to(wire::Role::station);
-  m.attr("verdicts") = names_to(wire::Verdict::no_session);
-  m.attr("languages") = names_to(wire::Language::signs);
+  put_names(m, "packet_kinds", "Kind", names_to(wire::PacketKind::command));
+  put_names(m, "roles", "Role", names_to(wire::Role::station));
+  put_names(m, "verdicts", "Verdict", names_to(wire::Verdict::no_session));
+  put_names(m, "languages", "Language", names_to(wire::Language::signs));
   m.def(
       "has_message",
       [](std::uint8_t language, std::uint8_t message) {
@@ -184,10 +190,10 @@ void bind_wire(nb::module_& core) {
                                  static_cast<MessageKind>(message));
       },
       nb::arg("language"), nb::arg("message"), "Whether the language has this message.");
-  m.attr("messages") = names_to(MessageKind::minus_shallow);
-  m.attr("robot_modes") = names_to(wire::RobotMode::fault);
-  m.attr("fault_codes") = names_to(wire::FaultCode::stop);
-  m.attr("operations") = names_to(wire::Operation::release);
+  put_names(m, "messages", "MessageName", names_to(MessageKind::minus_shallow));
+  put_names(m, "robot_modes", "RobotMode", names_to(wire::RobotMode::fault));
+  put_names(m, "fault_codes", "FaultCode", names_to(wire::FaultCode::stop));
+  put_names(m, "operations", "Operation", names_to(wire::Operation::release));
   m.attr("status_numbers") = nb::make_tuple("progress", "battery", "overruns", "sent");
   m.attr("cases") = std::string(wire::case_names, sizeof wire::case_names);
   m.def(

@@ -9,7 +9,6 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 import palmbots._core as _core
-from palmbots import wire
 from palmbots.control import interface
 from palmbots.control.registry import ControllerEntry, describe
 from palmbots.derivation import contact_motion, global_policy
@@ -33,14 +32,6 @@ ALIASES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "move": (interface.Move, MOVES),
     "palm of the derivation": (contact_motion.Palm, (*PALMS, "turning")),
     "direction of the derivation": (global_policy.Direction, MOVES[1:]),
-    "role": (wire.Role, _core.wire.roles),
-    "packet": (wire.Kind, _core.wire.packet_kinds),
-    "verdict": (wire.Verdict, _core.wire.verdicts),
-    "language": (wire.Language, _core.wire.languages),
-    "message on the wire": (wire.MessageName, _core.wire.messages),
-    "mode of a robot": (wire.RobotMode, _core.wire.robot_modes),
-    "fault": (wire.FaultCode, _core.wire.fault_codes),
-    "operation": (wire.Operation, _core.wire.operations),
     "outcome": (result.Carry.__annotations__["outcome"], _core.carry_outcomes[1:]),
     "contact": (contact_points.Kind, (*_core.contact_kinds[1:], "nose", "heel")),
     "contact event": (get_type_hints(result.ContactEvent)["kind"], TOUCHES),

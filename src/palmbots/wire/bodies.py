@@ -5,66 +5,26 @@ In every content, `stop` states that the sender knows of a stop that is in force
 """
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, TypeAlias, get_args
 
 import palmbots._core as _core
 from palmbots._util.arguments import show, shown
 from palmbots.control.interface import MOVES, PALMS, Move, Palm
 from palmbots.errors import PalmbotsError
 
-Verdict = Literal[
-    "accepted",
-    "wrong_version",
-    "too_short",
-    "too_long",
-    "wrong_pair",
-    "wrong_receiver",
-    "bad_tag",
-    "malformed",
-    "stale",
-    "no_session",
-]
+Verdict: TypeAlias = _core.wire.Verdict
 """The verdict on received bytes."""
-Language = Literal["none", "messages", "beacons", "signs"]
+Language: TypeAlias = _core.wire.Language
 """The language of a controller: `messages` of Table 2, `beacons` of the resilient algorithm,
 `signs` of a controller that shares signs; `none`: it says nothing."""
-MessageName = Literal[
-    "",
-    "TiltUp",
-    "TiltDown",
-    "Ack",
-    "Closing",
-    "Raised",
-    "Zero",
-    "Plus",
-    "PlusShallow",
-    "Minus",
-    "MinusShallow",
-]
+MessageName: TypeAlias = _core.wire.MessageName
 """What a controller says. `messages` has the first three names, `beacons` the first five, `signs`
 the others."""
-RobotMode = Literal[
-    "off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault"
-]
+RobotMode: TypeAlias = _core.wire.RobotMode
 """The mode of a robot."""
-FaultCode = Literal[
-    "none",
-    "driver",
-    "contact",
-    "palm",
-    "battery",
-    "partner_lost",
-    "station_lost",
-    "time_limit",
-    "overrun",
-    "storage",
-    "settings",
-    "stopping",
-    "partner",
-    "stop",
-]
+FaultCode: TypeAlias = _core.wire.FaultCode
 """Why a robot does not carry."""
-Operation = Literal["arm", "disarm", "start", "stop", "e_stop", "release"]
+Operation: TypeAlias = _core.wire.Operation
 """What the operator wants."""
 StatusItem = Literal["progress", "battery", "overruns", "sent"] | Verdict
 """A number that takes its turn in the status: `progress` is the covered part of the distance times

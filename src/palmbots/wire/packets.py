@@ -2,7 +2,7 @@
 """Packets, and one end of the wire (docs/reference/wire.md)."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TypeAlias
 
 import palmbots._core as _core
 from palmbots._types import SIDES
@@ -18,8 +18,8 @@ MAX_EPOCH = 2**24 - 1
 MAX_SEQUENCE = 2**32 - 1
 """The last packet of an epoch."""
 
-Role = Literal["left", "right", "station"]
-Kind = Literal["hello", "state", "status", "operate", "report", "command"]
+Role: TypeAlias = _core.wire.Role
+Kind: TypeAlias = _core.wire.Kind
 # In the order of the core's numbers.
 ROLES: tuple[Role, ...] = _core.wire.roles
 _KINDS: tuple[Kind, ...] = _core.wire.packet_kinds
