@@ -142,7 +142,7 @@ def test_released_object_is_reported() -> None:
     ends = []
     for _ in range(300):
         apart.move((-0.2, 0.2), STEEP)
-        ends.append(apart._end(apart._contacts(), (True, True)))
+        ends.append(apart._end(apart.contacts, (True, True)))
     assert "off-palm" in ends
     gone = world_of()
     reasons = [gone._end((0.0, 0.0), (True, False)) for _ in range(30)]
@@ -180,5 +180,5 @@ def test_the_world_is_the_same_seen_from_the_other_side() -> None:
     for _ in range(60):
         one.move((0.02, -0.03), (STEEP[0], math.radians(10)))
         two.move((0.03, -0.02), (math.radians(10), STEEP[1]))
-    assert one._contacts() == pytest.approx(two._contacts()[::-1], abs=2e-5)
-    assert abs(one._contacts()[1] + 0.01) > 0.02  # it has moved
+    assert one.contacts == pytest.approx(two.contacts[::-1], abs=2e-5)
+    assert abs(one.contacts[1] + 0.01) > 0.02  # it has moved

@@ -72,7 +72,7 @@ class MujocoWorld:
         self.measured = Measured(*(11 * [(0.0, 0.0)]))
         self._settle()
         self._origin = self._midpoint()
-        self._p = self._contacts()
+        self._p = self.contacts
         self._x = self._distances()
         self.lateral_peak = self.lateral
         self.wheel_slip = (0.0, 0.0)  # m, path of the rims minus that of the robots
@@ -124,7 +124,7 @@ class MujocoWorld:
 
     def sight(self, first: bool = False) -> _core.WorldObservation:
         """Observe the present instant; motions are those since the last call."""
-        p, before = self._contacts(), self._p
+        p, before = self.contacts, self._p
         touched, pressed, loads = self._feel(p)
         force = loads.force
         x, last = self._distances(), self._x
@@ -156,7 +156,7 @@ class MujocoWorld:
         vertices = self._vertices()
         return _core.WorldObservation(
             contacts=p,
-            lift=self._lifts(),
+            lift=self.lifts,
             touched=touched,
             pressed=pressed,
             palms=self._palms(),
@@ -201,13 +201,15 @@ class MujocoWorld:
     @property
     def contacts(self) -> tuple[float, float]:
         """The contact coordinates p [m]."""
-        return self._contacts()
+        left, right = self._vertices()
+        return self._in_palm_frame(0, left)[0], self._in_palm_frame(1, right)[0]
 
     @property
     def lifts(self) -> tuple[float, float]:
         """Heights of the middles of the contact edges above their palms [m]; < 0: the contact is
         compressed."""
-        return self._lifts()
+        left, right = self._vertices()
+        return self._in_palm_frame(0, left)[2], self._in_palm_frame(1, right)[2]
 
     def contact_events(self, until_s: float) -> list[tuple[int, Kind, float, float]]:
         """Further contacts until a time: palm, kind (``flush``, ``tip``), start and end [s]."""
@@ -284,8 +286,7 @@ class MujocoWorld:
         self._tipped = _PITCHED + math.atan(highest / abs(at.axle - at.caster))
         radii = contact_radii(spec)
         self._offset = [palm.offset + r for palm, r in zip(spec.palms, radii, strict=True)]
-        # Inward and outward. A heel keeps the object on the palm, so there is no limit outward
-        # Outward, only the heel ends a palm that has one.
+        # Inward and outward. Outward, only the heel ends a palm that has one.
         self._reach = [
             (palm.length / 2, palm.length) if palm.stops else (palm.usable / 2, palm.usable / 2)
             for palm in spec.palms
@@ -352,14 +353,6 @@ class MujocoWorld:
         along = dx * mat[0] + dz * mat[6]
         above = dx * mat[2] + dz * mat[8] - self._offset[k]
         return _OUT[k] * along, point[1] - pos[1], above
-
-    def _contacts(self) -> tuple[float, float]:
-        left, right = self._vertices()
-        return self._in_palm_frame(0, left)[0], self._in_palm_frame(1, right)[0]
-
-    def _lifts(self) -> tuple[float, float]:
-        left, right = self._vertices()
-        return self._in_palm_frame(0, left)[2], self._in_palm_frame(1, right)[2]
 
     @property
     def lateral(self) -> tuple[float, float]:
