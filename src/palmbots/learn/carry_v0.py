@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from palmbots._types import SIDES
-from palmbots._util.arguments import one_of, show
+from palmbots._util.arguments import one_of, seed_of, show, whole_number
 from palmbots._util.optional_imports import missing_extra
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.learn.reward import RewardTerms, RewardWeights
@@ -136,10 +136,7 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
             raise PalmbotsError(
                 f"rewards: value is {show(rewards)}; allowed: carry_v0.RewardWeights"
             )
-        if type(ticks_per_step) is not int or not 1 <= ticks_per_step <= _MAX_TICKS:
-            raise PalmbotsError(
-                f"ticks_per_step: value is {show(ticks_per_step)}; allowed: 1 to {_MAX_TICKS}"
-            )
+        ticks_per_step = whole_number("ticks_per_step", ticks_per_step, 1, _MAX_TICKS)
         if render_mode not in (None, "rgb_array"):
             raise PalmbotsError(
                 f"render_mode: value is {show(render_mode)}; allowed: rgb_array, or None"
@@ -196,13 +193,11 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
             PalmbotsError: an option is unknown, or the seed is not allowed.
         """
         scene = self._scene_for(options)
-        if seed is not None:
-            if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-                raise PalmbotsError(f"seed: value is {show(seed)}; allowed: 0 to 2^64-1")
-            self._random = np.random.default_rng(int(seed))
-        own = int(self._random.integers(_SEED_LIMIT)) if seed is None else int(seed)
-        if own >= 2**64:
-            raise PalmbotsError(f"seed: value is {show(seed)}; allowed: 0 to 2^64-1")
+        if seed is None:
+            own = int(self._random.integers(_SEED_LIMIT))
+        else:
+            own = seed_of(seed)
+            self._random = np.random.default_rng(own)
         self._begin(scene, own)
         self.agents = list(AGENTS)
         return self._observe(), {name: info | {"seed": own} for name, info in self._infos().items()}
