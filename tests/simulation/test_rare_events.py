@@ -8,6 +8,7 @@ tests/cpp/sim/multilevel_splitting_test.cpp.
 import json
 import math
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,14 @@ from commands import runner
 from palmbots._util.confidence_intervals import clopper_pearson, student_t95
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
+from palmbots.simulation import rare_events
 from palmbots.simulation.batch import DROPPED, run_seeds
+from palmbots.simulation.prepare import prepare
 from palmbots.simulation.rare_events import (
     PILOT,
     _estimates,
     _Splitting,
+    default_budget,
     estimate_drop_rate,
 )
 
@@ -236,6 +240,52 @@ def test_levels_that_cost_half_of_the_budget_are_given_up(monkeypatch: pytest.Mo
     assert spent + carries <= 20_001
     assert 19_000 < found.equivalent_carries <= 20_001
     assert found.interval[1] < 4e-4
+
+
+@pytest.mark.parametrize(
+    ("keys", "budget"),
+    [
+        ({}, 200_000),
+        ({"task.distance_m": 0.3}, 200_000),
+        ({"task.distance_m": 3.0}, 100_000),  # twice as long
+        ({"robot.left.motor_force_n": 30.0}, 40_000),  # a robot may stall
+        ({"task.distance_m": 1000.0}, 1000),
+    ],
+)
+def test_default_budget_follows_from_the_scene(keys: dict[str, float], budget: int) -> None:
+    found = default_budget(prepare(load_scene("paper", keys), "silent"))
+    assert found == pytest.approx(budget, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("budget", "threads", "said"),
+    [
+        (1000, 4, "2.5 s: 1,000 carries (--budget)"),
+        (20_000, 1, "3.3 min: 20,000 carries (--budget)"),
+        # Up to half of the work chooses levels, on one processor.
+        (24_000, 4, "2.5 min: 24,000 carries (--budget)"),
+        (1000, 8, None),  # a moment
+    ],
+)
+def test_time_is_stated_before_the_work(
+    budget: int, threads: int, said: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = 0.0
+
+    def run_singly(specs: Any, index: Any, *_: Any) -> None:
+        nonlocal now
+        now += 0.01 * len(index)
+
+    def stop(*_: Any) -> None:
+        raise InterruptedError  # the work begins
+
+    monkeypatch.setattr(rare_events, "time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr(rare_events, "run_singly", run_singly)
+    monkeypatch.setattr(rare_events, "_Splitting", stop)
+    lines: list[str] = []
+    with pytest.raises(InterruptedError):
+        estimate_drop_rate(budget=budget, threads=threads, on_line=lines.append)
+    assert lines == ([] if said is None else [f"the drop rate takes up to about {said}"])
 
 
 @pytest.mark.parametrize("freedom", [15, 19, 20, 40, 119, 120, 5000, 9999])

@@ -17,6 +17,7 @@ drops the object, plain carries use up the budget instead and give an exact boun
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -31,12 +32,12 @@ from palmbots._util.command import Option, command
 from palmbots._util.confidence_intervals import clopper_pearson, student_t95
 from palmbots._util.report import Item, Line, Table, bold, quiet
 from palmbots._util.results import Result
-from palmbots._util.text import plural
+from palmbots._util.text import duration, plural
 from palmbots.control.registry import ControllerLike, refuse_reference, resolve
 from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import refuse_floor
-from palmbots.simulation.batch import DROPPED, available_cores
+from palmbots.simulation.batch import DROPPED, available_cores, run_singly
 from palmbots.simulation.outcome_counts import carry_seeds
 from palmbots.simulation.prepare import Prepared, prepare
 
@@ -52,6 +53,9 @@ LEAST_PLAIN = 1000
 """Plain carries that are run at least where splitting gives no estimate."""
 FEWEST, MOST = 16, 10_000
 """Limits of the number of replicates that count."""
+MOST_BUDGET = 200_000
+"""The budget if none is given, for carries as long and as simple as those of the default scene; for
+others so many that they take about as long as a user waits."""
 SPLITTING = 20
 """With a budget of fewer stages than this, only plain carries are run, because splitting would not
 end within it. The same holds if the choice of levels alone takes half of the budget."""
@@ -61,6 +65,8 @@ _SEEDS_APART = 2**41  # plain carries share no seeds with those of other command
 # one drop in a million three of four intervals reach the wanted width of 20 %; with 1.3 it was
 # three of five.
 _RESERVE = 1.7
+_SINGLE_STEPS = 5  # times as long takes a carry that checks every period
+_SAMPLE_S, _MOMENT_S = 0.1, 2.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -145,11 +151,12 @@ def estimate_drop_rate(
     *,
     relative_half_width: float = 0.2,
     effort: int = EFFORT,
-    budget: int = 200_000,
+    budget: int | None = None,
     seed: int = 0,
     threads: int | None = None,
     overrides: Overrides = None,
     on_progress: Callable[[float], None] | None = None,
+    on_line: Callable[[str], None] | None = None,
 ) -> DropRate:
     """Estimate a drop rate, down to one in a billion.
 
@@ -164,11 +171,14 @@ def estimate_drop_rate(
             may be wider: the number of replicates is an estimate too, and at most 10000 count.
         effort: carries in each stage of the splitting. With fewer than the default, the interval
             lies below the true rate more often than its 2.5 %.
-        budget: what the work may cost, in whole carries.
+        budget: what the work may cost, in whole carries; None: as many as usually take up to two
+            minutes on two processors, and at most 200,000. It depends on the scene, not on the
+            machine.
         seed: random seed.
         threads: worker threads; None: one per processor.
         overrides: scene keys to set.
         on_progress: called with the completed fraction.
+        on_line: called before the work with a line about how long it takes at most.
 
     Note:
         Runs in double precision. The result depends on the arguments, not on the number of threads
@@ -189,6 +199,9 @@ def estimate_drop_rate(
     workers = available_cores() if threads is None else whole_number("threads", threads, 1, 1024)
     prepared = prepare(load_scene(scene, overrides), entry)
     refuse_floor(prepared.scene, "copies of carries that are under way do")
+    budget = default_budget(prepared) if budget is None else budget
+    if on_line is not None:
+        _announce(prepared, budget, effort, workers, on_line)
     run = _Splitting(
         prepared, seed, effort, budget, workers, on_progress or (lambda fraction: None)
     )
@@ -230,6 +243,37 @@ def estimate_drop_rate(
         seed=seed,
         scene=prepared.scene,
     )
+
+
+def default_budget(prepared: Prepared) -> int:
+    """The budget if none is given. Carries that may last longer than those of the default scene, or
+    that check every control period whether a robot stalls, are fewer."""
+    usual, scene = Scene(), prepared.scene
+    share = (usual.timeout_s / usual.control.period_s) / (scene.timeout_s / scene.control.period_s)
+    if _core.takes_single_steps(prepared.spec):
+        share /= _SINGLE_STEPS
+    return max(LEAST_PLAIN, min(MOST_BUDGET, int(float(f"{share * MOST_BUDGET:.2g}"))))
+
+
+def _announce(
+    prepared: Prepared, budget: int, effort: int, workers: int, on_line: Callable[[str], None]
+) -> None:
+    """State how long the budget lasts, if it is more than a moment."""
+    each_s, count = 0.0, 4
+    while each_s * count < _SAMPLE_S and count < LEAST_PLAIN:
+        count *= 2
+        begin = time.monotonic()
+        index, seeds = np.zeros(count, np.uint32), np.arange(count, dtype=np.uint64)
+        run_singly([prepared.spec], index, seeds, prepared.controller, "double", 1, None)
+        each_s = (time.monotonic() - begin) / count
+    total_s = budget * each_s / workers
+    if budget >= SPLITTING * max(effort, EFFORT):  # half of it may choose levels, on one processor
+        total_s *= 0.5 * (1 + workers)
+    if total_s > _MOMENT_S:
+        on_line(
+            f"the drop rate takes up to about {duration(float(f'{total_s:.2g}'))}: "
+            f"{budget:,} carries (--budget)"
+        )
 
 
 class _Splitting:
