@@ -4,6 +4,7 @@
 import time
 from collections.abc import Callable
 
+from palmbots._util.text import duration
 from palmbots.control.registry import ControllerEntry
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.scene import Scene
@@ -17,9 +18,14 @@ _PRECISE, _COARSE = 0.015, 0.03
 by-product."""
 _RATE = 0.01
 """Share of drops that defines σ*."""
-_SAMPLE = 200
-"""Carries by which the time of the design is estimated first."""
+_SAMPLE, _MOST_SAMPLE, _SAMPLE_S = 200, 20_000, 0.2
+"""Carries by which the time of the design is estimated first: at least and at most so many, and so
+long."""
 _USUAL_CARRY_S = 3e-4
+_MOMENT_S, _LONG_S = 2.0, 60.0
+REST_S = 3.0
+"""The certificate of a design, and the counts of outcomes, take so long, about."""
+_QUICKER: Objective = "angle"
 
 
 def measured(
@@ -57,14 +63,34 @@ def carries_of_measurement(objective: Objective) -> int:
     return expected_carries(_RATE, _half_width(objective))
 
 
+def time_line(objective: Objective, total_s: float, carry_s: float) -> str:
+    """How long a design takes, and what is quicker; empty: it takes a moment."""
+    if total_s <= _MOMENT_S:
+        return ""
+    line = f"the design takes about {_rounded(total_s)}"
+    quick_s = 2 * carries_of_measurement(_QUICKER) * carry_s + REST_S
+    if objective == NOISE and total_s > _LONG_S:
+        line += f"; --maximize {_QUICKER}, which compares pairs without carries, about "
+        line += _rounded(quick_s)
+    return line
+
+
+def _rounded(seconds: float) -> str:
+    return duration(float(f"{seconds:.2g}"))
+
+
 def carry_s_of(scene: Scene, entry: ControllerEntry) -> float:
     """How long one of many carries takes on this machine."""
-    begin = time.monotonic()
     try:
-        carry_seeds(prepare(scene, entry), 0, _SAMPLE)
+        prepared = prepare(scene, entry)
     except SceneError:  # the controller refuses the scene's own angles
         return _USUAL_CARRY_S
-    return (time.monotonic() - begin) / _SAMPLE
+    count, spent_s = _SAMPLE, 0.0
+    while spent_s < _SAMPLE_S and count < _MOST_SAMPLE:  # few carries are slower: threads start
+        begin = time.monotonic()
+        carry_seeds(prepared, 0, count)
+        spent_s, count = time.monotonic() - begin, 3 * count
+    return 3 * spent_s / count
 
 
 def counted(scene: Scene, entry: ControllerEntry | None) -> OutcomeCounts | None:

@@ -51,7 +51,14 @@ from palmbots.stability.certificates.box_from_scene import slope_interval
 from palmbots.stability.clearance import outline_clearance
 from palmbots.stability.delivery_race import Race, run_race
 from palmbots.stability.delivery_race import expected_carries as race_carries
-from palmbots.stability.design_carries import carries_of_measurement, carry_s_of, counted, measured
+from palmbots.stability.design_carries import (
+    REST_S,
+    carries_of_measurement,
+    carry_s_of,
+    counted,
+    measured,
+    time_line,
+)
 from palmbots.stability.design_result import Design, OwnAngles, ReactionTimes
 from palmbots.stability.interval_sets import around
 from palmbots.stability.margins import friction_ranges
@@ -166,9 +173,7 @@ def design(
     objective = cast("Objective", maximize)
     entry = _entry(controller, objective)
     seed = seed_of(seed)
-    report = announced(
-        on_progress or (lambda fraction: None), on_line or (lambda line: None), "the design"
-    )
+    report, say = on_progress or (lambda fraction: None), on_line or (lambda line: None)
     quantity: Quantity = "com" if objective in (NOISE, LIFT) else objective
     own_deg = _own_angles(chosen)
     limits = _limits(grid, objective, own_deg)
@@ -179,7 +184,8 @@ def design(
                 "friction, com_y_m, slope_deg, region_m, from: allowed with lift: no value; the "
                 "margins are those of the scene for contacts anywhere on the palms"
             )
-        return design_plate(chosen, entry, PlateLimits.of(grid, limits), own_deg, report)
+        announcing = announced(report, say, "the design")
+        return design_plate(chosen, entry, PlateLimits.of(grid, limits), own_deg, announcing)
     problem = _problem(chosen, region_m)
     uncertainty = Uncertainty(
         _frictions(problem, friction, common_friction),
@@ -198,13 +204,15 @@ def design(
         problem = problem.with_(beyond=implied.beyond_m)
     if not any(problem.radius):
         require("flint", "certify")  # of the certificate: missed before the work, not after it
-    left = TimeLeft(report, ("own", "race", "designed"))
+    left = TimeLeft(report, ("own", "race", "designed", "rest"))
     found = evaluate(problem, quantity, limits, uncertainty, implied)
     of_race = race_carries(found) if objective == NOISE else 0
     if entry is not None:
         carry_s = carry_s_of(chosen, entry)
         expected_s = carries_of_measurement(objective) * carry_s
-        left.expect(own=expected_s, race=of_race * carry_s, designed=expected_s)
+        left.expect(own=expected_s, race=of_race * carry_s, designed=expected_s, rest=REST_S)
+        if line := time_line(objective, left.total_s, carry_s):
+            say(line)
 
     own_limit = measured(chosen, entry, seed, objective, left.begin("own"))
     if own_limit is not None:
@@ -218,6 +226,7 @@ def design(
     pair_deg = (float(found.degrees[row]), float(found.degrees[column]))
     designed = scene_at(chosen, pair_deg)
     limit = measured(designed, entry, seed, objective, left.begin("designed"))
+    left.begin("rest")
 
     pair = (math.radians(pair_deg[0]), math.radians(pair_deg[1]))
     times = reaction(chosen, *pair)
@@ -235,6 +244,7 @@ def design(
     if own_deg is not None:
         at_own = reaction(chosen, *np.radians(own_deg)) if is_implied else None
         own_tolerance = tolerance_at(problem, quantity, own_deg, uncertainty, at_own)
+    counts, own_counts = counted(designed, entry), counted(chosen, entry)
     report(1.0)
     return Design(
         scene=chosen,
@@ -249,14 +259,14 @@ def design(
         reach_m=float(times.reach_m),
         region_m=answer.contacts[0],
         noise_limit=limit,
-        counts=counted(designed, entry),
+        counts=counts,
         words=entry.spelled if entry is not None else "",
         own=OwnAngles(
             own_deg,
             own_tolerance,
             own_limit,
             _clearance_deg(problem, chosen if is_implied else None),
-            counted(chosen, entry),
+            own_counts,
         ),
         paper_tolerance=found.tolerance_at(*PAPER_DEG),
         certificate=certificate,
