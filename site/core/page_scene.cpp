@@ -54,7 +54,8 @@ PageScene read_scene(std::string_view lines, NumberStream in) {
   }
   if (scene.problems.empty()) {
     scene.refusal = load_refusal(values, scene.spec, false);
-    scene.warnings = object_warnings(values);
+    if (scene.refusal.empty()) scene.refusal = palm_refusal(scene.spec);
+    scene.warnings = value_warnings(values);
     scene.of_limits = limit_warnings(values, scene.spec);
   }
   scene.timeout = time_limit_of(values);

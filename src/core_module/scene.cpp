@@ -209,7 +209,7 @@ void bind_scene(nb::module_& m) {
       [](const nb::dict& table, const std::string& controller, const std::string& team) {
         const SceneValues scene = values_of(table);
         return warnings_before(spec_of(scene), controller_of(controller, team),
-                               object_warnings(scene));
+                               value_warnings(scene));
       },
       nb::arg("scene"), nb::arg("controller"), nb::arg("team"),
       "The warnings that are known before a carry of the given values of a scene starts. "
@@ -231,6 +231,9 @@ void bind_scene(nb::module_& m) {
   m.def(
       "palm_overlap", [](const Spec& spec) { return palm_overlap_of(spec); }, nb::arg("spec"),
       "The overlap of the palms at the start [m]; negative: the gap between them.");
+  m.def(
+      "palm_refusal", [](const Spec& spec) { return palm_refusal(spec); }, nb::arg("spec"),
+      "Why no carry can begin with these palms; empty: it can.");
   m.def(
       "time_limit", [](const nb::dict& table) { return time_limit_of(values_of(table)); },
       nb::arg("scene"), "The time limit of a carry [s].");

@@ -7,6 +7,7 @@ Words after ``not: `` must not occur.
 import ast
 import math
 import re
+import sys
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -166,6 +167,23 @@ LOADS: list[tuple[float, OutcomeCounts | None, LoadTrial | None, str, list[str]]
     # beyond what a carry can begin with
     (500, None, None, "no", ["object.mass_kg: value is 500", "at most 6.42 kg"]),
 ]  # fmt: skip
+
+
+def test_without_mujoco_the_command_that_installs_it_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    limits = pb.load_limits("paper")
+    refused = on_load(limits, GOOD, None, "SCENE").text
+    assert refused.endswith("; not tried in MuJoCo, which refuses the scene")
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    text = on_load(limits, GOOD, None, "SCENE").text
+    run = f"run: {sys.executable} -m pip install 'mujoco>="
+    assert f"; not tried in MuJoCo, which is not installed; {run}" in text
+    said: list[str] = []
+    keys = {"task.distance_m": 0.05}
+    found = pb.assess(overrides=keys, on_line=said.append)
+    assert said[0].startswith("nothing is tried in MuJoCo, which is not installed; ")
+    assert run in found.answers.load.text and run in found.answers.curve.text
 
 
 @pytest.mark.parametrize(("mass", "best", "trial", "verdict", "words"), LOADS)

@@ -15,6 +15,7 @@ import pytest
 import palmbots as pb
 import palmbots._core as _core
 from palmbots.control.dead_band import overrun_m, warnings_before, zero_zone_m
+from palmbots.errors import SceneError
 from palmbots.scene.placement import placements
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
@@ -210,20 +211,21 @@ def test_noise_is_not_mistaken_for_a_cycle() -> None:
             assert not cycles(pb.carry("paper", controller, seed=seed, record=False))
 
 
-def test_overlapping_palms_give_a_warning() -> None:
+def test_palms_that_overlap_cannot_carry() -> None:
     """Under an object of 50 mm, palms of 150 mm overlap in every world."""
     narrow = {
         "object.vertices_m": [[0, 0], [0.05, 0], [0.05, 0.1], [0, 0.1]],
         "object.com_m": [0.025, 0.04],
     }
-    result = "the palms overlap by 94.9 mm"  # 150 mm cos 15 degrees less 50 mm
+    # 150 mm cos 15 degrees less 50 mm
+    words = r"overlap by 94\.9 mm at the start; allowed: palms that are 0\.099 m shorter"
     for world in ("quasistatic", "mujoco"):
-        carry = pb.carry(
-            controller="none", world=world, overrides=narrow | {"task.distance_m": 0.01}
-        )
-        assert any(result in warning for warning in carry.warnings)
-    # Where the inner ends are, from the trace itself: at p = 20 mm each palm reaches 20 mm further.
-    for length, start in ((0.05, 0.0), (0.05, 0.02), (0.052, 0.0), (0.03, 0.014)):
+        with pytest.raises(SceneError, match=words):
+            pb.carry(controller="none", world=world, overrides=narrow)
+    allowed = narrow | {"palm.length_m": 0.15 - 0.099, "task.distance_m": 0.01}
+    assert pb.carry(controller="none", overrides=allowed).outcome == "delivered"
+    # Where the inner ends are, from the trace itself: at p = 14 mm each palm reaches 14 mm further.
+    for length, start in ((0.05, 0.0), (0.05, -0.02), (0.03, 0.014), (0.045, 0.0)):
         keys = {"palm.length_m": length, "start.left_m": start, "robot.noise_m_s": 0}
         scene = load_scene("paper", narrow | keys | {"task.distance_m": 0.01})
         trace = pb.carry(scene, "none").trace
@@ -231,12 +233,32 @@ def test_overlapping_palms_give_a_warning() -> None:
         placed = placements(to_spec(scene), trace, slice(0, 1))
         past = placed.palm_inner[0, 0, 0] - placed.palm_inner[0, 1, 0]
         assert _core.palm_overlap(to_spec(scene)) == pytest.approx(past, abs=1e-12)
-        assert bool(warnings_before(scene, "none")) == (past > 0)
+        assert past < 0
 
 
-@pytest.mark.parametrize(("steep_deg", "says"), [(0.314, True), (1.0, False), (15.0, False)])
-def test_an_angle_in_rad_is_suspected(steep_deg: float, says: bool) -> None:
-    scene = load_scene("paper", {"palm.steep_deg": steep_deg, "palm.shallow_deg": 0.0})
-    lines = [line for line in warnings_before(scene, "none") if "in rad" in line]
-    assert len(lines) == 2 * says
-    assert not lines or lines[0].endswith("if 0.314 is an angle in rad, write 18.0")
+@pytest.mark.parametrize(
+    ("key", "value", "says"),
+    [
+        ("palm.steep_deg", 0.314, "palm.steep_deg is 0.314 degrees; if that is in rad, write 18"),
+        ("palm.steep_deg", 1.0, None),
+        ("palm.left.steep_deg", 0.314, "palm.left.steep_deg is 0.314 degrees; if that is in rad"),
+        ("palm.friction_angle_deg", 0.3, "is 0.3 degrees; if that is in rad, write 17.2"),
+        ("palm.friction_angle_deg", 15.0, None),
+        ("palm.rate_deg_s", 0.9, "is 0.9 degrees/s; if that is in rad/s, write 51.6"),
+        ("palm.rate_deg_s", 3.0, None),
+        ("task.slope_deg", -0.035, "is -0.035 degrees; if that is in rad, write -2.01"),
+        ("task.slope_deg", 0.2, None),
+        ("task.slope_deg", 0.0, None),
+        ("robot.noise_m_s", 1.0, "is 1 m/s; if that is in cm/s, write 0.01"),
+        ("robot.noise_m_s", 0.2, None),
+        ("mujoco.palm_torque_n_m", 600.0, "is 600 N m; if that is in mN m, write 0.6"),
+        ("mujoco.palm_torque_n_m", 20.0, None),
+    ],
+)
+def test_a_value_that_cannot_be_meant_names_its_unit(
+    key: str, value: float, says: str | None
+) -> None:
+    keys = {key: value, "palm.shallow_deg": 0.0}
+    lines = [one for one in warnings_before(load_scene("paper", keys), "none") if "if that" in one]
+    assert len(lines) == (says is not None)
+    assert not lines or (says is not None and says in lines[0])

@@ -235,7 +235,7 @@ def test_opposite_signs_end_without_noise() -> None:
 
 def test_trailing_robot_stops_when_both_are_outward_and_leading_one_when_both_are_inward() -> None:
     for direction, front in (("forward", "right"), ("backward", "left")):
-        for start, who in ((0.06, "rear"), (-0.06, "front")):
+        for start, who in ((0.045, "rear"), (-0.045, "front")):
             keys = {
                 "robot.noise_m_s": 0.0, "task.direction": direction,
                 "start.left_m": start, "start.right_m": start,

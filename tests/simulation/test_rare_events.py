@@ -232,7 +232,8 @@ def test_levels_that_cost_half_of_the_budget_are_given_up(monkeypatch: pytest.Mo
         return plain(run, carries)
 
     monkeypatch.setattr(_Splitting, "plain", count)
-    keys = {"robot.noise_m_s": 0.02, "palm.length_m": 0.3, "task.distance_m": 0.3}
+    keys: dict[str, Any] = {"robot.noise_m_s": 0.02, "palm.length_m": 0.3, "task.distance_m": 0.3}
+    keys |= {"object.box_m": [0.35, 0.16], "object.com_m": [0.175, 0.04]}
     found = estimate_drop_rate(overrides=keys, controller="shared-sign", budget=20_000)
     ((spent, carries),) = costs
     assert 10_000 < spent < 12_000

@@ -29,7 +29,7 @@ CASES = [
     ("shared-sign", 0, {"radio__lease_s": 0.05}),
     ("resilient", 0, {"robot__noise_m_s": 0.05}),
     ("silent", 0, {"tactile__zones": [{"sign": "+", "from_m": 0.01, "to_m": 0.08}]}),
-    ("none", 0, {"palm__length_m": 0.28}),
+    ("none", 0, {"mujoco__palm_torque_n_m": 600.0}),
     (
         "silent",
         1,
@@ -45,7 +45,7 @@ CASES = [
     ("shared-sign", 0, {"palm__rate_deg_s": 700.0}),
     ("distributed", 0, {"object__com_m": [0.16, 0.04]}),
     ("silent", 0, {"palm__left__friction": 0.15, "palm__right__length_m": 0.2}),
-    ("distributed", 0, {"palm__length_m": 0.9, "palm__steep_deg": 40.0}),
+    ("distributed", 0, {"palm__length_m": 0.4, "palm__steep_deg": 60.0}),
 ]
 
 
@@ -84,7 +84,7 @@ def test_page_and_command_warn_alike(open_page: Open) -> None:
         "never reads -:",
         "rests upside down",
         "that of the paper's box",
-        "the palms overlap",
+        "if that is in mN m, write 0.6",
         "the robots certainly hold only",
         "task.slope_deg is 8, but",
         "task.slope_deg is -6, but",
@@ -100,12 +100,13 @@ def test_page_and_command_warn_alike(open_page: Open) -> None:
     "keys",
     [
         {"object__mass_kg": 20.0},
+        {"palm__length_m": 0.28},
         {"object__mass_kg": 5.0, "start__left_m": 0.05, "mujoco__palm_torque_n_m": 0.1},
         {"object__mass_kg": 5.0, "start__left_m": 0.05, "mujoco__axle_m": 0.05},
     ],
 )
 @pytest.mark.parametrize("controller", ["distributed", "none"])
-def test_an_object_that_is_too_heavy_is_refused_as_by_the_command(
+def test_what_cannot_begin_is_refused_as_by_the_command(
     open_page: Open, keys: dict[str, object], controller: str
 ) -> None:
     overrides = {name.replace("__", "."): value for name, value in keys.items()}

@@ -15,6 +15,7 @@ from palmbots.stability.drop_hints import missing_properties
 
 OFF_CENTRE = "object.com_m=[0.05,0.04]"
 HINT = ", even with contacts inside the zero zone; run: "
+LONG = ("palm.length_m=0.36", "palm.steep_deg=50")  # that the object cannot span them
 
 
 def carried(capsys: pytest.CaptureFixture[str], *words: str, outcome: str = "DROPPED") -> list[str]:
@@ -37,7 +38,7 @@ def carried(capsys: pytest.CaptureFixture[str], *words: str, outcome: str = "DRO
     [
         ((OFF_CENTRE,), "property 1"),
         (("palm.friction=0.02",), "properties 0, 1 and 2"),
-        ((OFF_CENTRE, "palm.length_m=1.0"), "property 1"),  # analyze refuses palms that long
+        ((OFF_CENTRE, *LONG), "properties 0, 1 and 2"),  # analyze refuses palms that long
         ((OFF_CENTRE, "tactile.zones=[]"), "property 1"),  # no edge of the zone: the palm's end
     ],
 )
@@ -86,7 +87,7 @@ def test_scene_that_the_analysis_refuses_has_no_hint(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """Palms so long that the object cannot span them, and no smaller zone."""
-    keys = (OFF_CENTRE, "palm.length_m=1.0", "tactile.zones=[]", "task.distance_m=6.0")
+    keys = (OFF_CENTRE, *LONG, "tactile.zones=[]", "task.distance_m=6.0")
     words = [word for key in keys for word in ("--set", key)]
     assert carried(capsys, *words, "--seed", "5") == []
     assert cli.run(["analyze", *words]) == 2

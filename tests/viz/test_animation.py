@@ -67,7 +67,7 @@ def test_the_same_carry_gives_the_same_file(tmp_path, short):
     [
         {"task.direction": "backward", "task.slope_deg": 2.0},
         {"palm.pivot_offset_m": 0.01, "control.period_s": 0.2, "control.watchdog_s": 1.0},
-        {"tactile.zones": [], "palm.left.length_m": 0.4},
+        {"tactile.zones": [], "palm.left.length_m": 0.3},
         {"task.slope_deg": 20.0},  # dropped before the first tick
         {"start.left_m": 0.075},  # dropped in it
         {

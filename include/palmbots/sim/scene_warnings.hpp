@@ -20,6 +20,7 @@
 #include "palmbots/base/few_sorted.hpp"
 #include "palmbots/base/number_text.hpp"
 #include "palmbots/runtime/controller_registry.hpp"
+#include "palmbots/sim/problem_text.hpp"
 #include "palmbots/sim/scene_object.hpp"
 #include "palmbots/sim/scene_values.hpp"
 #include "palmbots/sim/table_lease.hpp"
@@ -116,6 +117,18 @@ inline double palm_overlap_of(const Spec& spec) {
   return reach - std::sqrt(std::max(spec.width * spec.width - z * z, 0.0));
 }
 
+// Why no carry can begin with these palms; empty: it can. No world models that they touch each other.
+inline std::string palm_refusal(const Spec& spec) {
+  const double overlap = palm_overlap_of(spec);
+  if (!(overlap > 0)) return "";
+  const double level = sin_cos(spec.palms[left].steep).cos + sin_cos(spec.palms[right].steep).cos;
+  const double shorter = std::ceil(1e3 * overlap / (0.5 * level)) / 1e3;
+  return sentence(
+      "palm.length_m: the palms would collide under the object, where they overlap by {} at the "
+      "start; allowed: palms that are {} m shorter, or a wider object",
+      {millimetres(overlap), short_text(shorter)});
+}
+
 namespace detail {
 
 // The sensor of a palm reads 0 up to an end: it cannot foresee a drop there.
@@ -130,18 +143,6 @@ inline void warn_if_blind(const Spec& spec, std::size_t side, std::vector<std::s
                   " palm never reads " + never + ": the zero zone reaches as far as the palm, " +
                   millimetres(reach) +
                   " from the pivot (tactile.zero_half_width_m, tactile.zones)");
-}
-
-// A palm that is nearly level when it is steep: an angle in rad, most likely.
-inline void warn_if_in_rad(const Spec& spec, std::size_t side, std::vector<std::string>& lines) {
-  constexpr double degrees_per_radian = 1 / radians_per_degree<double>;
-  const double degrees = spec.palms[side].steep * degrees_per_radian;
-  if (!(degrees > 0.05 && degrees < 1)) return;
-  const std::string given = short_text(degrees);
-  lines.push_back(
-      sentence("palm.steep_deg of the {} palm is {} degrees; if {} is an angle in rad, write {}",
-               {side == left ? "left" : "right", given, given,
-                fixed_text(degrees * degrees_per_radian, 1)}));
 }
 
 // The lease of a table within which a beacon may not be answered in time. Below twice the latency of
@@ -179,12 +180,42 @@ inline void warn_of_noisy_lease(const Spec& spec, std::vector<std::string>& line
        fixed_text(1e3 * b.room, 0)}));
 }
 
+// A value that no one means in the unit of its key, but many in another one: from `low` up to, but not
+// including, `high`. `factor` converts the other unit.
+template <Name path>
+void warn_of_unit(const SceneValues& scene, double low, double high, const char* other,
+                  double factor, std::vector<std::string>& lines) {
+  constexpr const Key& row = SceneValues::row<path>;
+  for (const std::size_t place : {common, own(left), own(right)}) {
+    if (!scene.has<path>(place)) continue;
+    const double value = scene.of<path>(place);
+    if (!(low <= std::abs(value) && std::abs(value) < high)) continue;
+    const Problem about{path.view(), place, {}, {}};
+    lines.push_back(sentence("{} is {} {}; if that is in {}, write {}",
+                             {key_text(about), short_text(value),
+                              std::string(unit_names[static_cast<std::size_t>(row.unit)]), other,
+                              short_text(value * factor, 3)}));
+  }
+}
+
+inline void warn_of_units(const SceneValues& scene, std::vector<std::string>& lines) {
+  constexpr double degrees_per_radian = 1 / radians_per_degree<double>;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  warn_of_unit<"palm.steep_deg">(scene, 0.05, 1, "rad", degrees_per_radian, lines);
+  warn_of_unit<"palm.friction_angle_deg">(scene, 0.1, 1.5, "rad", degrees_per_radian, lines);
+  warn_of_unit<"palm.rate_deg_s">(scene, 0.1, 3, "rad/s", degrees_per_radian, lines);
+  warn_of_unit<"task.slope_deg">(scene, 0.01, 0.2, "rad", degrees_per_radian, lines);
+  warn_of_unit<"robot.noise_m_s">(scene, 0.3, infinity, "cm/s", 0.01, lines);
+  warn_of_unit<"mujoco.palm_torque_n_m">(scene, 50, infinity, "mN m", 0.001, lines);
+}
+
 }  // namespace detail
 
-// Of the object of a scene, whatever carries it.
-inline std::vector<std::string> object_warnings(const SceneValues& scene) {
+// Of the values of a scene, whatever carries the object.
+inline std::vector<std::string> value_warnings(const SceneValues& scene) {
   constexpr double degrees_per_radian = 1 / radians_per_degree<double>;
   std::vector<std::string> lines;
+  detail::warn_of_units(scene, lines);
   const SceneObject object = object_of(scene);
   const Point l = object.vertices[object.contacts[left]];
   const Point r = object.vertices[object.contacts[right]];
@@ -210,9 +241,10 @@ inline std::vector<std::string> object_warnings(const SceneValues& scene) {
   return lines;
 }
 
-// All of a scene and a controller; one that is not in the registry has an empty name. `of_object`: the `object_warnings` of the scene.
+// All of a scene and a controller; one that is not in the registry has an empty name. `of_values`:
+// the `value_warnings` of the scene.
 inline std::vector<std::string> warnings_before(const Spec& spec, const ControllerInfo& controller,
-                                                const std::vector<std::string>& of_object) {
+                                                const std::vector<std::string>& of_values) {
   std::vector<std::string> lines;
   const double zone = zero_zone_of(spec).width();
   const double overrun = overrun_of(spec, controller);
@@ -230,13 +262,7 @@ inline std::vector<std::string> warnings_before(const Spec& spec, const Controll
   if (controller.decider != Decider::none) {
     for (const std::size_t side : {left, right}) detail::warn_if_blind(spec, side, lines);
   }
-  for (const std::size_t side : {left, right}) detail::warn_if_in_rad(spec, side, lines);
-  lines.insert(lines.end(), of_object.begin(), of_object.end());
-  if (const double overlap = palm_overlap_of(spec); overlap > 0) {
-    lines.push_back("the palms overlap by " + millimetres(overlap) +
-                    " under the object and would collide; neither world models that contact (use a "
-                    "wider object, or a shorter palm.length_m)");
-  }
+  lines.insert(lines.end(), of_values.begin(), of_values.end());
   if (controller.has_time_bounds) detail::warn_of_noisy_lease(spec, lines);
   return lines;
 }

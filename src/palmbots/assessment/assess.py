@@ -69,9 +69,10 @@ from palmbots.mujoco.engine import without_mujoco
 from palmbots.scene.command_text import command_text, respelled
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
+from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import available_cores
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes, default_carries
-from palmbots.simulation.prepare import prepare
+from palmbots.simulation.prepare import check_palms, prepare
 from palmbots.stability.analysis import Analysis, analyze
 from palmbots.stability.holding import Holding, holding
 
@@ -267,6 +268,7 @@ def assess(
     if on_line is not None and (hint := without_mujoco()):
         on_line(f"nothing is tried in {hint}")
     straight = _straightened(chosen)
+    check_palms(to_spec(straight))
     analysis = analyze(straight)
     worst = least_sound(straight, interval)
     worst_mu = None if interval is None else worst.scene.palm_of("left").friction

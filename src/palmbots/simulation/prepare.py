@@ -61,6 +61,7 @@ def prepare(
     check_scene(place, scene)
     spec = to_spec(scene, unrolled=place.supports_curved)
     check_load(scene)
+    check_palms(spec)
     lifts = check_lift(scene) if spec.uses_floor else ()
     if not place.supports_references:
         refuse_reference(entry, f"the {place.name} world")
@@ -72,6 +73,12 @@ def prepare(
             for kind, side, at, lasts, reads, value, marks in spec.faults
         ]
     return Prepared(scene, entry, place, spec, timing, (*warnings_before(scene, entry), *lifts))
+
+
+def check_palms(spec: _core.Spec) -> None:
+    """Raise `SceneError` for palms that would collide under the object at the start."""
+    if refusal := _core.palm_refusal(spec):
+        raise SceneError(refusal)
 
 
 def check_precision(world: WorldEntry, precision: str) -> None:
