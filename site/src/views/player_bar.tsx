@@ -30,10 +30,12 @@ export function PlayerBar(props: { end?: number; isHeld?: boolean }) {
         aria-label={player.playing.value ? "pause" : "play"} title="space">
         {player.playing.value ? <Pause /> : <Play />}
       </button>
-      <button type="button" class="plain" onClick={() => player.step(-TICK)} aria-label="one step back" title="comma">
+      <button type="button" class="plain" disabled={props.isHeld} onClick={() => player.step(-TICK)}
+        aria-label="one step back" title="comma">
         ‹
       </button>
-      <button type="button" class="plain" onClick={() => player.step(TICK)} aria-label="one step on" title="full stop">
+      <button type="button" class="plain" disabled={props.isHeld} onClick={() => player.step(TICK)}
+        aria-label="one step on" title="full stop">
         ›
       </button>
       <input
