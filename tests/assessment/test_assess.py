@@ -471,7 +471,9 @@ def test_first_lines_of_analyze_load_and_assess_agree() -> None:
     assert first[0] == first[1] and first[0].startswith("MAY FAIL  with contacts up to ")
     word, text = first[0].split("  ")
     found = pb.assess(turn_radius_m=0.0, overrides=keys)
-    assert found.conclusion.endswith(f"; with contacts anywhere on the palms {word}: {text}")
+    assert found.conclusion.endswith(
+        f"; for contacts anywhere on the palms, the result is {word}: {text}"
+    )
 
 
 def test_changes_keep_the_object_light_enough_for_how_far_contacts_then_get() -> None:

@@ -84,6 +84,7 @@ def test_best_controller() -> None:
 
 
 NEAR = "in 1,000 carries with shared-sign no contact got farther from its pivot than 10.0 mm"
+WITHIN = f"{NEAR}; within this distance"
 FAST = {"task.inertia": True, "robot.acceleration_m_s2": 0.8}
 LOW, TALL = {"object.box_m": [0.2, 0.1]}, {"object.box_m": [0.12, 0.4]}
 ASIDE = {"object.com_m": [0.05, 0.04]}
@@ -92,15 +93,15 @@ MECHANICS: list[tuple[dict[str, Any], OutcomeCounts | None, str, list[str]]] = [
     ({"robot.noise_m_s": 0.02}, GOOD, "yes", ["tightest margin", "the robots have to correct it"]),
     ({"object.mass_kg": 3}, GOOD, "yes", ["not: kg"]),
     # what fails only where no contact gets
-    (FAST, GOOD, "likely", [f"{NEAR}, and within that all", "farther out: robot.accel"]),
+    (FAST, GOOD, "likely", [f"{NEAR}, and within this distance all", "farther out: robot.accel"]),
     (LOW, GOOD, "likely", [NEAR, "farther out: a palm touches the object already, by 0.57°"]),
     (TALL, GOOD, "likely", [NEAR, "farther out: with the left palm shallow, on closing"]),
     (FAST, None, "partly", ["robot.acceleration_m_s2 is 0.8", "not: no contact"]),
     (LOW, None, "partly", ["a palm touches the object already"]),
     (TALL, None, "no", ["with the left palm shallow, on closing"]),
     # what fails there, too
-    (FAST | {"robot.acceleration_m_s2": 2.0}, GOOD, "partly", [f"{NEAR}; within that, robot."]),
-    (ASIDE, GOOD, "no", [f"{NEAR}; within that, with the left palm shallow, "]),
+    (FAST | {"robot.acceleration_m_s2": 2.0}, GOOD, "partly", [f"{WITHIN}, robot."]),
+    (ASIDE, GOOD, "no", [f"{WITHIN}, with the left palm shallow, "]),
 ]  # fmt: skip
 
 
@@ -112,7 +113,7 @@ def test_mechanics(
     near = _near(scene, best)
     answer = on_mechanics(pb.analyze(scene), near, best, "SCENE")
     check(answer, verdict, words)
-    region = " --region -0.01,0.01" if any("; within that, " in word for word in words) else ""
+    region = " --region -0.01,0.01" if any(f"{WITHIN}, " in word for word in words) else ""
     assert answer.command == f"palmbots analyze SCENE{region}"
 
 
@@ -124,7 +125,7 @@ def test_mechanics_are_those_of_the_worst_friction_that_was_given() -> None:
     assert not pb.analyze(scene).warnings and worst.warnings
     assert worst.scene.palm.friction == 0.6
     answer = on_mechanics(worst, _near(worst.scene, GOOD), GOOD, "SCENE", 0.6)
-    check(answer, "likely", ["all with friction 0.6, the worst of the interval"])
+    check(answer, "likely", ["all this with a friction of 0.6, the worst of the interval"])
     assert answer.command == "palmbots analyze SCENE --set palm.friction=0.6"
 
 
@@ -159,7 +160,7 @@ LOADS: list[tuple[float, OutcomeCounts | None, LoadTrial | None, str, list[str]]
     (0.5, GOOD, load(4, 3), "partly", [UNCLEAR, "not: off-palm"]),
     (0.5, GOOD, load(0, None, ("wheels slip", "more")), "partly", ["; wheels slip", "not: more"]),
     # held where the contacts get, and not there
-    (2, GOOD, load(0), "likely", [f"{NEAR}; within that ", "above 4.75 kg", "a wheel slips above"]),
+    (2, GOOD, load(0), "likely", [f"{WITHIN} ", "above 4.75 kg", "a wheel slips above"]),
     (2, GOOD, load(5, 5), "likely", [NOT_WEIGHT]),
     (2, counts("shared-sign", 0, reach=0.07), load(0), "partly", ["than 70.0 mm"]),
     (2, counts("shared-sign", 0, reach=None), load(0), "partly", ["not: no contact"]),
@@ -286,7 +287,7 @@ def test_angles(trial: AngleTrial | NoPair | None, verdict: str, words: list[str
 
 
 def test_angles_are_compared_at_a_noise_that_shows_a_difference() -> None:
-    """And the text says at which; better ones are no must where carries rarely fail."""
+    """And the text says at which; better ones are not required where carries rarely fail."""
     noisy = "at 6 times the noise (robot.noise_m_s=0.06), silent fails in "
     same = replace(angle_trial(200, 190, 0.1, 0.3), noise_factor=6.0)
     check(on_angles(same, "SCENE", PAPER, counts("silent", 0)), "yes", [f"{noisy}20.0 %"])
@@ -388,12 +389,12 @@ CHANGES += [
     (change(own_farthest_m=0.0121, farthest_m=0.0202), "yes",
      ["; the largest distance of a contact from its pivot in 1,000 carries is 20.2 mm instead of"]),
     (change(own_farthest_m=0.0121, farthest_m=0.0122), "yes", ["not: distance"]),
-    (change(**MASSES), "yes", ["no palm sags up to 4.67 kg as far out", "instead of 7.85 kg"]),
+    (change(**MASSES), "yes", ["no palm sags up to 4.67 kg instead of 7.85 kg as far out"]),
     (change(**MASSES | {"own_heaviest_kg": math.inf}), "yes", ["instead of any mass"]),
     (change(own_drift_m=0.0283, drift_m=0.0334), "yes", ["curve is 33.4 mm instead of 28.3"]),
     (change(own_drift_m=0.0283, drift_m=0.0334, drift_permitted_m=0.035), "yes", ["not: tips"]),
     (change(own_drift_m=0.0283, drift_m=0.0382, drift_permitted_m=0.035), "partly",
-     ["but on the curve it drifts by more than the 35.0 mm permitted, and tips; the forecast"]),
+     ["the object drifts by more than the 35.0 mm permitted, and tips; the forecast"]),
     (change(own_drift_m=0.0363, drift_m=0.0382, drift_permitted_m=0.035), "yes", ["not: tips"]),
     (change(own_drift_m=0.0283), "yes", ["not: drift"]),
     (change(own_holds=False, warnings=("too fast",)), "yes", ["; it brings a warning: too fast"]),

@@ -153,7 +153,7 @@ LIPS = {"palm.left.lip_height_m": 0.03, "palm.right.lip_height_m": 0.03, "task.p
          "lips stop the drift, but 9 of 20 carries drop, most often sliding: "),
         (replace(FORECAST, mean_m=0.02, tips=0), 1, "20.0 mm", None),
         (replace(FORECAST, mean_m=0.02, tips=0), 9, "35.0 mm (tips)", "but 9 of 20 carries drop"),
-        (replace(FORECAST, mean_m=0.03, tips=6), 0, "30.0 mm", "of drops, but 0 of 20"),
+        (replace(FORECAST, mean_m=0.03, tips=6), 0, "30.0 mm", ", but 0 of 20 carries drop"),
         (replace(FORECAST, mean_m=0.03, tips=4), 9, "30.0 mm", None),
     ],
 )  # fmt: skip

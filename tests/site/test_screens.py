@@ -72,7 +72,7 @@ def test_a_question_is_answered_before_its_carry_plays(open_page: Open) -> None:
     page = open_page(hash_of("stories", {"v.story": 3}), width=1366, height=768, moves=True)
     expect(page.locator("#play")).to_be_disabled()
     expect(page.locator("#scrub")).to_be_disabled()
-    expect(page.locator(".ending")).to_have_text("Answer first: then it plays.")
+    expect(page.locator(".ending")).to_have_text("Answer first; then it plays.")
     page.locator("h1").click()
     for key in ("Space", ".", "."):
         page.keyboard.press(key)

@@ -378,7 +378,7 @@ def test_a_long_design_names_what_is_quicker() -> None:
     line = time_line("noise", 1400.0, 97.0 / carries)
     assert line == (
         "the design takes about 23.3 min; --maximize angle, which compares pairs without carries, "
-        "about 1.7 min"
+        "takes about 1.7 min"
     )
     assert time_line("noise", 50.0, 1.0) == "the design takes about 50.0 s"
     assert time_line("com", 1400.0, 1.0) == "the design takes about 23.3 min"

@@ -44,7 +44,7 @@ function found(run: Recorded, robot: number): Activity[] {
 
 const known = new WeakMap<Recorded, Activity[]>();
 
-// Of a station, which has no rows of robots, its corrections.
+// Robots that a station commands have no rows of their own: their corrections take the place.
 function fromCorrections(run: Recorded): Activity[] {
   return run.corrections.flatMap(({ robot, assistant, name, start, end }) =>
     [0, 1].filter((side) => robot === 2 || side === robot || side === assistant).map((side): Activity => ({

@@ -220,9 +220,9 @@ function endless(carried: Recorded): string[] {
 const counted = (number: number, what: string) =>
   `${number === 0 ? "no" : number} ${what}${number === 1 ? "" : "s"}`;
 
-// What to do next, below the buttons: above them it would move them.
+// What to do next. It stands below the buttons, because above them it would move them.
 function hint(): string {
-  if (isAsking()) return "Answer first: then it plays.";
+  if (isAsking()) return "Answer first; then it plays.";
   if (isSeen() || player.playing.value) return "\u00a0";
   return "Press play, or the space bar, to see what happens.";
 }

@@ -132,7 +132,7 @@ class Assessment(Result):
     scene: Scene
     analysis: Analysis = field(metadata=NOT_IN_JSON)
     held: Holding | None = field(default=None, metadata=NOT_IN_JSON)
-    """What `analyze` and `load` say first; with an interval of friction, where it is worst."""
+    """The first line of `analyze` and `load`; with an interval of friction, where it is worst."""
 
     @derived
     def verdict(self) -> Verdict:
@@ -184,7 +184,8 @@ class Assessment(Result):
             else:
                 doubts.append("on its curve the object would tip sideways")
         if self.held is not None and self.held.word != "HOLDS":
-            use += f"; with contacts anywhere on the palms {self.held.word}: {self.held.text}"
+            use += "; for contacts anywhere on the palms, the result is "
+            use += f"{self.held.word}: {self.held.text}"
         return "; ".join([*doubts, use])
 
     def _doubt_of_load(self) -> str:
@@ -344,7 +345,7 @@ def assess(
 
 
 def _turn(scene: Scene, radius_m: float, angle_deg: float) -> Keys:
-    """The keys of the turn that is tried; empty: the scene has a curve of its own, or none is."""
+    """The keys of the turn that is tried; empty: the scene has its own curve, or no turn is."""
     if scene.task.path.kind != "straight" or radius_m == 0:
         return {}
     refuse_tight(scene, radius_m)

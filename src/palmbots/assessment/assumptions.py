@@ -35,10 +35,12 @@ def deciding_keys(
     change: ChangeTrial | None,
     curve: CurveTrial | None,
 ) -> tuple[str, ...]:
-    """Further keys that decide answers about a scene: those of the tightest margins and of the
-    warnings, those of which another value changed how carries end, the zero zone if a controller
-    that suffices needs a wide one, and the width of the palms if they have no lips and a curve was
-    tried."""
+    """Further keys that decide answers about a scene.
+
+    They are the keys of the tightest margins and of the warnings, and those with which another
+    value changed how carries end. The zero zone is among them if a controller that suffices needs a
+    wide one; the width of the palms is, if they have no lips and a curve was tried.
+    """
     return tuple(dict.fromkeys(_deciding(analysis, counts, change, curve)))
 
 
@@ -85,8 +87,8 @@ def assumed(scene: Scene, keys: Iterable[str] = DECISIVE) -> dict[str, Any]:
 
 
 def _is_given(scene: Scene, key: str) -> bool:
-    """Whether somebody set a key, as far as it can be known: a scene made of another one has all of
-    its keys, and a scene always has the COM and the mass that follow from its outline."""
+    """Whether somebody set a key, as far as it can be known: a scene made from another one has
+    all of its keys, and a scene always has the COM and the mass that follow from its outline."""
     *tables, name = key.split(".")
     given: Any = as_given(scene)
     for table in tables:
@@ -98,7 +100,7 @@ def _is_given(scene: Scene, key: str) -> bool:
 def on_assumptions(
     scene: Scene, friction: Interval | None = None, deciding: Sequence[str] = ()
 ) -> Answer:
-    """What the answers take for granted. Whether it is true palmbots cannot know.
+    """What the answers take for granted; palmbots cannot know whether it is true.
 
     Args:
         scene: whose values they are.
@@ -116,7 +118,7 @@ def on_assumptions(
         given = {FRICTION: "from {:g} to {:g} (--friction)".format(*friction), **given}
     texts = []
     if values:
-        texts.append(f"not given, so defaults: {_listed(values)}")
+        texts.append(f"not given, so at their defaults: {_listed(values)}")
     if given:
         texts.append(f"given: {_listed(given)}")
     return Answer("Are the values measured?", "open", "; ".join(texts), command_text("keys"))

@@ -77,7 +77,7 @@ def try_changes(
     """Carry the scene with each change. Where the object is too heavy, the best changes are also
     carried in the MuJoCo world, until all carries with one arrive.
 
-    A change that brings a warning is no advice, unless a property holds only with it.
+    A change that brings a warning is not advised, unless a property holds only with it.
 
     Args:
         scene: with a straight path.

@@ -41,7 +41,8 @@ def interval_of_friction(scene: Scene, friction: Interval) -> Interval:
     """The interval, if the palms of the scene allow all of it.
 
     Raises:
-        PalmbotsError: it is not one of friction, or an object with so much friction would wedge.
+        PalmbotsError: it is not an interval of friction, or an object with so much friction would
+            wedge.
     """
     low, high = ordered_pair("friction", friction, LEAST, MOST, differ=True)
     palms = [scene.palm_of(side) for side in SIDES]
@@ -56,7 +57,7 @@ def interval_of_friction(scene: Scene, friction: Interval) -> Interval:
 
 
 def _other_units(low: float, high: float) -> str:
-    """What coefficients above 1 may have been meant as."""
+    """The coefficients that may be meant by values in percent or degrees; empty: neither."""
     if low <= 1 or high >= 90:
         return ""
     tangents = " ".join(f"{math.tan(math.radians(angle)):.3g}" for angle in (low, high))

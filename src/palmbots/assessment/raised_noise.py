@@ -50,7 +50,7 @@ def noisy(scene: Scene, controller: str, factor: float) -> Prepared:
 
 
 def noise_words(scene: Scene, factor: float) -> str:
-    """At which noise carries were compared, in front of what they show; empty: at the scene's."""
+    """The noise at which carries were compared, as words before the result; empty: the scene's."""
     if factor == 1:
         return ""
     keys = [f"{key}={value:.3g}" for key, value in multiplied(scene, NOISE_KEY, factor).items()]

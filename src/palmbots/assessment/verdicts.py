@@ -55,14 +55,14 @@ def on_mechanics(
         region = [float(f"{end:.3g}") for end in (-best.farthest_m, best.farthest_m)]
     keys = {} if friction is None else friction_keys(analysis.scene, friction)
     if friction is not None:
-        text += f"; all with friction {friction:g}, the worst of the interval"
+        text += f"; all this with a friction of {friction:g}, the worst of the interval"
     return Answer(question, verdict, text, command_text("analyze", name, keys, region=region))
 
 
 def _held(
     analysis: Analysis, near: Analysis | None, best: OutcomeCounts | None
 ) -> tuple[Verdict, str, bool]:
-    """Verdict, text, and whether they are about contacts as near as in carries."""
+    """The verdict, its text, and whether they are for the contacts that occur in carries."""
     if analysis.lifting is not None and not analysis.lifting.works:
         return "no", analysis.lifting.refusals[0], False
     doubt = _doubt(analysis)
@@ -75,9 +75,10 @@ def _held(
     if near is None or best is None or best.farthest_m is None:
         return "partly" if analysis.holds else "no", doubt, False
     if (nearer := _doubt(near)) is None:
-        text = f"{reached(best)}, and within that all properties hold; farther out: {doubt}"
-        return "likely", text, False
-    return "partly" if near.holds else "no", f"{reached(best)}; within that, {nearer}", True
+        text = f"{reached(best)}, and within this distance all properties hold"
+        return "likely", f"{text}; farther out: {doubt}", False
+    text = f"{reached(best)}; within this distance, {nearer}"
+    return "partly" if near.holds else "no", text, True
 
 
 def _doubt(analysis: Analysis) -> str | None:
@@ -119,7 +120,7 @@ def on_load(
         reach = None if best is None else best.farthest_m
         verdict, texts = "partly", [limits.zone_sentence()]
         if best is not None and reach is not None:
-            texts.append(f"{reached(best)}; within that {limits.within_sentence(reach)}")
+            texts.append(f"{reached(best)}; within this distance {limits.within_sentence(reach)}")
             verdict = "likely" if reach <= limits.held_within_m else "partly"
     if trial is None:
         texts += [_untried()] * (best is not None)

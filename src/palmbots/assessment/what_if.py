@@ -49,7 +49,7 @@ def on_angles(
 ) -> Answer:
     """Whether other palm angles are better. If none are but the scene still fails, the verdict is
     ``partly``. `counted` may have more carries with the scene's own angles than the trial. If these
-    rarely fail, carries with more noise compare the angles, and better ones are no must."""
+    rarely fail, carries with more noise compare the angles, and better ones are not required."""
     question = "Are the palm angles right?"
     # Where each robot has its own noise, there is no common one to maximize.
     maximize = None if swept(scene, NOISE_KEY) == NOISE_KEY else "angle"
@@ -199,7 +199,7 @@ def on_change(
     if trial.tips_on_curve and trial.drift_permitted_m is not None:
         verdict = "partly"
         limit = millimetres(trial.drift_permitted_m)
-        text += f"; but on the curve it drifts by more than the {limit} permitted, and tips"
+        text += f"; but on the curve the object drifts by more than the {limit} permitted, and tips"
     return Answer(question, verdict, "; ".join([text, *_costs(trial)]), setting)
 
 
@@ -211,8 +211,8 @@ def _failure_command(scene: Scene, name: str, controller: str) -> str:
 
 
 def _costs(trial: ChangeTrial) -> Iterator[str]:
-    """What the change alters besides, for better or worse, as far as it shows. Carries are counted
-    at the noise of the scene, whatever the noise of the failures before them."""
+    """What else the change alters measurably, for better or worse. These carries have the noise of
+    the scene, even if more noise was needed to compare failures."""
     where = "" if trial.noise_factor == 1 else " at the scene's own noise"
     pairs = [
         ("a carry takes", "{:.0f}", trial.own_time_s, trial.time_s, " s", where),
@@ -231,7 +231,7 @@ def _costs(trial: ChangeTrial) -> Iterator[str]:
         now, was = mass_text(trial.heaviest_kg), mass_text(trial.own_heaviest_kg)
         was = f"{was} kg" if math.isfinite(trial.own_heaviest_kg) else "any mass"
         reach = "as far out as contacts then get"
-        yield f"no robot tips and no palm sags up to {now} kg {reach}, instead of {was}"
+        yield f"no robot tips and no palm sags up to {now} kg instead of {was} {reach}"
     yield from (f"it brings a warning: {text}" for text in trial.warnings)
 
 

@@ -25,7 +25,7 @@ class Estimate:
 
     Args:
         clock: in s.
-        of: what it is left of; empty: of the whole work.
+        of: words after the time, such as " of this stage"; empty: it is that of the whole work.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic, of: str = "") -> None:
@@ -44,12 +44,12 @@ class Estimate:
 
     @property
     def spent_s(self) -> float:
-        """Since the stage began."""
+        """The time since the stage began."""
         return self._clock() - self._start
 
     def text(self) -> str:
-        """The time that is left, in words. It counts down between two reports; where more time
-        passes than was left, nothing is claimed."""
+        """The time that is left, in words. It counts down between two reports, and claims
+        nothing once more time has passed than was left."""
         if self._fraction >= 1:
             return "finishing"
         if self._fraction <= 0:
@@ -106,9 +106,9 @@ def _duration(seconds: float) -> str:
 def staged_progress(quiet: bool = False, of: str = " of this stage") -> Iterator[StageReport]:
     """Show the progress of work in stages; yields the function to call with stage and fraction.
 
-    The time left is that of the present stage, as `of` says. `quiet` suppresses the bar, not the
-    lines of a batch job. Warnings that are held are printed when a stage begins that does more than
-    check the input.
+    The time left is that of the present stage, which the words `of` state. `quiet` suppresses the
+    bar, not the lines of a batch job. Warnings that are held are printed when a stage begins that
+    does more than check the input.
     """
     with _display(quiet, of) as show:
 
@@ -137,7 +137,7 @@ def _display(quiet: bool, of: str) -> Iterator[StageReport]:
     estimate = Estimate(of=of)
 
     class Left(ProgressColumn):
-        """Rich's own column counts down from the last seconds alone."""
+        """The estimate; Rich's own column takes only the last seconds into account."""
 
         def render(self, task: Task) -> Text:
             return Text(estimate.text(), style="progress.remaining")

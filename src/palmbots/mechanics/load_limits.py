@@ -24,7 +24,7 @@ from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.section import as_given
 
 LINES: Registry[Callable[..., Iterator[Item]]] = Registry("lines")
-"""What people read of a result that a higher room judges, too."""
+"""The report lines of results that a higher room judges, too."""
 _HALVINGS = 20
 _NEAR = 5e-4  # [m] from the pivot; two contacts are never both as close as this
 MEANINGS: dict[str, tuple[str, str]] = {

@@ -148,14 +148,14 @@ def _drift(one: CurveTrial) -> tuple[str, str]:
 
 
 def _contradiction(one: CurveTrial) -> str | None:
-    """Where the forecast expects more or fewer drops than there are; None: it agrees."""
+    """How drops in carries contradict the forecast; None: they agree with it."""
     if one.forecast is None or one.counts is None:
         return None
     expected = one.forecast.tips / one.forecast.seeds
     low, high = one.counts.drop_interval
     if low - _SLACK <= expected <= high + _SLACK:
         return None
-    tips = f"the forecast expects {rate_text(one.forecast.tips, one.forecast.seeds)} of drops"
+    tips = f"the forecast expects drops in {rate_text(one.forecast.tips, one.forecast.seeds)}"
     if one.forecast.lips:
         tips = "lips stop the drift"
     reason = usual_reason(one.counts, "mujoco")

@@ -43,8 +43,8 @@ def refuse_tight(scene: Scene, radius_m: float) -> None:
     least = scene.object.width_m
     if radius_m < least:
         raise PalmbotsError(
-            f"turn_radius_m: value is {radius_m:g}; allowed: from {least:g}, the distance of the "
-            "palms, to 100"
+            f"turn_radius_m: value is {radius_m:g}; allowed: from {least:g}, the distance "
+            "between the palms, to 100"
         )
 
 

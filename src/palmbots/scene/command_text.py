@@ -23,7 +23,8 @@ def command_text(
         place: what it is about, as words of a command line: `Scene.spelled`, or a quoted file.
         changes: scene keys that are set in place of what `place` sets.
         options: by parameter. None and False are left out, True is a flag, a pair of numbers is
-            two words, and a list one word with commas. A text is taken as words of a command line.
+            two words, and a list is one word with commas. A string is taken as words of a command
+            line.
     """
     words = ["palmbots", command]
     if place:

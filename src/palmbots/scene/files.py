@@ -29,7 +29,7 @@ def read_scene(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
     """The name of a scene in messages, and its table.
 
     A built-in scene takes precedence over a file of the same name; "./paper" is always a file. A
-    file that names no key is refused: it says nothing of the user's object.
+    file that sets no key is refused: it says nothing about the user's object.
     """
     name = os.fspath(source)
     names = built_in_scenes()
@@ -39,16 +39,16 @@ def read_scene(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
         file = resources.files("palmbots.scene") / "data" / "scenes" / f"{name}.toml"
         return name, tomllib.loads(file.read_text("utf-8"))
     table = read_table(name, KINDS.get("scene"), names)
-    if not _names_a_key(table):
+    if not _sets_a_key(table):
         raise SceneError(
-            f"{name}: names no key; allowed: a scene file with at least one (palmbots init scene "
-            "FILE writes all), or paper, the scene with all defaults"
+            f"{name}: sets no key; allowed: a scene file that sets at least one (palmbots init "
+            "scene FILE writes all), or paper, the scene with all defaults"
         )
     return name, table
 
 
-def _names_a_key(table: Mapping[str, Any]) -> bool:
-    return any(not isinstance(one, Mapping) or _names_a_key(one) for one in table.values())
+def _sets_a_key(table: Mapping[str, Any]) -> bool:
+    return any(not isinstance(one, Mapping) or _sets_a_key(one) for one in table.values())
 
 
 def read_table(name: str, kind: FileKind, built_in: Sequence[str] = ()) -> dict[str, Any]:

@@ -54,8 +54,8 @@ LEAST_PLAIN = 1000
 FEWEST, MOST = 16, 10_000
 """Limits of the number of replicates that count."""
 MOST_BUDGET = 200_000
-"""The budget if none is given, for carries as long and as simple as those of the default scene; for
-others so many that they take about as long as a user waits."""
+"""The budget if none is given, for carries as long and as simple as those of the default scene. For
+other scenes it is smaller, so that the work takes about as long."""
 SPLITTING = 20
 """With a budget of fewer stages than this, only plain carries are run, because splitting would not
 end within it. The same holds if the choice of levels alone takes half of the budget."""
@@ -65,7 +65,7 @@ _SEEDS_APART = 2**41  # plain carries share no seeds with those of other command
 # one drop in a million three of four intervals reach the wanted width of 20 %; with 1.3 it was
 # three of five.
 _RESERVE = 1.7
-_SINGLE_STEPS = 5  # times as long takes a carry that checks every period
+_SINGLE_STEPS = 5  # times as long: a carry that checks every period
 _SAMPLE_S, _MOMENT_S = 0.1, 2.0
 
 
@@ -246,8 +246,8 @@ def estimate_drop_rate(
 
 
 def default_budget(prepared: Prepared) -> int:
-    """The budget if none is given. Carries that may last longer than those of the default scene, or
-    that check every control period whether a robot stalls, are fewer."""
+    """The budget if none is given. It is smaller for carries that may last longer than those of
+    the default scene, or that check in every control period whether a robot stalls."""
     usual, scene = Scene(), prepared.scene
     share = (usual.timeout_s / usual.control.period_s) / (scene.timeout_s / scene.control.period_s)
     if _core.takes_single_steps(prepared.spec):

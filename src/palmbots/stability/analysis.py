@@ -73,7 +73,7 @@ class PropertyReport:
     binding_p_m: Pair
     """The contacts (left, right) closest to that: E or F of the paper's Figure 5."""
     com_x_m: Pair | None
-    """The COMs along the object for which the property holds, counted as in `Analysis.com_x_m`.
+    """The COMs along the object for which the property holds, measured as in `Analysis.com_x_m`.
     None: there is none."""
 
 

@@ -106,7 +106,7 @@ class Uncertainty:
     """From the left contact; None: as in the problem."""
 
     def counted_from(self, origin: Pair) -> "Uncertainty":
-        """The same with the COM counted from another point."""
+        """The same with the COM measured from another point."""
         ends = zip((self.com_x, self.com_y), origin, strict=True)
         com_x, com_y = (None if one is None else shifted(one, -by) for one, by in ends)
         return replace(self, com_x=com_x, com_y=com_y)

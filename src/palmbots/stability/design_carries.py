@@ -19,12 +19,12 @@ by-product."""
 _RATE = 0.01
 """Share of drops that defines σ*."""
 _SAMPLE, _MOST_SAMPLE, _SAMPLE_S = 200, 20_000, 0.2
-"""Carries by which the time of the design is estimated first: at least and at most so many, and so
-long."""
+"""Carries from which the time of the design is estimated: at least and at most this many, until
+they take this long [s]."""
 _USUAL_CARRY_S = 3e-4
 _MOMENT_S, _LONG_S = 2.0, 60.0
 REST_S = 3.0
-"""The certificate of a design, and the counts of outcomes, take so long, about."""
+"""About how long the certificate of a design and the counts of outcomes take."""
 _QUICKER: Objective = "angle"
 
 
@@ -70,8 +70,8 @@ def time_line(objective: Objective, total_s: float, carry_s: float) -> str:
     line = f"the design takes about {_rounded(total_s)}"
     quick_s = 2 * carries_of_measurement(_QUICKER) * carry_s + REST_S
     if objective == NOISE and total_s > _LONG_S:
-        line += f"; --maximize {_QUICKER}, which compares pairs without carries, about "
-        line += _rounded(quick_s)
+        line += f"; --maximize {_QUICKER}, which compares pairs without carries, "
+        line += f"takes about {_rounded(quick_s)}"
     return line
 
 

@@ -36,7 +36,7 @@ class Holding:
 
 
 def holding(analysis: Analysis) -> Holding:
-    """Of an analysis, for the contacts of its region."""
+    """The verdict of an analysis, for the contacts of its region."""
     load = analysis.load
     scene, contacts = analysis.scene, analysis.problem.contacts
     if refusal := load.refusal():
@@ -62,20 +62,20 @@ def holding(analysis: Analysis) -> Holding:
 
 
 def _of_load(load: LoadLimits, doubts: list[str]) -> Holding:
-    """With contacts anywhere on the palms, and what else is doubtful there."""
+    """The verdict with contacts anywhere on the palms, from the load and from other doubts."""
     doubts = [*([] if load.holds else [load.zone_sentence()]), *doubts]
-    return _judged(load, doubts, "all over the palms")
+    return _judged(load, doubts, "with contacts anywhere on the palms")
 
 
 def _judged(load: LoadLimits, doubts: list[str], where: str) -> Holding:
     if doubts:
         return Holding("MAY FAIL", "; ".join(doubts))
-    return Holding("HOLDS", f"{load.mass_kg:g} kg {where}")
+    return Holding("HOLDS", f"an object of {load.mass_kg:g} kg, {where}")
 
 
 def holding_of(scene: Scene, load: LoadLimits) -> Holding:
-    """With contacts anywhere on the palms; only what the robots hold where planar mechanics do not
-    apply, such as on a curved path."""
+    """The verdict with contacts anywhere on the palms. Where planar mechanics do not apply, such as
+    on a curved path, it is only about what the robots hold."""
     from palmbots.stability.analysis import analyze
 
     try:
@@ -87,7 +87,7 @@ def holding_of(scene: Scene, load: LoadLimits) -> Holding:
 
 
 def load_lines(load: LoadLimits) -> Iterator[Item]:
-    """What people read of `load`: the first line, and every limit."""
+    """The report of `load`: the first line, and every limit."""
     found = holding_of(load.scene, load)
     yield found.line()
     if not load.holds and load.refusal() is None and load.zone_sentence() not in found.text:

@@ -46,8 +46,8 @@ class StabilityProblem:
     com: Pair
     """From the left contact: a sharp vertex, or the centre of the arc that rounds it."""
     com_shift: Pair
-    """What to add to a COM in order to count it from the left contact vertex, as users do: where
-    the straight edges of a rounded vertex would meet. Zero between sharp vertices."""
+    """What to add to a COM in order to measure it from the left contact vertex, as users do. A
+    rounded vertex is where its straight edges would meet. Zero between sharp vertices."""
     friction: Pair
     slope: float
     offset: Pair
