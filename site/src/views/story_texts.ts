@@ -95,7 +95,7 @@ export const STORIES: Story[] = [
       {
         cones: true, controller: "distributed", set: FAST_RIGHT, speed: 2,
         task: "Give the pair a controller.", label: "distributed",
-        after: "Both contacts slide inward, so both robots correct, case (d), and both palms go up and down, one after the other. Closing (driving together) raises the squeeze H: the force with which the palms press the object inward, in units of its weight. The contact whose friction cone ends first slides: the one on the flatter palm.",
+        after: "Both contacts slide inward, so both robots correct: case (d). Both palms go up and down, one after the other. Closing (driving together) raises the squeeze H: the force with which the palms press the object inward, in units of its weight. The contact whose friction cone ends first slides: the one on the flatter palm.",
         hasSqueezes: true,
       },
     ],

@@ -123,8 +123,7 @@ class Assessment(Result):
     friction: FrictionTrial | None
     """None: no interval was given."""
     radio: tuple[RadioTrial, ...]
-    """By the share of lost messages, of the controllers that use a radio and suffice. If none
-    suffices, of the best one."""
+    """By the share lost, of the controllers that use a radio and suffice, else of the best one."""
     curve: CurveTrial | None
     """None: not tried."""
     change: ChangeTrial | None
@@ -183,9 +182,8 @@ class Assessment(Result):
                 use += f", and in {failures(self.curve.counts)} on its curve, in MuJoCo"
             else:
                 doubts.append("on its curve the object would tip sideways")
-        if self.held is not None and self.held.word != "HOLDS":
-            use += "; for contacts anywhere on the palms, the result is "
-            use += f"{self.held.word}: {self.held.text}"
+        if (held := self.held) is not None and held.word != "HOLDS":
+            use += f"; for contacts anywhere on the palms, the result is {held.word}: {held.text}"
         return "; ".join([*doubts, use])
 
     def _doubt_of_load(self) -> str:
