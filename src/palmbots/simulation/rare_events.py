@@ -61,8 +61,8 @@ SPLITTING = 20
 end within it. The same holds if the choice of levels alone takes half of the budget."""
 _AT_ONCE = 16  # replicates between two checks of the budget; not a matter of threads
 _SEEDS_APART = 2**41  # plain carries share no seeds with those of other commands
-# More replicates than the scatter of the pilot requires, because that is an estimate: at one drop in
-# a million, three of four intervals reach the wanted width of 20 %; with 1.3 it was three of five.
+# More replicates than the scatter of the pilot requires, as that is an estimate: at one drop in a
+# million, three of four intervals reach the wanted width of 20 %; with 1.3 it was three of five.
 _RESERVE = 1.7
 _SINGLE_STEPS = 5  # times as long: a carry that checks every period
 _SAMPLE_S, _MOMENT_S = 0.1, 2.0
