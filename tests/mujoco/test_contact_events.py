@@ -124,7 +124,7 @@ def test_a_heel_stops_the_object_in_both_worlds() -> None:
     """A push closes the pair by 3 cm, from 6 cm outward; the palms end at 7.5 cm."""
     push = {"robot": "left", "at_s": 0.5, "duration_s": 1.0, "speed_m_s": -0.03}
     keys = QUIET | {"task.distance_m": 0.2, "start.left_m": 0.06, "start.right_m": 0.06,
-                    "bumps.pushes": [push]}  # fmt: skip
+                    "bumps.pushes": [push], "object.box_m": [0.3, 0.16]}  # fmt: skip
     found = {
         (world, high): pb.carry(
             "paper", "none", world=world, seed=0, overrides=keys | {"palm.heel_m": high}
