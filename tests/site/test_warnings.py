@@ -45,7 +45,7 @@ CASES = [
     ("shared-sign", 0, {"palm__rate_deg_s": 700.0}),
     ("distributed", 0, {"object__com_m": [0.16, 0.04]}),
     ("silent", 0, {"palm__left__friction": 0.15, "palm__right__length_m": 0.2}),
-    ("distributed", 0, {"palm__length_m": 0.4, "palm__steep_deg": 60.0}),
+    ("distributed", 0, {"palm__length_m": 0.36, "palm__steep_deg": 50.0}),
 ]
 
 
