@@ -59,6 +59,11 @@ def test_a_view_opens_at_its_top(open_page: Open) -> None:
     """No element has the name of a view: the browser would scroll to it."""
     page = open_page("#mechanics", width=1024, height=640)
     assert page.evaluate("scrollY") == 0
+    for view in ("mechanics", "compare", "design", "stories", "proofs", "carry"):
+        go(page, f"#{view}")
+        expect(page.locator(f"nav a[aria-current][href^='#{view}']")).to_have_count(1)
+        expect(page.locator("canvas").first).to_be_visible()
+        expect(page.locator(f"#{view}")).to_have_count(0)
     go(page, "#carry?t=2")
     expect(page.locator("#examine")).to_be_visible()
     page.evaluate("scrollTo(0, document.body.scrollHeight)")
@@ -74,8 +79,10 @@ def test_a_question_is_answered_before_its_carry_plays(open_page: Open) -> None:
     expect(page.locator("#scrub")).to_be_disabled()
     expect(page.locator(".ending")).to_have_text("Answer first; then it plays.")
     page.locator("h1").click()
-    for key in ("Space", ".", "."):
-        page.keyboard.press(key)
+    page.keyboard.press("Space")
+    expect(page.locator("#play")).to_have_attribute("aria-label", "play")
+    for _ in range(2):
+        page.keyboard.press(".")
     chart = page.locator("#contacts-chart").bounding_box()
     page.mouse.click(chart["x"] + 300, chart["y"] + 40)
     page.locator("#contacts-chart").press("End")
