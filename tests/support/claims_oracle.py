@@ -10,7 +10,7 @@ with the code under test.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -64,6 +64,22 @@ class States:
             shares = np.linalg.solve(matrix, wanted)[..., 0].min(axis=-1)
             found[side, slide] = np.where(regular, shares, 0.0)  # 0 decides nothing
         return found
+
+    def touching(self, radii: tuple[float, float]) -> "States":
+        """The same states of a box with rounded contact corners, as sharp objects with contacts at
+        the touching points: points of the complex plane, from the left corner of the box."""
+        radius = np.array(radii)[:, None]
+        centres = [radii[0] * (1 + 1j), self.width + radii[1] * (1j - 1)]
+        span = centres[1] - centres[0]
+        height = self.p * np.sin(self.theta) + (self.offset + radius) * np.cos(self.theta)
+        turn = np.exp(1j * np.arcsin((height[1] - height[0]) / abs(span))) * abs(span) / span
+        left, right = (
+            centre * turn - r * np.exp(1j * (np.pi / 2 + angle))
+            for centre, r, angle in zip(centres, radii, self.theta * [[-1], [1]], strict=True)
+        )
+        chord = right - left
+        com = ((self.com[0] + 1j * self.com[1]) * turn - left) * np.conj(chord) / abs(chord)
+        return replace(self, width=abs(chord), com=np.stack([com.real, com.imag]))
 
 
 def _cross(a: Array, b: Array) -> Array:
@@ -145,8 +161,11 @@ def _numbers(pair: Any) -> tuple[float, float]:
     return low, high
 
 
-def random_box(rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A scene and intervals: palms like V or Λ, with much or little friction, COM anywhere."""
+def random_box(
+    rng: np.random.Generator, radii: tuple[float, float] = (0.0, 0.0)
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A scene and intervals: palms like V or Λ, with much or little friction, COM anywhere, contact
+    corners with these radii."""
 
     def around(middle: float, size: float) -> tuple[float, float]:
         half = float(rng.uniform(0, size))
@@ -160,7 +179,12 @@ def random_box(rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Any]
     height = float(rng.uniform(0.05, 0.5))
     com = [0.25 * float(rng.uniform(0.1, 0.9)), height * float(rng.uniform(0.1, 0.9))]
     scene = {
-        "object": {"box_m": [0.25, height], "com_m": com, "mass_kg": 0.1},
+        "object": {
+            "box_m": [0.25, height],
+            "com_m": com,
+            "mass_kg": 0.1,
+            "edge_radius_m": [*radii, 0, 0],
+        },
         "palm": {
             "length_m": float(rng.uniform(0.02, 0.15)),
             "shallow_deg": shallow,

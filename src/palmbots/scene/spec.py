@@ -44,15 +44,15 @@ def refuse_pipe(scene: Scene, what: str = "this analysis") -> None:
 
 
 def refuse_rounded_contacts(scene: Scene) -> None:
-    """Raise `SceneError` for rounded contact vertices, which no proof covers.
+    """Raise `SceneError` for rounded contact vertices, which the bound does not cover.
 
     Other corners may be rounded: the sharp outline contains the rounded one.
     """
     if any(contact_radii(to_spec(scene, unrolled=True))):
         raise SceneError(
             f"object.edge_radius_m: {show(scene.object.edge_radius_m)} rounds a contact vertex, "
-            "but this proof assumes that both are sharp; allowed: 0 there; analyze, design, carry "
-            "and drop-rate take rounded ones"
+            "but this proof assumes that both are sharp; allowed: 0 there; analyze, certify, "
+            "design, carry and drop-rate take rounded ones"
         )
 
 

@@ -16,7 +16,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.scene.object_frame import Corner, object_frame
 from palmbots.scene.palm_section import PalmParameters
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import to_spec
+from palmbots.scene.spec import contact_radii, to_spec
 from palmbots.stability.certificates.parameter_box import Ends, ParameterBox, exact
 
 _SLOPE_DIGITS = 12
@@ -109,6 +109,7 @@ def box_of(
     """
     body = scene.object
     frame = object_frame(body.vertices_m, body.contacts, body.com_m)
+    radii = contact_radii(to_spec(scene, unrolled=True))
     palms = tuple(scene.palm_of(side) for side in SIDES)
     width = _ends("width_m", width_m, frame.width, 0.001, 10)
     rounding = exact(frame.width) / _ROUNDING
@@ -150,6 +151,7 @@ def box_of(
             (exact(c.from_left), exact(c.from_right), exact(c.height)) for c in frame.outline
         ),
         right_contact=frame.contact_right,
+        radius=(exact(radii[0]), exact(radii[1])),
     )
     _refuse_crossing(box)
     return box

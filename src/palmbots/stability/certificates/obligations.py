@@ -26,6 +26,8 @@ BOTH_TURN = ("property 0 turning", "clearance turning", "no jam")
 """What robots need in addition if they turn their palms at the same time."""
 CLAIMS = (*ONE_TURNS, *BOTH_TURN)
 """What a certificate can prove."""
+FORCE_CLAIMS = tuple(claim for claim in CLAIMS if not claim.startswith("clearance"))
+"""The claims about forces: all that it can prove of rounded contact vertices."""
 
 _LEAST = 1e-7  # intervals smaller than this are not bisected
 
@@ -139,8 +141,16 @@ def _sizes(box: ParameterBox, part: Subbox) -> dict[str, float]:
     }
     if box.common:
         sizes["friction"] = _extent(part.friction[0])
+    for i, word in enumerate(SIDES if box.rounded else ()):
+        sizes[f"p {word}"] = _lift(part, i)
     sizes["width"] = _extent(part.width) / float(part.width[0])
     return sizes
+
+
+def _lift(part: Subbox, i: int) -> float:
+    """Approximate height difference of the contacts due to one of them, in widths."""
+    steepest = max(abs(math.sin(math.radians(float(a)))) for a in part.angles[i])
+    return steepest * _extent(part.contacts[i]) / float(part.width[0])
 
 
 def _reaches(part: Subbox, side: int) -> dict[str, float]:
@@ -150,10 +160,8 @@ def _reaches(part: Subbox, side: int) -> dict[str, float]:
     for i, word in ((0, "left"), (1, "right")):
         angle = math.radians(_extent(part.angles[i]))
         far = max(abs(float(p)) for p in part.contacts[i]) / w
-        steepest = max(abs(math.sin(math.radians(float(a)))) for a in part.angles[i])
-        p = _extent(part.contacts[i]) / w
         sizes[word] = angle if i == side else far * angle
-        sizes["p left" if i == 0 else "p right"] = p if i == side else steepest * p
+        sizes[f"p {word}"] = _extent(part.contacts[i]) / w if i == side else _lift(part, i)
     return sizes
 
 
@@ -172,7 +180,7 @@ def bisect(
         contacts: whether the contacts may be bisected.
     """
     sizes = _sizes(box, part) if side is None else _reaches(part, side)
-    if not contacts:
+    if side is not None and not contacts:
         sizes = {key: size for key, size in sizes.items() if not key.startswith("p ")}
     name = max(sizes, key=lambda key: sizes[key])
     if sizes[name] < _LEAST:

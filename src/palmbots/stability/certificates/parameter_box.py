@@ -66,6 +66,19 @@ class ParameterBox:
     only the other contact moves, to w."""
     right_contact: int
     """Index of the right contact vertex."""
+    radius: tuple[Fraction, Fraction] = (Fraction(0), Fraction(0))
+    """Of the arcs that round the contact vertices; 0: sharp. The file has them in its scene."""
+
+    @property
+    def rounded(self) -> bool:
+        """Whether a contact vertex is rounded."""
+        return any(self.radius)
+
+    @property
+    def com_is_upright(self) -> bool:
+        """Whether the COMs are a rectangle along the axes, or a part of one."""
+        xs, ys = ({corner[axis] for corner in self.com} for axis in (0, 1))
+        return len(xs) <= 2 and len(ys) <= 2 and len(xs) * len(ys) == len({*self.com})
 
     def seen(self, side: int, w: Fraction) -> list[tuple[Fraction, Fraction]]:
         """The outline from one contact, the origin: (along the line of contacts, height)."""

@@ -14,6 +14,7 @@ from typing import Any
 
 from palmbots._types import SIDES
 from palmbots.stability.certificates.ball_arithmetic import ball, object_tangents, radians
+from palmbots.stability.certificates.contact_arcs import at_contacts
 from palmbots.stability.certificates.obligations import Obligation, Subbox, exact
 from palmbots.stability.certificates.parameter_box import Ends, ParameterBox, text
 from palmbots.stability.linear_conditions import NEEDS, SLIDING_EDGES
@@ -62,9 +63,11 @@ class Corner:
 
 def corners(box: ParameterBox, part: Subbox) -> list[Corner] | None:
     """The corners of a part; None: the object cannot span its contacts."""
-    turns = object_tangents(box, part)
-    if turns is None:
+    touching = at_contacts(box, part)
+    turns = object_tangents(*touching) if touching else None
+    if touching is None or turns is None:
         return None
+    box, part = touching
 
     def balls(ends: Ends) -> list[Any]:
         return [ball(end) for end in dict.fromkeys(ends)]

@@ -34,12 +34,13 @@ from palmbots.scene.spec import (
     refuse_curved,
     refuse_heels,
     refuse_low_noses,
-    refuse_rounded_contacts,
+    refuse_pipe,
 )
 from palmbots.stability.certificates.box_from_scene import box_of
 from palmbots.stability.certificates.box_table import BoxTable
 from palmbots.stability.certificates.obligations import (
     CLAIMS,
+    FORCE_CLAIMS,
     Obligation,
     Subbox,
     bisect,
@@ -129,19 +130,27 @@ def prove(
 
     Args:
         box: the parameter box.
-        claims: some of `CLAIMS`; None: all.
+        claims: some of `CLAIMS`; None: all, or of rounded contact vertices `FORCE_CLAIMS`.
         scene: the scene of the box, which the certificate states.
         max_boxes: number of boxes after which the claims count as undecided.
 
     Raises:
-        PalmbotsError: there is no claim, or an unknown one.
+        PalmbotsError: there is no claim, an unknown one, or one about clearance although a contact
+            vertex is rounded.
         MissingExtra: python-flint is not installed.
     """
-    names = CLAIMS if claims is None else claims
+    provable = FORCE_CLAIMS if box.rounded else CLAIMS
+    names = provable if claims is None else claims
     if isinstance(names, str) or not names:
         raise PalmbotsError(f"claims: value is {show(names)}; allowed: some of {list(CLAIMS)}")
     for name in names:
         one_of("claims", name, CLAIMS)
+        if name not in provable:
+            raise PalmbotsError(
+                f'claims: "{name}" is about the outline, but a contact vertex is rounded and only '
+                f"claims about forces are proved of it; allowed: some of {list(provable)}; "
+                "palmbots analyze computes the clearance"
+            )
     ctx = require("flint", "certify").ctx  # here and in `_method`: its import is slow
     with ctx.workprec(_BITS):
         return _prove(box, tuple(names), scene, max_boxes)
@@ -182,8 +191,13 @@ def _prove(box: ParameterBox, claims: tuple[str, ...], scene: Scene, max_boxes: 
     parts = 0
     proof: dict[str, Any] = {}
     required = list(obligations(box, claims))
+
+    def refuted(obligation: Obligation, part: Subbox) -> dict[str, Any] | None:
+        # The enclosure of an arc's touching points contains points that no state has.
+        return None if box.rounded else _method(obligation).refuted(box, obligation, part)
+
     for obligation in required:
-        witness = _method(obligation).refuted(box, obligation, obligation.part)
+        witness = refuted(obligation, obligation.part)
         if witness is not None:
             return fails(witness, parts)
     for obligation in required:
@@ -199,7 +213,7 @@ def _prove(box: ParameterBox, claims: tuple[str, ...], scene: Scene, max_boxes: 
             is_last = halves is None or parts > max_boxes
             # The witness may lie inside the box, and a palm may touch between its corners.
             if is_last or _is_clearance(obligation):
-                witness = _method(obligation).refuted(box, obligation, part)
+                witness = refuted(obligation, part)
                 if witness is not None:
                     return fails(witness, parts)
             if halves is None or is_last:
@@ -286,7 +300,8 @@ def certify(
         beyond_m: how far past p = 0 corrections continue. Contacts up to there count as not yet
             corrected. 0: as in the paper.
         claims: prove these claims: property 1, property 2, property 0, clearance, property 0
-            turning, clearance turning, no jam; None: all.
+            turning, clearance turning, no jam; None: all, of rounded contact vertices those without
+            clearance.
         probe: file of palmbots probe with intervals of COM and friction; None: as in the scene.
         max_boxes: number of boxes after which the claims count as undecided.
         overrides: scene keys to set.
@@ -302,7 +317,7 @@ def certify(
         intervals = with_probed(intervals, read_probed(probe), common_friction)
     chosen = load_scene(scene, overrides)
     refuse_curved(chosen)
-    refuse_rounded_contacts(chosen)
+    refuse_pipe(chosen, "the proof")
     refuse_low_noses(chosen)
     refuse_heels(chosen)
 

@@ -9,6 +9,7 @@ from palmbots.stability.certificates.checker.clearance_conditions import ObjectO
 from palmbots.stability.certificates.checker.enclosures import Ends
 from palmbots.stability.certificates.checker.outline_validity import require_valid_outline
 from palmbots.stability.certificates.checker.property_conditions import CheckFailed, ObjectParams
+from palmbots.stability.certificates.checker.touching_points import ContactArcs
 
 _STEEPEST_DEG = 80
 _MOST_COMS = 100
@@ -29,6 +30,8 @@ class ClaimedBox:
     steep_deg: tuple[Ends, Ends]
     contacts: tuple[Ends, Ends]
     beyond: Fraction
+    arcs: ContactArcs | None = None
+    """The arcs that round the contact vertices in the certificate's scene; None: both are sharp."""
 
 
 def read_box(entry: Entry) -> ClaimedBox:

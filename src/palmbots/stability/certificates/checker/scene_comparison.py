@@ -61,6 +61,14 @@ class _Frame:
         return [self.place(points[k]) for k in order], order.index(self.contacts[1])
 
 
+def contact_radii(scene: Scene) -> tuple[Fraction, Fraction]:
+    """The radii of the arcs that round the contact vertices (left, right); 0: sharp."""
+    radius, (left, right) = scene.object.edge_radius_m, scene.object.contacts
+    if isinstance(radius, tuple):
+        return _exact(radius[left]), _exact(radius[right])
+    return _exact(radius), _exact(radius)
+
+
 def has_outline_of(box: ClaimedBox, scene: Scene) -> bool:
     """Whether the box has the outline and the contact vertices of a scene."""
     frame = _Frame(scene)

@@ -46,9 +46,11 @@ from palmbots.stability.certificates.checker.required_obligations import (
     required_obligations,
 )
 from palmbots.stability.certificates.checker.scene_comparison import (
+    contact_radii,
     has_outline_of,
     values_outside,
 )
+from palmbots.stability.certificates.checker.touching_points import ContactArcs
 
 
 @dataclass(frozen=True, repr=False)
@@ -124,7 +126,7 @@ def check(certificate: str | PathLike[str], scene: SceneLike | None = None) -> C
             outside=values_outside(box, own),
         )
         _require_scene(box, own, given)
-        run(box, Entry(data))
+        run(_with_arcs(box, own), Entry(data))
     except CheckFailed as error:
         return replace(result, reason=str(error))
     return replace(result, valid=True)
@@ -161,11 +163,16 @@ def _require_scene(box: ClaimedBox, stated: Scene, given: Scene | None) -> None:
         )
     if given is None:
         return
-    if not has_outline_of(box, given):
+    if not has_outline_of(box, given) or contact_radii(given) != contact_radii(stated):
         raise CheckFailed("the certificate is about another object than the scene's")
     outside = values_outside(box, given)
     if outside:
         raise CheckFailed(f"the scene is not in the parameter box: {'; '.join(outside)}")
+
+
+def _with_arcs(box: ClaimedBox, stated: Scene) -> ClaimedBox:
+    radii = contact_radii(stated)
+    return replace(box, arcs=ContactArcs.of(box.outline, radii)) if any(radii) else box
 
 
 def _follow(proof: Entry, box: ParameterBox, prove: Callable[[ParameterBox], None]) -> None:
@@ -191,9 +198,14 @@ def _check_holds(box: ClaimedBox, certificate: Entry) -> None:
 
         def prove(part: ParameterBox, obligation: Obligation = obligation) -> None:
             if obligation.is_clearance:
+                if box.arcs is not None:
+                    raise CheckFailed("no proof covers the clearance of rounded contact vertices")
                 prove_clear(obligation.side, part, box.params, box.outline)
                 return
-            at = list(corners(part, box.params))
+            params = box.params
+            if box.arcs is not None:
+                part, params = box.arcs.touching(part, params)
+            at = list(corners(part, params))
             if obligation.claim == "no jam":
                 prove_no_jam(obligation.number, at)
             else:
@@ -208,6 +220,8 @@ def _check_holds(box: ClaimedBox, certificate: Entry) -> None:
 
 def _check_fails(box: ClaimedBox, certificate: Entry) -> None:
     """Require that a claim certainly fails at one point of the box."""
+    if box.arcs is not None:
+        raise CheckFailed("no witness proves that a claim fails for rounded contact vertices")
     witness = certificate["witness"]
     obligations = required_obligations(box, certificate["claims"].value)
     if witness["claim"].text() not in obligations:
