@@ -69,7 +69,7 @@ class States:
         """The same states of a box with rounded contact corners, as sharp objects with contacts at
         the touching points: points of the complex plane, from the left corner of the box."""
         radius = np.array(radii)[:, None]
-        centres = [radii[0] * (1 + 1j), self.width + radii[1] * (1j - 1)]
+        centres = np.stack([0 * self.width, self.width]) + radius * [[1 + 1j], [1j - 1]]
         span = centres[1] - centres[0]
         height = self.p * np.sin(self.theta) + (self.offset + radius) * np.cos(self.theta)
         turn = np.exp(1j * np.arcsin((height[1] - height[0]) / abs(span))) * abs(span) / span

@@ -60,9 +60,10 @@ def test_both_enclosures_contain_the_touching_points(polygon: bool) -> None:
         )
         low = [[Fraction(round(float(v), 3)) for v in rng.uniform(-30, 30, 2)] for _ in range(2)]
         size = Fraction(int(rng.integers(0, 20)), 2)
-        angles = tuple((a, a + size) for a, _ in low)
+        left, right = ((a, a + size) for a, _ in low)
+        angles = left, right
         ends = [sorted(Fraction(int(v), 1000) for v in rng.integers(-75, 75, 2)) for _ in range(2)]
-        contacts = tuple((a, b) for a, b in ends)
+        contacts = (ends[0][0], ends[0][1]), (ends[1][0], ends[1][1])
         part = Subbox(angles, box.friction, box.width, contacts)
         with ctx.workprec(128):
             proved = at_contacts(box, part)
@@ -87,8 +88,8 @@ def test_both_enclosures_contain_the_touching_points(polygon: bool) -> None:
             (proved[1].width, proved[0].com),
             (checked[0].width, checked[1].com),
         ):
-            rows = [(states.width, width)]
-            rows += [(states.com[k], [c[k] for c in com]) for k in (0, 1)]
+            xs, ys = zip(*com, strict=True)
+            rows = ((states.width, width), (states.com[0], xs), (states.com[1], ys))
             for values, limits in rows:
                 least, most = float(min(limits)), float(max(limits))
                 assert least <= values.min() + 1e-12 and values.max() - 1e-12 <= most
