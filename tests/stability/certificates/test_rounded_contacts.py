@@ -43,8 +43,8 @@ def between(rng: np.random.Generator, ends: tuple[Fraction, Fraction], n: int) -
     return float(ends[0]) + float(ends[1] - ends[0]) * share
 
 
-@pytest.mark.parametrize("polygon", [False, True])
-def test_both_enclosures_contain_the_touching_points(polygon: bool) -> None:
+@pytest.mark.parametrize(("polygon", "share"), [(False, 1), (True, 1), (False, Fraction(1, 50))])
+def test_both_enclosures_contain_the_touching_points(polygon: bool, share: Fraction) -> None:
     """Width and COM of states in random parts of a box, and the enclosures are not much wider."""
     rng = np.random.default_rng(1)
     used: list[float] = []
@@ -54,16 +54,21 @@ def test_both_enclosures_contain_the_touching_points(polygon: bool) -> None:
         triangle = [[0.1, 0.04], [0.15, 0.05], [0.12, 0.09]]
         coms: dict[str, Any] = {"com_polygon_m": triangle}
         if not polygon:
-            coms = {"com_x_m": (0.11, 0.14), "com_y_m": (0.05, 0.07)}
+            far = 0.01 * float(share)
+            coms = {"com_x_m": (0.12 - far, 0.12 + far), "com_y_m": (0.06 - far, 0.06 + far)}
         box = box_of(
-            pb.load_scene({"object": body}), width_m=(0.24, 0.26), offset_m=(0.0, 0.01), **coms
+            pb.load_scene({"object": body}),
+            width_m=(0.25 - 0.01 * float(share), 0.25 + 0.01 * float(share)),
+            offset_m=(0.01 - 0.01 * float(share), 0.01),
+            **coms,
         )
         low = [[Fraction(round(float(v), 3)) for v in rng.uniform(-30, 30, 2)] for _ in range(2)]
-        size = Fraction(int(rng.integers(0, 20)), 2)
+        size = share * Fraction(int(rng.integers(0, 20)), 2)
         left, right = ((a, a + size) for a, _ in low)
         angles = left, right
         ends = [sorted(Fraction(int(v), 1000) for v in rng.integers(-75, 75, 2)) for _ in range(2)]
-        contacts = (ends[0][0], ends[0][1]), (ends[1][0], ends[1][1])
+        one, two = ((a, a + share * (b - a)) for a, b in ends)
+        contacts = one, two
         part = Subbox(angles, box.friction, box.width, contacts)
         with ctx.workprec(128):
             proved = at_contacts(box, part)
