@@ -12,9 +12,16 @@ import pytest
 
 import palmbots as pb
 from palmbots._util.confidence_intervals import rate_interval
+from palmbots._util.report import as_text
 from palmbots.assessment.angles import AngleTrial, NoPair, try_angles
 from palmbots.assessment.assess import QUESTIONS
-from palmbots.assessment.assumptions import assumed, deciding_keys, on_assumptions
+from palmbots.assessment.assumptions import (
+    DECISIVE,
+    assumed,
+    assumptions_table,
+    deciding_keys,
+    on_assumptions,
+)
 from palmbots.assessment.change_trial import ChangeTrial, NoChange
 from palmbots.assessment.changes import _plans, try_changes
 from palmbots.assessment.friction import try_friction
@@ -415,12 +422,12 @@ def test_defaults_that_may_be_wrong_are_listed() -> None:
     given = pb.load_scene({"robot": {"noise_m_s": 0.01}, "palm": {"left": {"rate_deg_s": 50.0}}})
     keys = ("robot.noise_m_s", "palm.rate_deg_s", "tactile.zero_half_width_m")
     assert assumed(given, keys) == {"palm.rate_deg_s": 50.0, "tactile.zero_half_width_m": 0.005}
-    text = on_assumptions(own).text
+    text = as_text([assumptions_table(own)], 99)
     assert all(f"{key} " in text for key in found)
-    assert "palm.friction 0.3, " in on_assumptions(pb.load_scene({})).text
+    assert "palm.friction 0.3, " in as_text([assumptions_table(pb.load_scene({}))])
     for scene in (own, pb.load_scene(own, both), pb.load_scene({})):  # --friction gives it
-        text = on_assumptions(scene, (0.3, 0.4)).text
-        assert "given: palm.friction from 0.3 to 0.4 (--friction)" in text
+        text = as_text([assumptions_table(scene, (0.3, 0.4))])
+        assert "palm.friction from 0.3 to 0.4 (--friction)" in text.split("  given ")[1]
         assert text.count("friction ") == 1
 
 
@@ -457,8 +464,9 @@ def test_values_that_decide_are_listed_if_nobody_gave_them() -> None:
     assert "palm.width_m" not in keys and "palm.rate_deg_s" not in keys
     silent = (count_outcomes("paper", "silent", seeds=1000),)
     assert "tactile.zero_half_width_m" not in deciding_keys(analysis, silent, None, None)
-    text = on_assumptions(scene, None, keys).text
-    missing, given = text.split("; given: ")
+    missing, given = as_text([assumptions_table(scene, None, keys)]).split("  given ")
+    count = f"{len(assumed(scene, (*DECISIVE, *keys)))} were not given"
+    assert count in on_assumptions(scene, None, keys).text
     assert "robot.acceleration_m_s2 0.8" in given and "tactile.zero_half_width_m" in missing
 
 

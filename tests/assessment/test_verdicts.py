@@ -17,17 +17,18 @@ import pytest
 
 import palmbots as pb
 from palmbots._util.confidence_intervals import rate_text
+from palmbots._util.report import as_text
 from palmbots.assessment.angles import AngleTrial, NoPair
 from palmbots.assessment.answer import (
     Answer,
     best_of,
 )
-from palmbots.assessment.assess import QUESTIONS, Answers, Assessment, _near
+from palmbots.assessment.assess import QUESTIONS, Answers, Assessment
 from palmbots.assessment.change_trial import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial
 from palmbots.assessment.load import LoadTrial
 from palmbots.assessment.radio import RadioTrial
-from palmbots.assessment.side_effects import least_sound
+from palmbots.assessment.side_effects import least_sound, near_pivots
 from palmbots.assessment.verdicts import (
     counts_table,
     needs_table,
@@ -37,6 +38,7 @@ from palmbots.assessment.verdicts import (
     on_mechanics,
 )
 from palmbots.assessment.what_if import (
+    costs_table,
     on_angles,
     on_change,
     on_curve,
@@ -110,7 +112,7 @@ def test_mechanics(
     keys: dict[str, Any], best: OutcomeCounts | None, verdict: str, words: list[str]
 ) -> None:
     scene = pb.load_scene("paper", {"task.inertia": False} | keys)
-    near = _near(scene, best)
+    near = near_pivots(scene, best)
     answer = on_mechanics(pb.analyze(scene), near, best, "SCENE")
     check(answer, verdict, words)
     region = " --region -0.01,0.01" if any(f"{WITHIN}, " in word for word in words) else ""
@@ -124,7 +126,7 @@ def test_mechanics_are_those_of_the_worst_friction_that_was_given() -> None:
     worst = least_sound(scene, (0.3, 0.6))
     assert not pb.analyze(scene).warnings and worst.warnings
     assert worst.scene.palm.friction == 0.6
-    answer = on_mechanics(worst, _near(worst.scene, GOOD), GOOD, "SCENE", 0.6)
+    answer = on_mechanics(worst, near_pivots(worst.scene, GOOD), GOOD, "SCENE", 0.6)
     check(answer, "likely", ["all this with a friction of 0.6, the worst of the interval"])
     assert answer.command == "palmbots analyze SCENE --set palm.friction=0.6"
 
@@ -360,22 +362,22 @@ CHANGES: list[tuple[ChangeTrial | NoChange | None, str, list[str]]] = [
     (NoChange("no noise"), "open", ["no noise"]),
     (NoChange("weak", is_for_load=True), "no", ["weak"]),
     (change(), "yes", ["robot.speed_m_s from 0.06 to 0.084: silent fails in 1.0 %", "not: noise"]),
-    (change(), "yes", ["instead of 10.0 %", "not: carry takes", "not: sends", "not: reserve"]),
+    (change(), "yes", ["instead of 10.0 %", "not: time of", "not: messages of", "not: reserve"]),
     (change(failures=90), "no", ["silent fails in 10.0 %", "none of the 9 changes"]),
     (change(noise_factor=2.0), "yes", ["more reserve: robot.", "(robot.noise_m_s=0.02), silent"]),
     (change(own_holds=False), "yes", ["; then all properties hold"]),
     (change(own_holds=False, holds=False), "yes", ["not: properties"]),
     (change(own_holds=False, noise_factor=2.0), "yes", ["all properties hold", "not: reserve"]),
-    (change(time_s=18.0), "yes", ["; a carry takes 18 s instead of 25", "not: sends"]),
-    (change(time_s=24.0), "yes", ["not: a carry takes"]),  # 4 %
-    (change(time_s=26.4), "yes", ["a carry takes 26 s instead of 25"]),  # 6 %
-    (change(messages=50.0), "yes", ["; a carry sends 50 messages instead of 100", "not: takes"]),
+    (change(time_s=18.0), "yes", ["time of a carry  25 s  18 s", "not: messages of"]),
+    (change(time_s=24.0), "yes", ["not: time of"]),  # 4 %
+    (change(time_s=26.4), "yes", ["time of a carry  25 s  26 s"]),  # 6 %
+    (change(messages=50.0), "yes", ["messages of a carry  100  50", "not: time of"]),
     (change(messages=50.0), "yes", ["not: own noise"]),
     (change(messages=50.0, noise_factor=6.0), "yes",
      ["at 6 times the noise (robot.noise_m_s=0.06), silent",
-      "sends 50 messages instead of 100 at the scene's own noise"]),
-    (change(own_messages=None), "yes", ["not: sends"]),
-    (change(time_s=None), "yes", ["not: takes"]),
+      "what it costs, at the scene's own noise  as it is  changed"]),
+    (change(own_messages=None), "yes", ["not: messages of"]),
+    (change(time_s=None), "yes", ["not: time of"]),
     (change(**HEAVY), "yes", ["up to 2 kg instead of 1 kg as far out as contacts get; silent"]),
     (change(**HEAVY, own_failures=None), "yes", ["at the start; silent then fails in 1.0 %"]),
     (change(**HEAVY, mujoco=counts("silent", 0, 5)), "yes", ["in MuJoCo 5 of 5 carries arrive"]),
@@ -387,14 +389,14 @@ MASSES = {"own_heaviest_kg": 7.85, "heaviest_kg": 4.67}
 CHANGES += [
     # what a change costs
     (change(own_farthest_m=0.0121, farthest_m=0.0202), "yes",
-     ["; the largest distance of a contact from its pivot in 1,000 carries is 20.2 mm instead of"]),
+     ["largest distance of a contact from its pivot in 1,000 carries  12.1 mm  20.2 mm"]),
     (change(own_farthest_m=0.0121, farthest_m=0.0122), "yes", ["not: distance"]),
-    (change(**MASSES), "yes", ["no palm sags up to 4.67 kg instead of 7.85 kg as far out"]),
-    (change(**MASSES | {"own_heaviest_kg": math.inf}), "yes", ["instead of any mass"]),
-    (change(own_drift_m=0.0283, drift_m=0.0334), "yes", ["curve is 33.4 mm instead of 28.3"]),
+    (change(**MASSES), "yes", ["no palm sags, as far out as contacts get  7.85 kg  4.67 kg"]),
+    (change(**MASSES | {"own_heaviest_kg": math.inf}), "yes", ["get  any mass  4.67 kg"]),
+    (change(own_drift_m=0.0283, drift_m=0.0334), "yes", ["drift on the curve  28.3 mm  33.4 mm"]),
     (change(own_drift_m=0.0283, drift_m=0.0334, drift_permitted_m=0.035), "yes", ["not: tips"]),
     (change(own_drift_m=0.0283, drift_m=0.0382, drift_permitted_m=0.035), "partly",
-     ["the object drifts by more than the 35.0 mm permitted, and tips; the forecast"]),
+     ["but on the curve the object drifts by more than the 35.0 mm permitted, and tips"]),
     (change(own_drift_m=0.0363, drift_m=0.0382, drift_permitted_m=0.035), "yes", ["not: tips"]),
     (change(own_drift_m=0.0283), "yes", ["not: drift"]),
     (change(own_holds=False, warnings=("too fast",)), "yes", ["; it brings a warning: too fast"]),
@@ -404,7 +406,9 @@ CHANGES += [
 @pytest.mark.parametrize(("trial", "verdict", "words"), CHANGES)
 def test_change(trial: ChangeTrial | NoChange | None, verdict: str, words: list[str]) -> None:
     answer = on_change(trial, "SCENE", PAPER)
-    check(answer, verdict, words)
+    table = costs_table(trial) if isinstance(trial, ChangeTrial) else None
+    costs = "" if table is None else re.sub("  +", "  ", as_text([table]))
+    check(replace(answer, text=f"{answer.text}\n{costs}"), verdict, words)
     command = "noise-limit SCENE -c shared-sign"
     if isinstance(trial, NoChange) and trial.is_for_load:
         command = "load SCENE"

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
-from palmbots._types import SIDES, Interval, Overrides
+from palmbots._types import Interval, Overrides
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
@@ -24,7 +24,7 @@ from palmbots.assessment.answer import (
     best_of,
     failures,
 )
-from palmbots.assessment.assumptions import deciding_keys, on_assumptions
+from palmbots.assessment.assumptions import assumptions_table, deciding_keys, on_assumptions
 from palmbots.assessment.change_trial import ChangeTrial, NoChange
 from palmbots.assessment.changes import FACTORS, try_changes, with_drift
 from palmbots.assessment.friction import (
@@ -36,7 +36,7 @@ from palmbots.assessment.friction import (
 from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
 from palmbots.assessment.radio import LOSSES, RadioTrial, try_losses
 from palmbots.assessment.raised_noise import revealing_noise
-from palmbots.assessment.side_effects import least_sound
+from palmbots.assessment.side_effects import least_sound, near_pivots
 from palmbots.assessment.verdicts import (
     counts_table,
     needs_table,
@@ -46,6 +46,7 @@ from palmbots.assessment.verdicts import (
     on_mechanics,
 )
 from palmbots.assessment.what_if import (
+    costs_table,
     on_angles,
     on_change,
     on_curve,
@@ -55,15 +56,13 @@ from palmbots.assessment.what_if import (
 )
 from palmbots.control.registry import shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED
-from palmbots.errors import PalmbotsError, SceneError
+from palmbots.errors import SceneError
 from palmbots.mechanics.load_limits import load_limits
 from palmbots.mujoco.curve_trial import (
     FORECASTS,
     CurveTrial,
-    Keys,
-    refuse_tight,
+    tried_turn,
     try_curve,
-    turn_keys,
 )
 from palmbots.mujoco.engine import without_mujoco
 from palmbots.scene.command_text import command_text, respelled
@@ -130,6 +129,8 @@ class Assessment(Result):
     """The best change of one thing; None: none could be tried."""
     scene: Scene
     analysis: Analysis = field(metadata=NOT_IN_JSON)
+    deciding: tuple[str, ...] = ()
+    """Keys on which answers depended in this scene, besides those that always matter."""
     held: Holding | None = field(default=None, metadata=NOT_IN_JSON)
     """The first line of `analyze` and `load`; with an interval of friction, where it is worst."""
 
@@ -205,10 +206,13 @@ class Assessment(Result):
 
     def paragraphs(self) -> Iterator[tuple[Answer, Table | None]]:
         """Each answer, and the numbers behind it."""
+        friction = None if self.friction is None else self.friction.friction
         tables = {
             "drops": counts_table(self.counts),
             "controllers": needs_table(self.counts, self.scene),
             "radio": radio_table(self.radio),
+            "change": costs_table(self.change),
+            "assumed": assumptions_table(self.scene, friction, self.deciding),
         }
         for name in QUESTIONS:
             yield getattr(self.answers, name), tables.get(name)
@@ -263,7 +267,7 @@ def assess(
     name = chosen.spelled
     planar = respelled(name, {"task.path.kind": "straight"} if chosen.task.path.is_curved else {})
     interval = None if friction is None else interval_of_friction(chosen, friction)
-    path = _turn(chosen, turn_radius_m, turn_angle_deg)
+    path = tried_turn(chosen, turn_radius_m, turn_angle_deg)
     if on_line is not None and (hint := without_mujoco()):
         on_line(f"nothing is tried in {hint}")
     straight = _straightened(chosen)
@@ -283,7 +287,7 @@ def assess(
 
     counts = _counted(straight, left)
     best = best_of(counts)
-    known("carried", on_mechanics(worst, _near(worst.scene, best), best, planar, worst_mu))
+    known("carried", on_mechanics(worst, near_pivots(worst.scene, best), best, planar, worst_mu))
     known("controllers", on_controllers(counts, planar, straight))
     rough, loaded = None, chosen
     left.begin("friction")
@@ -338,28 +342,19 @@ def assess(
     pairs = angles if isinstance(angles, AngleTrial) else None
     found = Answers(**answers)
     return Assessment(
-        found, counts, pairs, load, rough, radio, curve, trial, chosen, analysis, holding(worst)
+        found,
+        counts,
+        pairs,
+        load,
+        rough,
+        radio,
+        curve,
+        trial,
+        chosen,
+        analysis,
+        deciding,
+        holding(worst),
     )
-
-
-def _turn(scene: Scene, radius_m: float, angle_deg: float) -> Keys:
-    """The keys of the turn that is tried; empty: the scene has its own curve, or no turn is."""
-    if scene.task.path.kind != "straight" or radius_m == 0:
-        return {}
-    refuse_tight(scene, radius_m)
-    return turn_keys(scene, radius_m, angle_deg)
-
-
-def _near(scene: Scene, best: OutcomeCounts | None) -> Analysis | None:
-    """The analysis for contacts no farther out than in carries with the best controller; None:
-    none is delivered, or it does not apply."""
-    if best is None or best.farthest_m is None:
-        return None
-    reach = min(best.farthest_m, *(scene.palm_of(side).reach_m for side in SIDES))
-    try:
-        return analyze(scene, region_m=(-reach, reach))
-    except PalmbotsError:
-        return None
 
 
 def _refused(scene: Scene) -> dict[str, str]:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from palmbots._types import SIDES, Interval
+from palmbots._util.report import Table
 from palmbots.assessment.answer import Answer, suffices
 from palmbots.assessment.change_trial import ChangeTrial
 from palmbots.control.registry import WIDE_ZONE, describe
@@ -26,6 +27,7 @@ DECISIVE = (
     "radio.latency_s", "mujoco.palm_torque_n_m",
 )  # fmt: skip
 """Keys of what users seldom know exactly, and on which most answers depend."""
+_IN_A_ROW = 3
 _SHAPE = ("object.vertices_m", "object.box_m")  # everybody knows the outline
 
 
@@ -107,6 +109,27 @@ def on_assumptions(
         friction: the interval that was assessed; None: the scene's own values were.
         deciding: further keys on which the answers depend, from `deciding_keys`.
     """
+    missing, given = _values(scene, friction, deciding)
+    text = f"of {len(missing) + len(given)} values that decide, {len(missing)} were not given"
+    return Answer("Are the values measured?", "open", text, command_text("keys"))
+
+
+def assumptions_table(
+    scene: Scene, friction: Interval | None = None, deciding: Sequence[str] = ()
+) -> Table:
+    """The values that decide: those that were not given, and those that were."""
+    rows = []
+    labels = ("not given, so at their defaults", "given")
+    for label, texts in zip(labels, _values(scene, friction, deciding), strict=True):
+        for k in range(0, len(texts), _IN_A_ROW):
+            rows.append((f"  {label}" if k == 0 else "", ", ".join(texts[k : k + _IN_A_ROW])))
+    return Table(rows)
+
+
+def _values(
+    scene: Scene, friction: Interval | None, deciding: Sequence[str]
+) -> tuple[list[str], list[str]]:
+    """Keys and values that were not given, and that were."""
     names = tuple(dict.fromkeys((*DECISIVE, *deciding)))
     values = assumed(scene, names)
     keys = on_every_side(scene, dict.fromkeys(names))
@@ -116,16 +139,11 @@ def on_assumptions(
             values.pop(key, None)
             given.pop(key, None)
         given = {FRICTION: "from {:g} to {:g} (--friction)".format(*friction), **given}
-    texts = []
-    if values:
-        texts.append(f"not given, so at their defaults: {_listed(values)}")
-    if given:
-        texts.append(f"given: {_listed(given)}")
-    return Answer("Are the values measured?", "open", "; ".join(texts), command_text("keys"))
+    return _listed(values), _listed(given)
 
 
-def _listed(values: dict[str, Any]) -> str:
-    return ", ".join(f"{key} {_text(value)}" for key, value in values.items())
+def _listed(values: dict[str, Any]) -> list[str]:
+    return [f"{key} {_text(value)}" for key, value in values.items()]
 
 
 def _text(value: Any) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Warnings that a change of a scene brings, and what is wrong within an interval of friction."""
+"""Warnings that a change of a scene brings, and what is wrong with some friction or contacts."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ import math
 import re
 from collections.abc import Sequence
 
-from palmbots._types import Interval
+from palmbots._types import SIDES, Interval
 from palmbots.assessment.friction import with_friction
 from palmbots.control.dead_band import warnings_before
+from palmbots.errors import PalmbotsError
 from palmbots.scene.scene import Scene
+from palmbots.simulation.outcome_counts import OutcomeCounts
 from palmbots.stability.analysis import Analysis, analyze
 from palmbots.stability.scene_limits import self_check
 
@@ -57,3 +59,15 @@ def _soundness(analysis: Analysis) -> tuple[bool, bool, float]:
     """What is worse comes first: a property that fails, a warning, a tight margin."""
     times = [one.times for one in analysis.ranking if one.times is not None]
     return analysis.holds, not analysis.warnings, min(times, default=math.inf)
+
+
+def near_pivots(scene: Scene, best: OutcomeCounts | None) -> Analysis | None:
+    """The analysis for contacts no farther out than in carries with the best controller; None:
+    none is delivered, or it does not apply."""
+    if best is None or best.farthest_m is None:
+        return None
+    reach = min(best.farthest_m, *(scene.palm_of(side).reach_m for side in SIDES))
+    try:
+        return analyze(scene, region_m=(-reach, reach))
+    except PalmbotsError:
+        return None

@@ -5,7 +5,7 @@ changes of one thing each."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import takewhile
 from typing import Any
 
@@ -152,7 +152,7 @@ def on_change(
     scene: Scene,
     given: Mapping[str, Any] | None = None,
 ) -> Answer:
-    """Which change helps most, and what it costs. `given` are the options of the user."""
+    """Which change helps most. `given` are the options of the user."""
     question = "Does one change help?"
     if trial is None or isinstance(trial, NoChange):
         text = "no carry arrives, so changes cannot be compared"
@@ -200,7 +200,8 @@ def on_change(
         verdict = "partly"
         limit = millimetres(trial.drift_permitted_m)
         text += f"; but on the curve the object drifts by more than the {limit} permitted, and tips"
-    return Answer(question, verdict, "; ".join([text, *_costs(trial)]), setting)
+    warnings = (f"it brings a warning: {one}" for one in trial.warnings)
+    return Answer(question, verdict, "; ".join([text, *warnings]), setting)
 
 
 def _failure_command(scene: Scene, name: str, controller: str) -> str:
@@ -210,33 +211,31 @@ def _failure_command(scene: Scene, name: str, controller: str) -> str:
     return command_text("noise-limit" if is_one else "drop-rate", name, controller=controller)
 
 
-def _costs(trial: ChangeTrial) -> Iterator[str]:
-    """What else the change alters measurably, for better or worse. These carries have the noise of
-    the scene, even if more noise was needed to compare failures."""
-    where = "" if trial.noise_factor == 1 else " at the scene's own noise"
-    pairs = [
-        ("a carry takes", "{:.0f}", trial.own_time_s, trial.time_s, " s", where),
-        ("a carry sends", "{:.0f}", trial.own_messages, trial.messages, " messages", where),
-        (f"the largest distance of a contact from its pivot in {trial.carries:,} carries is",
-         "{:.1f}", _mm(trial.own_farthest_m), _mm(trial.farthest_m), " mm", where),
-        ("the forecast drift on the curve is", "{:.1f}", _mm(trial.own_drift_m),
-         _mm(trial.drift_m), " mm", ""),
-    ]  # fmt: skip
-    for words, form, before, after, unit, noise in pairs:
-        if before and after and abs(after / before - 1) > _SAME:
-            now, was = form.format(after), form.format(before)
-            if now != was:
-                yield f"{words} {now}{unit} instead of {was}{noise}"
-    if not trial.is_for_load and trial.heaviest_kg < (1 - _SAME) * trial.own_heaviest_kg:
-        now, was = mass_text(trial.heaviest_kg), mass_text(trial.own_heaviest_kg)
-        was = f"{was} kg" if math.isfinite(trial.own_heaviest_kg) else "any mass"
-        reach = "as far out as contacts then get"
-        yield f"no robot tips and no palm sags up to {now} kg instead of {was} {reach}"
-    yield from (f"it brings a warning: {text}" for text in trial.warnings)
-
-
-def _mm(metres: float | None) -> float | None:
-    return None if metres is None else 1e3 * metres
+def costs_table(trial: ChangeTrial | None) -> Table | None:
+    """What else the best change alters measurably, for better or worse. These carries have the
+    noise of the scene, even if more noise was needed to compare failures."""
+    if trial is None or not trial.is_better:
+        return None
+    pairs = (
+        ("time of a carry", "{:.0f} s", 1.0, trial.own_time_s, trial.time_s),
+        ("messages of a carry", "{:.0f}", 1.0, trial.own_messages, trial.messages),
+        (f"largest distance of a contact from its pivot in {trial.carries:,} carries",
+         "{:.1f} mm", 1e3, trial.own_farthest_m, trial.farthest_m),
+        ("forecast drift on the curve", "{:.1f} mm", 1e3, trial.own_drift_m, trial.drift_m),
+    )  # fmt: skip
+    rows = [
+        (f"  {words}", form.format(factor * before), form.format(factor * after))
+        for words, form, factor, before, after in pairs
+        if before and after and abs(after / before - 1) > _SAME
+    ]
+    masses = (trial.own_heaviest_kg, trial.heaviest_kg)
+    if not trial.is_for_load and masses[1] < (1 - _SAME) * masses[0]:
+        own, changed = (f"{mass_text(kg)} kg" if math.isfinite(kg) else "any mass" for kg in masses)
+        words = "  no robot tips and no palm sags, as far out as contacts get"
+        rows.append((words, own, changed))
+    rows = [row for row in rows if row[1] != row[2]]
+    noise = "" if trial.noise_factor == 1 else ", at the scene's own noise"
+    return Table(rows, (f"  what it costs{noise}", "as it is", "changed")) if rows else None
 
 
 def on_radio(

@@ -30,8 +30,7 @@ from palmbots.mujoco.curve_trial import (
     Keys,
     carry_curve,
     forecast_curve,
-    refuse_tight,
-    turn_keys,
+    tried_turn,
     whole_turn_keys,
 )
 from palmbots.mujoco.drift_forecast import lip_clearance
@@ -217,10 +216,7 @@ def compare_on_curve(
     refuse_reference(entry, "carries in MuJoCo")
     mujoco()  # refuses at once if it is not installed
     chosen, report = load_scene(scene, overrides), on_progress or (lambda fraction: None)
-    path: Keys = {}
-    if chosen.task.path.kind == "straight":
-        refuse_tight(chosen, turn_radius_m)
-        path = turn_keys(chosen, turn_radius_m, turn_angle_deg)
+    path = tried_turn(chosen, turn_radius_m, turn_angle_deg)
     curved = load_scene(chosen, dict(path)) if path else chosen
     say = on_line or (lambda text: None)
     plans: list[_Plan] = [(entry, chosen, path)]

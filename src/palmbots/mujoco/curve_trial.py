@@ -48,6 +48,18 @@ def refuse_tight(scene: Scene, radius_m: float) -> None:
         )
 
 
+def tried_turn(scene: Scene, radius_m: float, angle_deg: float) -> Keys:
+    """The keys of the turn that is tried; empty: the scene has a curve of its own, or none is.
+
+    Raises:
+        PalmbotsError: the turn is too tight for robots so far apart.
+    """
+    if scene.task.path.kind != "straight" or radius_m == 0:
+        return {}
+    refuse_tight(scene, radius_m)
+    return turn_keys(scene, radius_m, angle_deg)
+
+
 def turn_keys(scene: Scene, radius_m: float, angle_deg: float = 90.0) -> Keys:
     """The keys with which a scene drives a turn of this radius to its end. The floor is level,
     because the MuJoCo world has no curves on slopes."""
