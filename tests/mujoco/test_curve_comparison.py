@@ -63,8 +63,8 @@ def test_every_change_that_is_printed_was_carried(carried: list[dict[str, Any]])
         "paper", turn_radius_m=0.6, on_progress=done.append, on_line=said.append
     )
     first = said[: len(carried)]
-    assert first[0] == "as it is: drift (forecast) 51.0 mm, permitted 35.0 mm (tips)"
-    assert all("drift (forecast)" in line for line in first)
+    assert first[0] == "as it is: forecast drift 51.0 mm of 35.0 mm"
+    assert all("forecast drift" in line for line in first)
     assert len(said) == 2 * len(carried) - 1 and "left" in said[-2] and "left" not in said[-1]
     assert done == sorted(done) and done[-1] == 1.0
     assert [one.changes for one in found.others] != [] and len(carried) == 1 + len(found.others)
@@ -148,11 +148,11 @@ LIPS = {"palm.left.lip_height_m": 0.03, "palm.right.lip_height_m": 0.03, "task.p
     ("forecast", "dropped", "shown", "says"),
     [
         # The drift with lips is what the object would drift without them.
-        (replace(FORECAST, lips=True, tips=0, budget_m=0.007), 0, "up to the lips", None),
-        (replace(FORECAST, lips=True, tips=0, budget_m=0.007), 9, "7.0 mm (lips)",
+        (replace(FORECAST, lips=True, tips=0, budget_m=0.007), 0, "lips", None),
+        (replace(FORECAST, lips=True, tips=0, budget_m=0.007), 9, "7.0 mm",
          "lips stop the drift, but 9 of 20 carries drop, most often sliding: "),
         (replace(FORECAST, mean_m=0.02, tips=0), 1, "20.0 mm", None),
-        (replace(FORECAST, mean_m=0.02, tips=0), 9, "35.0 mm (tips)", "but 9 of 20 carries drop"),
+        (replace(FORECAST, mean_m=0.02, tips=0), 9, "35.0 mm", "but 9 of 20 carries drop"),
         (replace(FORECAST, mean_m=0.03, tips=6), 0, "30.0 mm", ", but 0 of 20 carries drop"),
         (replace(FORECAST, mean_m=0.03, tips=4), 9, "30.0 mm", None),
     ],

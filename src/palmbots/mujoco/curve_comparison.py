@@ -47,6 +47,10 @@ LIP_HEIGHT_M = 0.03
 LONGER, RADII = 1.5, (1.5, 2.0)
 _SIDE = re.compile(r"\.(left|right)\.")
 _FORECASTS = 0.1  # of the work
+_LEGEND = (
+    "drift: sideways, as forecast; at the limit the object tips over the side of the palm, or "
+    "meets the lips"
+)
 _SLACK = 0.05  # by which forecast and carries may differ beyond the interval of the carries
 _Plan: TypeAlias = tuple[ControllerLike, Scene, Keys]
 
@@ -96,8 +100,10 @@ class CurveComparison(Result):
             yield "no change that was tried helps measurably"
         yield Table(
             [_row(one, self._label(one)) for one in (own, *self.others)],
-            ("  change", "drops", "stalls", "drift (forecast)", "drift permitted"),
+            ("  change", "drops", "stalls", "drift", "limit"),
+            gap=2,  # the keys need the room
         )
+        yield quiet(_LEGEND)
         for one in (own, *self.others):
             if doubt := _contradiction(one):
                 yield Line(f"{self._label(one)}: {doubt}", indent=2)
@@ -142,8 +148,8 @@ def _drift(one: CurveTrial) -> tuple[str, str]:
         return "–", "–"
     limit = millimetres(one.forecast.budget_m)
     if one.forecast.lips:
-        return "up to the lips", f"{limit} (lips)"
-    return millimetres(one.forecast.mean_m), f"{limit} (tips)"
+        return "lips", limit
+    return millimetres(one.forecast.mean_m), limit
 
 
 def _contradiction(one: CurveTrial) -> str | None:
@@ -227,7 +233,8 @@ def compare_on_curve(
         if k > 0:
             trials.append(forecast_curve(plan[1], plan[0], plan[2]))
         drift, limit = _drift(trials[k])
-        say(f"{_title(trials, k)}: drift (forecast) {drift}, permitted {limit}")
+        what = "lips stop the drift after" if drift == "lips" else f"forecast drift {drift} of"
+        say(f"{_title(trials, k)}: {what} {limit}")
         report(_FORECASTS * (k + 1) / len(plans))
     # The time of a carry is about proportional to its distance.
     metres = [
