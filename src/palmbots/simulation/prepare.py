@@ -61,8 +61,8 @@ def prepare(
     check_scene(place, scene)
     spec = to_spec(scene, unrolled=place.supports_curved)
     check_load(scene)
-    check_palms(spec)
     lifts = check_lift(scene) if spec.uses_floor else ()
+    check_palms(spec)
     if not place.supports_references:
         refuse_reference(entry, f"the {place.name} world")
     timing = bounds_of(scene) if entry.has_time_bounds else None
