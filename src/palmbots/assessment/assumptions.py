@@ -27,7 +27,7 @@ DECISIVE = (
     "radio.latency_s", "mujoco.palm_torque_n_m",
 )  # fmt: skip
 """Keys of what users seldom know exactly, and on which most answers depend."""
-_IN_A_ROW = 3
+_IN_A_ROW = 2  # of a table, so that a value stands beside its key
 _SHAPE = ("object.vertices_m", "object.box_m")  # everybody knows the outline
 
 
@@ -119,7 +119,7 @@ def assumptions_table(
 ) -> Table:
     """The values that decide: those that were not given, and those that were."""
     rows = []
-    labels = ("not given, so at their defaults", "given")
+    labels = ("defaults", "given")
     for label, texts in zip(labels, _values(scene, friction, deciding), strict=True):
         for k in range(0, len(texts), _IN_A_ROW):
             rows.append((f"  {label}" if k == 0 else "", ", ".join(texts[k : k + _IN_A_ROW])))

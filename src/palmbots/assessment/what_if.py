@@ -219,7 +219,7 @@ def costs_table(trial: ChangeTrial | None) -> Table | None:
     pairs = (
         ("time of a carry", "{:.0f} s", 1.0, trial.own_time_s, trial.time_s),
         ("messages of a carry", "{:.0f}", 1.0, trial.own_messages, trial.messages),
-        (f"largest distance of a contact from its pivot in {trial.carries:,} carries",
+        (f"farthest contact from its pivot in {trial.carries:,} carries",
          "{:.1f} mm", 1e3, trial.own_farthest_m, trial.farthest_m),
         ("forecast drift on the curve", "{:.1f} mm", 1e3, trial.own_drift_m, trial.drift_m),
     )  # fmt: skip
@@ -231,7 +231,7 @@ def costs_table(trial: ChangeTrial | None) -> Table | None:
     masses = (trial.own_heaviest_kg, trial.heaviest_kg)
     if not trial.is_for_load and masses[1] < (1 - _SAME) * masses[0]:
         own, changed = (f"{mass_text(kg)} kg" if math.isfinite(kg) else "any mass" for kg in masses)
-        words = "  no robot tips and no palm sags, as far out as contacts get"
+        words = "  no robot tips and no palm sags there up to"
         rows.append((words, own, changed))
     rows = [row for row in rows if row[1] != row[2]]
     noise = "" if trial.noise_factor == 1 else ", at the scene's own noise"
