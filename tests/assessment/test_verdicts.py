@@ -375,7 +375,7 @@ CHANGES: list[tuple[ChangeTrial | NoChange | None, str, list[str]]] = [
     (change(messages=50.0), "yes", ["not: own noise"]),
     (change(messages=50.0, noise_factor=6.0), "yes",
      ["at 6 times the noise (robot.noise_m_s=0.06), silent",
-      "what it costs, at the scene's own noise  as it is  changed"]),
+      "other effects, at the scene's own noise  as it is  changed"]),
     (change(own_messages=None), "yes", ["not: messages of"]),
     (change(time_s=None), "yes", ["not: time of"]),
     (change(**HEAVY), "yes", ["up to 2 kg instead of 1 kg as far out as contacts get; silent"]),

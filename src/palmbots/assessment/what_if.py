@@ -235,7 +235,7 @@ def costs_table(trial: ChangeTrial | None) -> Table | None:
         rows.append((words, own, changed))
     rows = [row for row in rows if row[1] != row[2]]
     noise = "" if trial.noise_factor == 1 else ", at the scene's own noise"
-    return Table(rows, (f"  what it costs{noise}", "as it is", "changed")) if rows else None
+    return Table(rows, (f"  other effects{noise}", "as it is", "changed")) if rows else None
 
 
 def on_radio(

@@ -49,7 +49,7 @@ def refuse_tight(scene: Scene, radius_m: float) -> None:
 
 
 def tried_turn(scene: Scene, radius_m: float, angle_deg: float) -> Keys:
-    """The keys of the turn that is tried; empty: the scene has a curve of its own, or none is.
+    """The keys of the turn that is tried; empty: the scene has its own curve, or no turn is.
 
     Raises:
         PalmbotsError: the turn is too tight for robots so far apart.

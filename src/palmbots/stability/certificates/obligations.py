@@ -27,7 +27,7 @@ BOTH_TURN = ("property 0 turning", "clearance turning", "no jam")
 CLAIMS = (*ONE_TURNS, *BOTH_TURN)
 """What a certificate can prove."""
 FORCE_CLAIMS = tuple(claim for claim in CLAIMS if not claim.startswith("clearance"))
-"""The claims about forces: all that it can prove of rounded contact vertices."""
+"""The claims about forces: all that can be proved for rounded contact vertices."""
 
 _LEAST = 1e-7  # intervals smaller than this are not bisected
 

@@ -130,7 +130,7 @@ def prove(
 
     Args:
         box: the parameter box.
-        claims: some of `CLAIMS`; None: all, or of rounded contact vertices `FORCE_CLAIMS`.
+        claims: some of `CLAIMS`; None: all, or `FORCE_CLAIMS` if a contact vertex is rounded.
         scene: the scene of the box, which the certificate states.
         max_boxes: number of boxes after which the claims count as undecided.
 
@@ -147,8 +147,8 @@ def prove(
         one_of("claims", name, CLAIMS)
         if name not in provable:
             raise PalmbotsError(
-                f'claims: "{name}" is about the outline, but a contact vertex is rounded and only '
-                f"claims about forces are proved of it; allowed: some of {list(provable)}; "
+                f'claims: "{name}" is about the outline, but a contact vertex is rounded, and then '
+                f"only claims about forces are proved; allowed: some of {list(provable)}; "
                 "palmbots analyze computes the clearance"
             )
     ctx = require("flint", "certify").ctx  # here and in `_method`: its import is slow
@@ -300,8 +300,8 @@ def certify(
         beyond_m: how far past p = 0 corrections continue. Contacts up to there count as not yet
             corrected. 0: as in the paper.
         claims: prove these claims: property 1, property 2, property 0, clearance, property 0
-            turning, clearance turning, no jam; None: all, of rounded contact vertices those without
-            clearance.
+            turning, clearance turning, no jam; None: all, or all without clearance if a contact
+            vertex is rounded.
         probe: file of palmbots probe with intervals of COM and friction; None: as in the scene.
         max_boxes: number of boxes after which the claims count as undecided.
         overrides: scene keys to set.
