@@ -2,6 +2,8 @@
 """The analysis of objects whose contact vertices are rounded, against brute force."""
 
 import math
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -152,8 +154,7 @@ def test_rounded_objects_are_analysed_and_designed_for() -> None:
     found = pb.analyze("paper", overrides={"object": "carton"})
     assert found.holds and "for palms of any length" in str(found)
     best = pb.design("paper", maximize="com", controller=None, overrides={"object": "carton"})
-    assert best.certificate is None and not best.is_certified
-    assert "none covers rounded contact vertices" in str(best)
+    assert best.is_certified and "not certified, because a contact vertex" in str(best)
     assert pb.analyze("paper", overrides={"object": "carton"} | best.angle_keys).holds
 
 
@@ -186,3 +187,24 @@ def test_a_height_of_the_com_means_the_same_in_a_design() -> None:
     )
     assert same.tolerance == pytest.approx(own.tolerance, abs=1e-12)
     assert same.shallow_deg == own.shallow_deg and same.steep_deg == own.steep_deg
+
+
+@pytest.mark.parametrize("quantity", ["com", "friction", "region"])
+def test_designs_have_a_certificate_that_contains_their_tolerance(
+    quantity: str, tmp_path: Path
+) -> None:
+    keys = {"object.edge_radius_m": [0.02, 0.008, 0, 0]}
+    best = pb.design("paper", maximize=quantity, controller=None, overrides=keys)
+    assert best.certificate is not None
+    path = tmp_path / "certificate.json"
+    best.certificate.save(path)
+    assert pb.check(path, pb.load_scene("paper", keys | best.angle_keys)).valid
+    box: dict[str, Any] = {**best.certificate.box}
+    key, side = {"com": ("com_m", 0), "friction": ("friction", "left")}.get(
+        quantity, ("contacts_m", "left")
+    )
+    values = [corner[0] for corner in box["com_m"]] if side == 0 else box[key][side]
+    low, high = min(map(float, values)), max(map(float, values))
+    middle = {"com": 0.125, "friction": 0.3}.get(quantity, 0.0)
+    for end in (middle - low, high - middle):
+        assert end == pytest.approx(best.tolerance, rel=2e-6)

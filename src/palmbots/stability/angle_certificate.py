@@ -18,7 +18,7 @@ from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side
 from palmbots.stability.angle_grid import Quantity, Uncertainty
 from palmbots.stability.certificates.box_from_scene import box_of
-from palmbots.stability.certificates.obligations import BOTH_TURN, ONE_TURNS
+from palmbots.stability.certificates.obligations import BOTH_TURN, FORCE_CLAIMS, ONE_TURNS
 from palmbots.stability.certificates.parameter_box import ParameterBox
 from palmbots.stability.certificates.prover import Certificate, prove
 from palmbots.stability.problem import StabilityProblem
@@ -61,7 +61,8 @@ def certify_tolerance(
         intervals = _intervals(problem, quantity, claimed, angles_deg, uncertainty)
         box = box_of(turned, beyond_m=problem.beyond, **intervals)
         is_whole = reduction == _REDUCTIONS[0]
-        certificate = prove(box, ONE_TURNS, scene=turned, max_boxes=max_boxes)
+        claims = _provable(box, ONE_TURNS)
+        certificate = prove(box, claims, scene=turned, max_boxes=max_boxes)
         if certificate.verdict == "holds":
             certificate = _with_further_claims(box, turned, max_boxes)
         return certificate, tolerance if is_whole else claimed
@@ -73,13 +74,17 @@ def certify_tolerance(
     return attempt(_REDUCTIONS[-1], _MANY_BOXES)
 
 
+def _provable(box: ParameterBox, claims: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(claim for claim in claims if claim in FORCE_CLAIMS or not box.rounded)
+
+
 def _with_further_claims(box: ParameterBox, scene: Scene, max_boxes: int) -> Certificate:
     """The certificate of a box in which the first claims hold, with the others that hold in it."""
 
     def holds(claim: str) -> bool:
         return prove(box, (claim,), scene=scene, max_boxes=max_boxes).verdict == "holds"
 
-    claims = (*ONE_TURNS, *filter(holds, BOTH_TURN))
+    claims = (*_provable(box, ONE_TURNS), *filter(holds, _provable(box, BOTH_TURN)))
     return prove(box, claims, scene=scene, max_boxes=len(claims) * max_boxes)
 
 
@@ -91,6 +96,8 @@ def _intervals(
     uncertainty: Uncertainty,
 ) -> dict[str, Any]:
     """The box of a claim: the uncertainty, and the error of one quantity to either side."""
+    left, up = problem.com_shift
+    uncertainty = uncertainty.counted_from((-left, -up))  # boxes count from the contact vertices
     intervals: dict[str, Any] = {
         "com_x_m": uncertainty.com_x,
         "com_y_m": uncertainty.com_y,
@@ -109,7 +116,7 @@ def _intervals(
             math.copysign(min(math.ceil(abs(end) * 1e9) / 1e9, most), end) for end in region
         )
     if quantity == "com":
-        low, high = uncertainty.com_x or (problem.com[0], problem.com[0])
+        low, high = uncertainty.com_x or (problem.vertex_com[0],) * 2
         intervals["com_x_m"] = (round(low - error, 9), round(high + error, 9))
     elif quantity == "friction":
         pairs = [

@@ -202,8 +202,7 @@ def design(
         radians = np.radians(limits.angles_deg())
         implied = reaction(chosen, *np.meshgrid(radians, radians, indexing="ij"))
         problem = problem.with_(beyond=implied.beyond_m)
-    if not any(problem.radius):
-        require("flint", "certify")  # of the certificate: missed before the work, not after it
+    require("flint", "certify")  # of the certificate: missed before the work, not after it
     left = TimeLeft(report, ("own", "race", "designed", "rest"))
     found = evaluate(problem, quantity, limits, uncertainty, implied)
     of_race = race_carries(found) if objective == NOISE else 0
@@ -235,11 +234,9 @@ def design(
         reach = float(found.reach_m[row, column])
         answer = answer.with_(contacts=((-reach, reach), (-reach, reach)))
     interval = _friction_interval(answer, uncertainty.friction)
-    certificate, tolerance = None, float(found.tolerance[row, column])
-    if not any(problem.radius):
-        certificate, tolerance = certify_tolerance(
-            chosen, answer, quantity, tolerance, pair_deg, uncertainty
-        )
+    certificate, tolerance = certify_tolerance(
+        chosen, answer, quantity, float(found.tolerance[row, column]), pair_deg, uncertainty
+    )
     own_tolerance = None
     if own_deg is not None:
         at_own = reaction(chosen, *np.radians(own_deg)) if is_implied else None
