@@ -7,7 +7,9 @@ from typing import Any
 from hypothesis import assume
 from hypothesis import strategies as st
 
+import palmbots._core as _core
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 
 Point = tuple[float, float]
 
@@ -210,5 +212,9 @@ def scene_tables(draw: st.DrawFn) -> dict[str, Any]:
 
 
 def scenes() -> st.SearchStrategy[Scene]:
-    """Valid scenes: all kinds of objects, palms, errors, sensors, radios, bumps and starts."""
-    return scene_tables().map(Scene.model_validate)
+    """Valid scenes: all kinds of objects, palms, errors, sensors, radios, bumps and starts.
+
+    No palms collide under the object.
+    """
+    found = scene_tables().map(Scene.model_validate)
+    return found.filter(lambda scene: not _core.palm_refusal(to_spec(scene, unrolled=True)))
