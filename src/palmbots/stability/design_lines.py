@@ -52,7 +52,7 @@ def _angle_lines(design: "Design") -> Iterator[Item]:
     if certificate.verdict == "holds":
         yield f"certified under these conditions: {', '.join(certificate.claims)}"
         if "clearance" not in certificate.claims:
-            yield "computed, not certified, because a contact vertex is rounded: clearance"
+            yield "clearance: computed, not certified, because a contact vertex is rounded"
         if missing := [claim for claim in BOTH_TURN if claim not in certificate.claims]:
             yield f"not certified for palms that turn at the same time: {', '.join(missing)}"
     else:

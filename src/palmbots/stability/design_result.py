@@ -207,7 +207,7 @@ class Design(Result):
     paper_tolerance: float | None
     """The tolerance of 5° and 15° under the same conditions; None: that pair does not qualify."""
     certificate: Certificate | None
-    """The proof, of rounded contact vertices without clearance; None: a plate was designed."""
+    """The proof, without clearance if a contact vertex is rounded; None: a plate was designed."""
     map: xr.Dataset = field(metadata=NOT_IN_JSON)
     """Tolerance and clearance over all pairs of angles; about σ* of those that were tried."""
     designed_scene: Scene
