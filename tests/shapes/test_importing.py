@@ -137,9 +137,11 @@ def test_a_rounded_box_becomes_one(box: tuple[int, int, int], tmp_path: Path) ->
     sides = np.ptp(np.array(found.vertices_m), axis=0)
     assert sides == pytest.approx(measured, abs=found.tolerance_m)
     assert found.com_m == pytest.approx(np.array(measured) / 2, abs=found.tolerance_m)
-    drawn = pb.load_scene("paper", {"object": found.object.model_dump(exclude={"box_m"})})
+    drawn = found.object.model_dump(exclude={"box_m"})
     ruler = {"box_m": measured, "edge_radius_m": radius / 1000, "mass_kg": 1.0}
-    ends = [pb.carry(one, "shared-sign").outcome for one in (drawn, {"object": ruler})]
+    palm = {"length_m": min(0.15, 0.6 * measured[0])}
+    scenes = [{"object": one, "palm": palm} for one in (drawn, ruler)]
+    ends = [pb.carry(scene, "shared-sign").outcome for scene in scenes]
     assert ends[0] == ends[1]
 
 

@@ -64,7 +64,7 @@ def print_report(items: Iterable[Item], about: str = "", console: Console | None
     width = console.width if console else None
     console = console or report_console()
     width = width or text_width(console.width)
-    for item in _about(list(items), about) if about else items:
+    for item in _about(list(items), about, width) if about else items:
         if isinstance(item, TableOfTexts):
             console.print(_table(item))
             continue
@@ -76,7 +76,7 @@ def print_report(items: Iterable[Item], about: str = "", console: Console | None
             console.print(indented(text, line.indent), width=width)
 
 
-def _about(items: list[Item], about: str) -> list[Item]:
+def _about(items: list[Item], about: str, width: int) -> list[Item]:
     """The lines, the first quiet text of the first two with what the result is about before it.
 
     If there is none, it follows the first line; a long one leaves it a line of its own.
@@ -92,7 +92,7 @@ def _about(items: list[Item], about: str) -> list[Item]:
                 parts[n] = quiet(f"{blanks}{about}, {part.lstrip()}")
                 return [*items[:k], Line(*parts), *items[k + 1 :]]
     head = items[0] if isinstance(items[0], Line) else Line(str(items[0]))
-    if len(str(head)) > WIDTH // 2 and len(str(head)) + 2 + len(about) > WIDTH:
+    if len(str(head)) > WIDTH // 2 and len(str(head)) + 2 + len(about) > width:
         return [head, Line(quiet(about), is_whole=True), *items[1:]]
     return [Line(*head.parts, f"  {about}", is_whole=True), *items[1:]]
 
