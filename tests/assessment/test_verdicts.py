@@ -592,15 +592,17 @@ def test_commands_give_each_key_once() -> None:
     assert respelled(name, {}) == name
     steep = "crate.toml --set palm.friction_angle_deg=20"  # in place of which the change is
     assert respelled(steep, {"palm.friction": 0.3}) == "crate.toml --set palm.friction=0.3"
+    blank = "'my crate.toml' --set object=bottle"
+    assert respelled(blank, {"palm.friction": 0.3}) == f"{blank} --set palm.friction=0.3"
 
 
 def test_options_of_a_command() -> None:
     text = command_text(
-        "design", "'my crate.toml'", controller="silent", friction=(0.35, 0.45),
+        "design", "'my crate.toml'", controller="silent", friction=(0.35, 0.45678),
         region=[-0.01, 0.01], force=True, view=False, seeds=None, world="mujoco",
     )  # fmt: skip
     assert text == (
-        "palmbots design 'my crate.toml' -c silent --friction 0.35 0.45 --region -0.01,0.01 "
+        "palmbots design 'my crate.toml' -c silent --friction 0.35 0.45678 --region -0.01,0.01 "
         "--force --world mujoco"
     )
 

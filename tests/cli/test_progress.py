@@ -104,6 +104,22 @@ def test_bar_in_a_terminal_says_the_same(monkeypatch: pytest.MonkeyPatch) -> Non
             time.sleep(0.15)  # the bar is drawn ten times a second
             assert left in stream.getvalue()
     assert "of this stage" not in stream.getvalue()
+    with staged_progress() as report_stage:
+        clock.now_s += 30
+        report_stage("checking scenes", 0.5)
+        report_stage("carrying", 0.0)
+        clock.now_s += 20
+        report_stage("carrying", 0.5)
+        time.sleep(0.15)
+    assert "about 0:20 min left of this stage" in stream.getvalue()
+
+
+def test_moment_that_is_left_is_not_none() -> None:
+    clock = Clock()
+    estimate = Estimate(clock)
+    clock.now_s += 100
+    estimate.report(0.999)
+    assert estimate.text() == "about 0:01 min left"
 
 
 @pytest.mark.parametrize("quiet", [True, False])

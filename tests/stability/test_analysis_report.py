@@ -4,11 +4,14 @@
 import json
 import math
 import re
+from typing import Any
 
 import pytest
 
 import palmbots as pb
+from palmbots._types import Region
 from palmbots.cli import main as cli
+from palmbots.stability.holding import holding
 from palmbots.stability.tightest_margins import noise_over_carry_m
 
 
@@ -47,6 +50,31 @@ def test_headline_combines_properties_and_clearance(
     assert ("TOUCHES" in below) == (word == "TOUCHES")
     assert ("FAILS" in below) == (word == "FAILS")
     assert printed(capsys, "load", "--set", key)[0] == lines[0]  # the same question
+
+
+INNER = (-0.01, 0.01)
+NARROW = {"palm.left.usable_m": 0.04}
+VERDICTS: list[tuple[str, dict[str, Any], Region, str, str]] = [
+    ("paper", {"object.mass_kg": 1.5}, "palm", "MAY FAIL", "with contacts up to 47.3 mm from the "),
+    # a load that is too heavy only farther out
+    ("paper", {"object.mass_kg": 1.5}, INNER, "HOLDS",
+     "an object of 1.5 kg, with contacts from -10.0 to 10.0 mm"),
+    ("paper", {"object.mass_kg": 5}, INNER, "MAY FAIL", "a wheel slips above 2.54 kg, "),
+    # all of the left palm, but not of the right one
+    ("paper", NARROW, "palm", "HOLDS", "an object of 0.5 kg, with contacts anywhere on the palms"),
+    ("paper", NARROW, (-0.02, 0.02), "HOLDS",
+     "an object of 0.5 kg, with contacts from -20.0 to 20.0 mm"),
+    # a job that robots cannot do
+    ("lift", {"object.mass_kg": 2.0}, "palm", "FAILS", "object.mass_kg: value is 2, "),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("scene", "keys", "region", "word", "start"), VERDICTS)
+def test_verdict_is_about_the_contacts_of_the_region(
+    scene: str, keys: dict[str, Any], region: Region, word: str, start: str
+) -> None:
+    found = holding(pb.analyze(scene, region_m=region, overrides=keys))
+    assert found.word == word and found.text.startswith(start)
 
 
 def test_angle_error_states_what_clearance_leaves_of_it(

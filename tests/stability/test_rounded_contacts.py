@@ -171,6 +171,11 @@ def test_ranges_of_the_com_are_those_of_the_scene() -> None:
     found = pb.analyze("paper", overrides=TOTE)
     assert found.com_x_m is not None
     (low, high), step = found.com_x_m, 1e-6
+    of_each = [one.com_x_m or (1.0, -1.0) for one in found.properties.values() if one.number]
+    lows, highs = zip(*of_each, strict=True)
+    assert (max(lows), min(highs)) == pytest.approx((low, high), abs=1e-12)
+    (margin,) = (one for one in found.ranking if one.quantity == "com")
+    assert margin.allowed == pytest.approx(min(0.185 - low, high - 0.185), abs=1e-12)
     assert holds(low + step, 0.08) and not holds(low - step, 0.08)
     assert holds(high - step, 0.08) and not holds(high + step, 0.08)
     near = pb.analyze("paper", overrides=TOTE | {"object.com_m": [low + 0.002, 0.08]})
@@ -187,6 +192,10 @@ def test_a_height_of_the_com_means_the_same_in_a_design() -> None:
     )
     assert same.tolerance == pytest.approx(own.tolerance, abs=1e-12)
     assert same.shallow_deg == own.shallow_deg and same.steep_deg == own.steep_deg
+    for one in (same, own):
+        assert one.certificate is not None
+        heights = {float(height) for _, height in one.certificate.box["com_m"]}
+        assert heights == {0.08}
 
 
 @pytest.mark.parametrize("quantity", ["com", "friction", "region"])

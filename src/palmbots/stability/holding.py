@@ -51,7 +51,7 @@ def holding(analysis: Analysis) -> Holding:
         return Holding("TOUCHES", "all properties hold, but a palm touches the object elsewhere")
     doubts = [one for one in analysis.warnings if one != load.warning()]
     farthest = max(abs(end) for ends in contacts for end in ends)
-    if farthest >= min(scene.palm_of(side).reach_m for side in SIDES):
+    if farthest >= max(scene.palm_of(side).reach_m for side in SIDES):
         return _of_load(load, doubts)
     loads = [mass for mass, _ in load.limits_within(farthest)]
     if loads and load.mass_kg > loads[0]:
