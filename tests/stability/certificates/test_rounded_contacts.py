@@ -19,7 +19,11 @@ from palmbots.stability.certificates.checker.claimed_box import read_box
 from palmbots.stability.certificates.checker.property_conditions import (
     ParameterBox as CheckedBox,
 )
-from palmbots.stability.certificates.checker.touching_points import ContactArcs
+from palmbots.stability.certificates.checker.touching_points import (
+    ContactArcs,
+    Interval,
+    _cosines,
+)
 from palmbots.stability.certificates.contact_arcs import at_contacts
 from palmbots.stability.certificates.obligations import FORCE_CLAIMS, Subbox
 from palmbots.stability.certificates.prover import certify
@@ -102,6 +106,25 @@ def test_both_enclosures_contain_the_touching_points(polygon: bool, share: Fract
     assert np.median(used) > 0.4
 
 
+def test_intervals_of_the_checker_contain_every_result_and_little_more() -> None:
+    """Also where the extreme is inside: the square at 0, the cosine at 0°."""
+    rng = np.random.default_rng(3)
+    for _ in range(300):
+        low, least = (Fraction(int(v), 10) for v in rng.integers(-20, 20, 2))
+        size, more = (Fraction(int(v), 10) for v in rng.integers(0, 20, 2))
+        one, other = Interval(low, low + size), Interval(least, least + more)
+        xs, ys = (np.linspace(float(of.low), float(of.high), 41) for of in (one, other))
+        results = [(one + other, xs[:, None] + ys), (one - other, xs[:, None] - ys)]
+        results += [(one * other, xs[:, None] * ys), (one.square(), xs**2)]
+        if least > 0:
+            results += [(one.over(other), xs[:, None] / ys), (other.root(), np.sqrt(ys))]
+        ends = _cosines((30 * low, 30 * (low + size)))
+        results.append((Interval(min(ends), max(ends)), np.cos(np.radians(30 * xs))))
+        for found, values in results:
+            assert float(found.low) - 1e-12 <= values.min() <= float(found.low) + 0.01
+            assert float(found.high) - 0.01 <= values.max() <= float(found.high) + 1e-12
+
+
 @pytest.mark.parametrize("overrides", [CARTON, {"object.edge_radius_m": ROUND}])
 def test_certificate_is_valid_and_says_what_it_does_not_claim(
     overrides: dict[str, Any], tmp_path: Path
@@ -142,6 +165,17 @@ def test_proves_the_properties_that_the_analysis_computes(cases: int) -> None:
         assert found.verdict == ("holds" if expected else "undecided"), scene
         held += expected
     assert held > cases / 10
+
+
+def test_polygon_of_coms_is_no_rectangle(tmp_path: Path) -> None:
+    """The higher the COM, the fewer places along the object hold."""
+    keys = {"object.edge_radius_m": ROUND, "object.com_m": [0.13, 0.05]}
+    corners = [[0.117, 0.02], [0.143, 0.02], [0.13, 0.12]]
+    claims = ("property 1", "property 2")
+    found = certify("paper", com_polygon_m=corners, claims=claims, overrides=keys)
+    assert found.holds and pb.check(changed(found.data, tmp_path)).valid
+    around: dict[str, Any] = {"com_x_m": (0.117, 0.143), "com_y_m": (0.02, 0.12)}
+    assert not certify("paper", **around, claims=claims, overrides=keys).holds
 
 
 def test_pipes_are_refused() -> None:
