@@ -451,6 +451,29 @@ def test_changes_that_are_advised_bring_no_warning(keys: dict[str, Any]) -> None
     assert "robot.correction_m_s" in trial.deciding
 
 
+ONE_CHANGE: list[tuple[dict[str, Any], dict[str, Any]]] = [
+    ({}, {"palm.rate_deg_s": 100.0}),
+    ({"palm.shallow_deg": 14.0, "palm.steep_deg": 16.0}, {"palm.rate_deg_s": 100.0}),
+    ({"object.com_m": [0.05, 0.04]}, {"object.com_m": [0.125, 0.04]}),  # only with it all hold
+]
+
+
+@pytest.mark.parametrize(("keys", "advised"), ONE_CHANGE)
+def test_changes_that_bring_a_warning_are_left_out_unless_a_property_holds_only_with_them(
+    keys: dict[str, Any], advised: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Here every change brings one, except that of the rate."""
+
+    def warnings(known: Any, scene: pb.Scene, *_: Any) -> tuple[str, ...]:
+        return ("a warning",) if scene.palm.rate_deg_s == 50 else ()
+
+    monkeypatch.setattr("palmbots.assessment.changes.new_warnings", warnings)
+    scene = pb.load_scene("paper", keys | {"robot.noise_m_s": 0.08, "task.distance_m": 0.25})
+    found = try_changes(scene, "shared-sign", {}, None)
+    assert isinstance(found, ChangeTrial) and found.changes == advised
+    assert found.warnings == (() if "palm.rate_deg_s" in advised else ("a warning",))
+
+
 def test_values_that_decide_are_listed_if_nobody_gave_them() -> None:
     """Those of warnings and of the tightest margins, of changes that carries notice, of the needs
     of controllers, and of a curve."""

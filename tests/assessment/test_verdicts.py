@@ -28,7 +28,7 @@ from palmbots.assessment.change_trial import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial
 from palmbots.assessment.load import LoadTrial
 from palmbots.assessment.radio import RadioTrial
-from palmbots.assessment.side_effects import least_sound, near_pivots
+from palmbots.assessment.side_effects import known_warnings, least_sound, near_pivots
 from palmbots.assessment.verdicts import (
     counts_table,
     needs_table,
@@ -126,6 +126,8 @@ def test_mechanics_are_those_of_the_worst_friction_that_was_given() -> None:
     worst = least_sound(scene, (0.3, 0.6))
     assert not pb.analyze(scene).warnings and worst.warnings
     assert worst.scene.palm.friction == 0.6
+    given, rough = (known_warnings(scene, "shared-sign", one) for one in (None, (0.3, 0.6)))
+    assert len(rough) == len(given) + 1
     answer = on_mechanics(worst, near_pivots(worst.scene, GOOD), GOOD, "SCENE", 0.6)
     check(answer, "likely", ["all this with a friction of 0.6, the worst of the interval"])
     assert answer.command == "palmbots analyze SCENE --set palm.friction=0.6"

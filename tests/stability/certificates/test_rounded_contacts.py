@@ -200,3 +200,20 @@ def test_proof_for_other_radii_is_refused(
     assert pb.check(changed(found.data, tmp_path)).valid
     result = pb.check(changed(found.data, tmp_path, edge_radius_m=tampered))
     assert not result.valid and "the wrong contact may slide" in result.reason
+
+
+@pytest.mark.parametrize(
+    ("claim", "com", "verdict", "reason"),
+    [
+        ("clearance", [0.125, 0.04], "holds", "no proof covers the clearance of rounded"),
+        ("property 1", [0.05, 0.04], "fails", "no witness proves that a claim fails for rounded"),
+    ],
+)
+def test_proof_of_another_kind_is_refused(
+    claim: str, com: list[float], verdict: str, reason: str, tmp_path: Path
+) -> None:
+    """Those about the sharp outline, for a contact vertex that is hardly rounded."""
+    found = certify("paper", claims=[claim], overrides={"object.com_m": com})
+    assert found.verdict == verdict and pb.check(changed(found.data, tmp_path)).valid
+    result = pb.check(changed(found.data, tmp_path, edge_radius_m=1e-4))
+    assert not result.valid and reason in result.reason
