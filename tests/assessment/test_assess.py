@@ -13,7 +13,7 @@ import pytest
 import palmbots as pb
 from palmbots._util.confidence_intervals import rate_interval
 from palmbots._util.report import as_text
-from palmbots.assessment.angles import AngleTrial, NoPair, try_angles
+from palmbots.assessment.angles import PAIRS, AngleTrial, NoPair, try_angles
 from palmbots.assessment.assess import QUESTIONS
 from palmbots.assessment.assumptions import (
     DECISIVE,
@@ -155,6 +155,21 @@ def test_angles_are_compared_at_raised_noise_within_the_interval_of_friction() -
     shallow, steep = some.best_deg
     ends = {"palm.shallow_deg": shallow, "palm.steep_deg": steep, "palm.friction": 0.12}
     assert pb.analyze(scene, overrides=ends).holds
+
+
+def test_of_angles_with_equal_failures_those_with_most_clearance_are_best() -> None:
+    scene = pb.load_scene("paper", {"task.distance_m": 0.25})
+    found = try_angles(scene, "shared-sign")
+    assert isinstance(found, AngleTrial) and found.most_failure_rate == 0
+    known = known_warnings(scene, "shared-sign", None)
+    clearances = []
+    for pair in PAIRS:
+        turned = scene_at(scene, pair)
+        analysis = pb.analyze(turned)
+        if analysis.holds and not new_warnings(known, turned, "shared-sign", None):
+            clearances.append(analysis.clearance_deg)
+    assert len(set(clearances)) > 1
+    assert (found.best_clearance_deg, found.tried) == (max(clearances), len(clearances))
 
 
 def test_why_no_pair_of_angles_is_tried() -> None:

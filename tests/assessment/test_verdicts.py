@@ -28,7 +28,12 @@ from palmbots.assessment.change_trial import ChangeTrial, NoChange
 from palmbots.assessment.friction import FrictionTrial
 from palmbots.assessment.load import LoadTrial
 from palmbots.assessment.radio import RadioTrial
-from palmbots.assessment.side_effects import known_warnings, least_sound, near_pivots
+from palmbots.assessment.side_effects import (
+    known_warnings,
+    least_sound,
+    near_pivots,
+    new_warnings,
+)
 from palmbots.assessment.verdicts import (
     counts_table,
     needs_table,
@@ -128,6 +133,9 @@ def test_mechanics_are_those_of_the_worst_friction_that_was_given() -> None:
     assert worst.scene.palm.friction == 0.6
     given, rough = (known_warnings(scene, "shared-sign", one) for one in (None, (0.3, 0.6)))
     assert len(rough) == len(given) + 1
+    faster = pb.load_scene(scene, {"robot.acceleration_m_s2": 0.76})  # the same warning
+    assert not new_warnings(rough, faster, "shared-sign", (0.3, 0.6))
+    assert len(new_warnings(given, faster, "shared-sign", (0.3, 0.6))) == 1
     answer = on_mechanics(worst, near_pivots(worst.scene, GOOD), GOOD, "SCENE", 0.6)
     check(answer, "likely", ["all this with a friction of 0.6, the worst of the interval"])
     assert answer.command == "palmbots analyze SCENE --set palm.friction=0.6"

@@ -10,7 +10,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.mujoco import curve_comparison, curve_trial
-from palmbots.mujoco.curve_trial import CurveTrial, turn_keys, whole_turn_keys
+from palmbots.mujoco.curve_trial import CurveTrial, tried_turn, turn_keys, whole_turn_keys
 from palmbots.mujoco.curved_world import line_of
 from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.simulation.outcome_counts import OutcomeCounts
@@ -178,3 +178,20 @@ def test_wider_palms_are_tried_up_to_the_depth_of_the_object(carried: list[dict[
     pb.mujoco.compare_on_curve("paper", turn_radius_m=0.6, overrides={"object.depth_m": 0.262})
     widths = [one["palm.width_m"] for one in carried if "palm.width_m" in one]
     assert widths == [0.15, 0.265]  # 2.5 times the forecast of the worst seed; the depth
+    carried.clear()
+    pb.mujoco.compare_on_curve("paper", turn_radius_m=0.6, overrides={"object.depth_m": 0.12})
+    assert [one["palm.width_m"] for one in carried if "palm.width_m" in one] == [0.12]
+
+
+def test_sides_that_change_unlike_are_named() -> None:
+    keys: dict[str, float | str] = {"palm.left.width_m": 0.1, "palm.right.width_m": 0.12}
+    own, one = (CurveTrial("silent", some, FORECAST, None, "") for some in ({}, keys))
+    text = repr(curve_comparison.CurveComparison(own, (one,), pb.load_scene("paper")))
+    assert "  palm.left.width_m=0.1 palm.right.width_m=0.12  " in text
+
+
+def test_turns_are_refused_from_the_distance_between_the_palms_on() -> None:
+    scene = pb.load_scene("paper")
+    with pytest.raises(pb.PalmbotsError, match=r"turn_radius_m: value is 0\.249; .* from 0\.25,"):
+        tried_turn(scene, 0.249, 90.0)
+    assert tried_turn(scene, 0.25, 90.0) == turn_keys(scene, 0.25, 90.0)
