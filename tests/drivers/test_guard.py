@@ -132,18 +132,26 @@ def test_wheels_stop_when_the_program_is_stopped_or_killed(by: signal.Signals, n
 def test_a_stopped_program_leaves_no_old_commands(note: Path) -> None:
     """Commands that waited while the guard was stopped are too old to be carried out."""
     driver = open_driver("noted", settings(note))
-    # A machine that is busy for longer than the watchdog makes a first command too old, too.
-    wait_until(lambda: driver.write(TURN) or "write" in words(note))
+
+    def is_carried_out(speed_m_s: float) -> bool:
+        return [str(speed_m_s)] in [entry[2:3] for entry in notes(note) if entry[1] == "write"]
+
+    def send(speed_m_s: float) -> bool:
+        # A machine that is busy for longer than the watchdog makes any command too old.
+        driver.write(replace(TURN, speed_m_s=speed_m_s))
+        return is_carried_out(speed_m_s)
+
+    wait_until(lambda: send(0.02))
     guard = int(notes(note)[0][2])
     os.kill(guard, signal.SIGSTOP)
     wait_until(lambda: Path(f"/proc/{guard}/stat").read_text().split()[2] == "T")
-    driver.write(TURN)
-    count = words(note).count("write")
+    send(0.03)
     waited_s = time.monotonic() + 1.5 * W_S
     wait_until(lambda: time.monotonic() > waited_s)
     os.kill(guard, signal.SIGCONT)
     wait_until(lambda: "stop" in words(note))
-    assert words(note).count("write") == count
+    wait_until(lambda: send(0.04))
+    assert not is_carried_out(0.03)
     driver.close()
 
 
