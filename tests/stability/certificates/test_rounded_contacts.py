@@ -31,6 +31,7 @@ from sampled import amounts
 
 CARTON = {"object": "carton"}
 ROUND = [0.02, 0.008, 0.0, 0.0]
+COM_LOST_M = 1e-3  # what the analysis may permit less, as in stability/test_rounded_contacts.py
 
 
 def changed(data: dict[str, Any], folder: Path, **keys: Any) -> Path:
@@ -143,7 +144,8 @@ def test_certificate_is_valid_and_says_what_it_does_not_claim(
 
 @pytest.mark.parametrize("cases", amounts(100, 2000))
 def test_proves_the_properties_that_the_analysis_computes(cases: int) -> None:
-    """In all random scenes, although either side could be too cautious."""
+    """In all random scenes. The analysis may permit a little less: it takes the extreme tilts of the
+    object as independent of the contacts, which the proof bisects."""
     rng = np.random.default_rng(5)
     held = 0
     for _ in range(cases):
@@ -160,10 +162,12 @@ def test_proves_the_properties_that_the_analysis_computes(cases: int) -> None:
                 },
             }
         )
-        expected = all(one.holds for one in pb.analyze(scene).properties.values())
-        found = certify(scene, claims=FORCE_CLAIMS[:3])
-        assert found.verdict == ("holds" if expected else "undecided"), scene
-        held += expected
+        reports = list(pb.analyze(scene).properties.values())
+        holds = all(one.holds for one in reports)
+        nearly = all((one.margins.com_m or -1) > -COM_LOST_M for one in reports)
+        verdict = certify(scene, claims=FORCE_CLAIMS[:3]).verdict
+        assert verdict == ("holds" if holds else "undecided") or (nearly and not holds), scene
+        held += holds
     assert held > cases / 10
 
 
