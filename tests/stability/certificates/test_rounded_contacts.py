@@ -144,7 +144,7 @@ def test_certificate_is_valid_and_says_what_it_does_not_claim(
 
 @pytest.mark.parametrize("cases", amounts(100, 2000))
 def test_proves_the_properties_that_the_analysis_computes(cases: int) -> None:
-    """In all random scenes. The analysis may permit a little less: it takes the extreme tilts of the
+    """In all random scenes. The analysis may permit a little less: it takes extreme tilts of the
     object as independent of the contacts, which the proof bisects."""
     rng = np.random.default_rng(5)
     held = 0
