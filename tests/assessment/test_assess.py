@@ -310,6 +310,24 @@ def test_rough_friction_is_proved_and_carried_at_both_ends() -> None:
     assert pb.assess(friction=(0.02, 0.5), turn_radius_m=0.0, overrides=near).verdict == "no"
 
 
+def test_mechanics_are_judged_at_the_worst_friction_and_angles_at_a_noise_that_tells(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(
+        "palmbots.assessment.assess.try_angles", lambda *_, **options: given.update(options)
+    )
+    keys = {"robot.acceleration_m_s2": 0.75, "task.inertia": True, "task.distance_m": 0.2}
+    found = pb.assess(friction=(0.3, 0.6), turn_radius_m=0.0, overrides=keys)
+    answer = found.answers.carried
+    assert "robot.acceleration_m_s2 is 0.75" in answer.text
+    assert "with a friction of 0.6, the worst of the interval" in answer.text
+    assert found.controller is not None
+    noise = revealing_noise(found.scene, found.controller, found.counts[0].carries)
+    assert noise is not None and noise > 1
+    assert given == {"noise": noise, "friction": (0.3, 0.6)}
+
+
 def test_friction_of_rounded_objects_is_computed_and_reversed_ends_are_refused_at_once() -> None:
     round_ = pb.load_scene("paper", {"object.edge_radius_m": 0.004, "task.distance_m": 0.2})
     analysis = pb.analyze(round_)
@@ -382,6 +400,19 @@ def test_changes_are_compared_where_few_carries_show_a_difference() -> None:
     assert factor is not None and factor > 1
     keys = {"robot.noise_m_s": 0, "robot.left.bias_m_s": 0.004, "radio.loss": 0.001}
     assert revealing_noise(pb.load_scene("paper", keys), "distributed", 40) == 1
+
+
+@pytest.mark.parametrize(("failures", "factor"), [(0, 1.25), (3, 1.25), (12, 1.25), (30, 1.0)])
+def test_noise_is_raised_unless_many_carries_fail(
+    failures: int, factor: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Many: certainly more than 1 %; 12 of 1000 may be 0.7 %."""
+    monkeypatch.setattr(
+        "palmbots.assessment.raised_noise.count_failures",
+        lambda prepared, *_: failures if prepared.scene.robot.noise_m_s == 0.01 else 100,
+    )
+    scene = pb.load_scene("paper", {"robot.noise_m_s": 0.01})
+    assert revealing_noise(scene, "shared-sign", 1000) == factor
 
 
 OWN = {
@@ -489,6 +520,20 @@ def test_changes_that_bring_a_warning_are_left_out_unless_a_property_holds_only_
     assert found.warnings == (() if "palm.rate_deg_s" in advised else ("a warning",))
 
 
+def test_a_friction_that_is_known_only_roughly_is_not_changed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def warnings(known: Any, scene: pb.Scene, *_: Any) -> tuple[str, ...]:
+        return ("a warning",) if scene.palm.friction == 0.3 else ()
+
+    monkeypatch.setattr("palmbots.assessment.changes.new_warnings", warnings)
+    scene = pb.load_scene("paper", {"robot.noise_m_s": 0.08, "task.distance_m": 0.25})
+    found = try_changes(scene, "shared-sign", {}, None)
+    assert isinstance(found, ChangeTrial) and found.changes.keys() == {"palm.friction"}
+    rough = try_changes(scene, "shared-sign", {}, None, friction=(0.28, 0.32))
+    assert isinstance(rough, NoChange)
+
+
 def test_values_that_decide_are_listed_if_nobody_gave_them() -> None:
     """Those of warnings and of the tightest margins, of changes that carries notice, of the needs
     of controllers, and of a curve."""
@@ -522,20 +567,24 @@ def test_first_lines_of_analyze_load_and_assess_agree() -> None:
     )
 
 
-def test_changes_keep_the_object_light_enough_for_how_far_contacts_then_get() -> None:
-    """On longer palms fewer carries fail, but contacts get to where a palm sags."""
+@pytest.mark.parametrize(("mass", "reach_m"), [(0.9, 0.075), (1.0, 0.05)])
+def test_changes_keep_the_object_light_enough_for_how_far_contacts_then_get(
+    mass: float, reach_m: float
+) -> None:
+    """On longer palms fewer carries fail, but contacts get to where a palm sags. The heavier object
+    is too heavy farther out already, so that no warning is new."""
     keys: dict[str, Any] = {
-        "object.mass_kg": 0.9, "robot.noise_m_s": 0.1, "robot.correction_m_s": 0.09,
+        "object.mass_kg": mass, "robot.noise_m_s": 0.1, "robot.correction_m_s": 0.09,
         "robot.speed_m_s": 0.09, "palm.rate_deg_s": 100, "task.distance_m": 0.4,
     }  # fmt: skip
     scene = pb.load_scene("paper", keys)
-    assert pb.load_limits(scene).holds
+    assert pb.load_limits(scene).heaviest_within(reach_m) > mass
     longer = {"palm.length_m": 0.225}
     far = count_outcomes(scene, "shared-sign", seeds=1000, overrides=longer).farthest_m
     assert far is not None
-    assert pb.load_limits(scene, overrides=longer).heaviest_within(far) < 0.9
-    found = try_changes(scene, "shared-sign", {}, 0.075)
+    assert pb.load_limits(scene, overrides=longer).heaviest_within(far) < mass
+    found = try_changes(scene, "shared-sign", {}, reach_m)
     assert isinstance(found, ChangeTrial) and not found.is_for_load
-    assert "palm.length_m" not in found.changes and found.heaviest_kg > 0.9
+    assert found.changes != longer and found.heaviest_kg > mass
     light = try_changes(pb.load_scene(scene, {"object.mass_kg": 0.5}), "shared-sign", {}, 0.075)
     assert isinstance(light, ChangeTrial) and light.changes == longer
