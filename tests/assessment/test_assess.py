@@ -14,6 +14,7 @@ import palmbots as pb
 from palmbots._util.confidence_intervals import rate_interval
 from palmbots._util.report import as_text
 from palmbots.assessment.angles import PAIRS, AngleTrial, NoPair, try_angles
+from palmbots.assessment.answer import Answer
 from palmbots.assessment.assess import QUESTIONS
 from palmbots.assessment.assumptions import (
     DECISIVE,
@@ -33,6 +34,7 @@ from palmbots.assessment.side_effects import known_warnings, new_warnings
 from palmbots.assessment.verdicts import on_controllers
 from palmbots.assessment.what_if import on_angles, on_change, on_radio
 from palmbots.cli.main import run
+from palmbots.mujoco.curve_trial import CurveTrial
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import count_outcomes
 from palmbots.simulation.prepare import prepare
@@ -317,15 +319,25 @@ def test_mechanics_are_judged_at_the_worst_friction_and_angles_at_a_noise_that_t
     monkeypatch.setattr(
         "palmbots.assessment.assess.try_angles", lambda *_, **options: given.update(options)
     )
+    repeated: dict[str, Any] = {}
+
+    def answer_of(trial: Any, name: str, scene: pb.Scene, options: dict[str, Any]) -> Answer:
+        repeated.update(options)
+        return on_change(trial, name, scene, options)
+
+    monkeypatch.setattr("palmbots.assessment.assess.on_change", answer_of)
     keys = {"robot.acceleration_m_s2": 0.75, "task.inertia": True, "task.distance_m": 0.2}
     found = pb.assess(friction=(0.3, 0.6), turn_radius_m=0.0, overrides=keys)
     answer = found.answers.carried
     assert "robot.acceleration_m_s2 is 0.75" in answer.text
     assert "with a friction of 0.6, the worst of the interval" in answer.text
+    assert found.held is not None and found.held.word == "MAY FAIL"
+    assert pb.analyze(overrides=keys).holds and not pb.analyze(overrides=keys).warnings
     assert found.controller is not None
     noise = revealing_noise(found.scene, found.controller, found.counts[0].carries)
     assert noise is not None and noise > 1
     assert given == {"noise": noise, "friction": (0.3, 0.6)}
+    assert repeated == {"friction": (0.3, 0.6), "turn_radius_m": 0.0}
 
 
 def test_friction_of_rounded_objects_is_computed_and_reversed_ends_are_refused_at_once() -> None:
@@ -468,6 +480,8 @@ def test_defaults_that_may_be_wrong_are_listed() -> None:
     given = pb.load_scene({"robot": {"noise_m_s": 0.01}, "palm": {"left": {"rate_deg_s": 50.0}}})
     keys = ("robot.noise_m_s", "palm.rate_deg_s", "tactile.zero_half_width_m")
     assert assumed(given, keys) == {"palm.rate_deg_s": 50.0, "tactile.zero_half_width_m": 0.005}
+    # a scene made from another one has all keys, and does not know who gave them
+    assert keys[0] in assumed(pb.load_scene(given, {"radio.loss": 0.1}), keys)
     text = as_text([assumptions_table(own)], 99)
     assert all(f"{key} " in text for key in found)
     assert "palm.friction 0.3, " in as_text([assumptions_table(pb.load_scene({}))])
@@ -551,6 +565,22 @@ def test_values_that_decide_are_listed_if_nobody_gave_them() -> None:
     count = f"{len(assumed(scene, (*DECISIVE, *keys)))} were not given"
     assert count in on_assumptions(scene, None, keys).text
     assert "robot.acceleration_m_s2 0.8" in given and "tactile.zero_half_width_m" in missing
+
+
+def test_values_that_decide_a_curve_and_those_of_one_side() -> None:
+    curve = CurveTrial("silent", {}, None, None, "")
+    lips, own = (
+        pb.analyze(overrides=keys)
+        for keys in (
+            {"palm.lip_height_m": 0.03},
+            {"palm.left.length_m": 0.15, "palm.right.length_m": 0.15},
+        )
+    )
+    assert "palm.width_m" in deciding_keys(own, (), None, curve)
+    assert "palm.width_m" not in deciding_keys(own, (), None, None)
+    assert "palm.width_m" not in deciding_keys(lips, (), None, curve)
+    found = deciding_keys(own, (), None, None)
+    assert "palm.length_m" in found and not any(".left." in key for key in found)
 
 
 def test_first_lines_of_analyze_load_and_assess_agree() -> None:

@@ -260,6 +260,8 @@ def test_controllers(given: list[OutcomeCounts], verdict: str, text: str) -> Non
     answer = on_controllers(given, "SCENE", PAPER)
     assert (answer.verdict, answer.text) == (verdict, text)
     assert answer.command.endswith("--sweep robot.noise_m_s --values 0.01,0.02,0.04")
+    loud = on_controllers(given, "SCENE", pb.load_scene("paper", {"robot.noise_m_s": 0.3}))
+    assert loud.command.endswith(" --values 0.3,0.6,1")  # at most 1 m/s is allowed
     still = pb.load_scene("paper", {"robot.noise_m_s": 0})
     assert on_controllers(given, "SCENE", still).command == "palmbots compare SCENE"
     table = needs_table(given, PAPER)
