@@ -2,6 +2,7 @@
 """stdout: 80 columns, no trailing blanks, no shortened numbers, full disks, other encodings, closed
 streams, and closed pipes."""
 
+import io
 import os
 import re
 import subprocess
@@ -9,10 +10,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from commands import Run
 from palmbots.cli import main as cli
-from palmbots.cli.console import plain_table, report_console
+from palmbots.cli.console import plain_table, print_report, report_console
 from shell import palmbots
 
 DONE, BAD_INPUT, CLOSED_PIPE = 0, 2, 141
@@ -210,3 +212,13 @@ def test_units_in_brackets_are_printed(capsys: pytest.CaptureFixture[str]) -> No
         ["0.1", "[m/s]", "2", "[mm]"],
         ["largest", "[m/s²]"],
     ]
+
+
+@pytest.mark.parametrize(("columns", "between"), [(60, "  "), (54, "\n")])
+def test_what_a_report_is_about_stands_beside_the_first_line_if_both_fit(
+    columns: int, between: str
+) -> None:
+    stream, head = io.StringIO(), f"{20 * 'x'} {24 * 'y'}"
+    print_report([head], "crate.toml", Console(file=stream, width=columns))
+    printed = "\n".join(line.rstrip() for line in stream.getvalue().splitlines())
+    assert printed == f"{head}{between}crate.toml"

@@ -253,6 +253,22 @@ def test_palms_that_overlap_cannot_carry() -> None:
         ("robot.noise_m_s", 0.2, None),
         ("mujoco.palm_torque_n_m", 600.0, "is 600 N m; if that is in mN m, write 0.6"),
         ("mujoco.palm_torque_n_m", 20.0, None),
+        # the ends of what no one means
+        ("palm.steep_deg", 0.04, None),
+        ("palm.steep_deg", 0.05, "write 2.86"),
+        ("palm.steep_deg", 0.99, "write 56.7"),
+        ("palm.friction_angle_deg", 0.1, "write 5.73"),
+        ("palm.friction_angle_deg", 1.49, "write 85.4"),
+        ("palm.friction_angle_deg", 1.5, None),
+        ("palm.rate_deg_s", 0.1, "write 5.73"),
+        ("palm.rate_deg_s", 2.9, "write 166"),
+        ("task.slope_deg", 0.009, None),
+        ("task.slope_deg", 0.01, "write 0.573"),
+        ("task.slope_deg", 0.19, "write 10.9"),
+        ("robot.noise_m_s", 0.29, None),
+        ("robot.noise_m_s", 0.3, "write 0.003"),
+        ("mujoco.palm_torque_n_m", 49.0, None),
+        ("mujoco.palm_torque_n_m", 50.0, "write 0.05"),
     ],
 )
 def test_a_value_that_cannot_be_meant_names_its_unit(
