@@ -349,8 +349,10 @@ def test_friction_of_rounded_objects_is_computed_and_reversed_ends_are_refused_a
         "holds", "fails",
     ]  # fmt: skip
     assert try_friction(analysis, inside, None, 0).unlike is None
-    with pytest.raises(pb.PalmbotsError, match="the lower one first"):
-        pb.assess(round_, friction=(0.36, 0.28), on_progress=lambda done: pytest.fail("too late"))
+    refused: Any = ((0.36, 0.28), (0.3, 0.3), ("0.2", "0.3"))
+    for ends in refused:
+        with pytest.raises(pb.PalmbotsError, match="the lower one first"):
+            pb.assess(round_, friction=ends, on_progress=lambda done: pytest.fail("too late"))
 
 
 CHANGES = [
