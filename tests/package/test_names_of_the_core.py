@@ -9,6 +9,7 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 import palmbots._core as _core
+from palmbots import wire
 from palmbots.control import interface
 from palmbots.control.registry import ControllerEntry, describe
 from palmbots.derivation import contact_motion, global_policy
@@ -44,6 +45,14 @@ ALIASES: dict[str, tuple[Any, tuple[str, ...]]] = {
 def test_alias_has_the_names_of_the_core(name: str) -> None:
     alias, names = ALIASES[name]
     assert get_args(alias) == names
+
+
+WIRE = "Role Kind Verdict Language MessageName RobotMode FaultCode Operation"
+
+
+@pytest.mark.parametrize("name", WIRE.split())
+def test_type_of_names_on_the_wire_is_that_of_the_core(name: str) -> None:
+    assert getattr(wire, name) == getattr(_core.wire, name)
 
 
 @pytest.mark.parametrize(
