@@ -312,7 +312,7 @@ def test_rough_friction_is_proved_and_carried_at_both_ends() -> None:
     assert pb.assess(friction=(0.02, 0.5), turn_radius_m=0.0, overrides=near).verdict == "no"
 
 
-def test_mechanics_are_judged_at_the_worst_friction_and_angles_at_a_noise_that_tells(
+def test_mechanics_are_judged_at_the_worst_friction_and_angles_at_a_raised_noise(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     given: dict[str, Any] = {}
