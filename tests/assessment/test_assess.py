@@ -340,7 +340,7 @@ def test_mechanics_are_judged_at_the_worst_friction_and_angles_at_a_raised_noise
     assert repeated == {"friction": (0.3, 0.6), "turn_radius_m": 0.0}
 
 
-def test_friction_of_rounded_objects_is_computed_and_reversed_ends_are_refused_at_once() -> None:
+def test_friction_of_rounded_objects_is_proved_and_reversed_ends_are_refused_at_once() -> None:
     round_ = pb.load_scene("paper", {"object.edge_radius_m": 0.004, "task.distance_m": 0.2})
     analysis = pb.analyze(round_)
     (least, most), *_ = analysis.friction
@@ -348,7 +348,17 @@ def test_friction_of_rounded_objects_is_computed_and_reversed_ends_are_refused_a
     assert [try_friction(analysis, ends, None, 0).alike for ends in (inside, beyond)] == [
         "holds", "fails",
     ]  # fmt: skip
-    assert try_friction(analysis, inside, None, 0).unlike is None
+    differ = try_friction(analysis, inside, None, 0)
+    assert differ.unlike == "undecided" and differ.failing is not None
+    left, right, number = differ.failing
+    mixed = pb.load_scene(round_, {"palm.left.friction": left, "palm.right.friction": right})
+    assert {left, right} == set(inside)
+    assert not all(
+        one.holds for one in pb.analyze(mixed).properties.values() if one.number == number
+    )
+    near = tuple(round_.palm_of("left").friction + by for by in (-0.002, 0.002))
+    unlike = try_friction(analysis, (near[0], near[1]), None, 0)
+    assert (unlike.alike, unlike.unlike, unlike.failing) == ("holds", "holds", None)
     refused: Any = ((0.36, 0.28), (0.3, 0.3), ("0.2", "0.3"))
     for ends in refused:
         with pytest.raises(pb.PalmbotsError, match="the lower one first"):

@@ -13,9 +13,8 @@ from palmbots.errors import PalmbotsError
 from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import on_every_side
-from palmbots.scene.spec import contact_radii, to_spec
 from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes
-from palmbots.stability.analysis import Analysis
+from palmbots.stability.analysis import Analysis, analyze
 from palmbots.stability.certificates.prover import Verdict, certify
 
 LEAST, MOST = (ROWS["palm.friction"][end] for end in ("least", "most"))
@@ -27,11 +26,13 @@ class FrictionTrial:
 
     friction: Interval
     alike: Verdict
-    """Whether all properties hold if both palms have the same friction, as `certify` proves. If
-    contact vertices are rounded: as `analyze` computes."""
-    unlike: Verdict | None
-    """Whether they hold if each palm has a friction of its own; None if contact vertices are
-    rounded, because `certify` does not prove anything about them."""
+    """Whether all properties hold if both palms have the same friction: proved by `certify`, or
+    refuted by `analyze`."""
+    unlike: Verdict
+    """Whether they hold if each palm has a friction of its own, as `certify` proves."""
+    failing: tuple[float, float, int] | None
+    """Friction of the left and of the right palm, at opposite ends of the interval, and a property
+    that fails there; None: none does."""
     counts: tuple[OutcomeCounts, ...]
     """With the friction of both palms at the lower and at the upper end; empty: no controller
     delivers the scene."""
@@ -81,19 +82,23 @@ def try_friction(
     """
     scene, (low, high) = analysis.scene, friction
     ends = [with_friction(scene, end) for end in (low, high)]
-    alike: Verdict
-    unlike: Verdict | None
-    if any(contact_radii(to_spec(scene))):
-        inside = any(least <= low and high <= most for least, most in analysis.friction)
-        alike, unlike = "holds" if inside else "fails", None
-    else:
-        proof = certify(scene, friction=(low, high))
-        unlike = proof.verdict
-        alike = proof.with_common_friction or unlike  # what holds for all
+    proof = certify(scene, friction=(low, high))
+    alike = proof.with_common_friction or proof.verdict  # what holds for all
+    if alike == "undecided" and not any(a <= low and high <= b for a, b in analysis.friction):
+        alike = "fails"
     counts = tuple(
         count_outcomes(end, controller, seeds=carries) for end in ends if controller is not None
     )
-    return FrictionTrial((low, high), alike, unlike, counts)
+    return FrictionTrial((low, high), alike, proof.verdict, _failing(scene, friction), counts)
+
+
+def _failing(scene: Scene, friction: Interval) -> tuple[float, float, int] | None:
+    for left, right in (friction, friction[::-1]):
+        own = {"palm.left.friction": left, "palm.right.friction": right}
+        for report in analyze(load_scene(scene, own)).properties.values():
+            if not report.holds:
+                return left, right, report.number
+    return None
 
 
 def hardest_to_hold(scene: Scene, friction: Interval) -> Scene:

@@ -55,7 +55,10 @@ def on_mechanics(
         region = [float(f"{end:.3g}") for end in (-best.farthest_m, best.farthest_m)]
     keys = {} if friction is None else friction_keys(analysis.scene, friction)
     if friction is not None:
-        text += f"; all this with a friction of {friction:g}, the worst of the interval"
+        text += (
+            f"; all this with a friction of {friction:g}, the worst of the interval if it is the "
+            "same on both palms"
+        )
     return Answer(question, verdict, text, command_text("analyze", name, keys, region=region))
 
 

@@ -111,32 +111,26 @@ def on_friction(
     command = command_text("certify", name, friction=trial.friction, common_friction=is_common)
     proofs = [f"with any friction from {low:g} to {high:g} all properties hold"]
     verdict: Verdict = "yes"
-    if trial.unlike is None:
-        command = command_text("compare", name, sweep="palm.friction", values=[low, high])
-        state = "hold" if trial.alike == "holds" else "do not all hold"
-        proofs[0] = (
-            f"with the same friction on both palms, from {low:g} to {high:g}, properties 1 and 2 "
-            f"{state}"
-        )
-        if trial.alike != "holds":
-            ranges = " and ".join(f"from {a:.3f} to {b:.3f}" for a, b in analysis.friction)
-            proofs[0] += f"; they hold {ranges}" if ranges else "; they fail for every friction"
-        verdict = "likely" if trial.alike == "holds" else "no"
-    elif is_common:
+    if is_common:
         proofs[0] += ", if it is the same on both palms"
-        word = "fails for some pairs of values" if trial.unlike == "fails" else "may fail"
-        proofs.append(f"if the palms differ within the interval, a property {word}")
         verdict = "likely"
     elif trial.unlike != "holds":
         verdict = "no" if trial.alike == "fails" else "partly"
         word = "fails" if trial.alike == "fails" else "may fail"
         proofs = [f"with some friction from {low:g} to {high:g} a property {word}"]
-    neglected = "accelerations neglected"
-    if trial.unlike is None:
-        neglected += "; computed, not proved, because contact vertices are rounded"
-    elif trial.alike == "holds":
-        neglected += "; proved"
-    proofs[0] += f" ({neglected})"
+    proofs[0] += f" (accelerations neglected{'; proved' * (trial.alike == 'holds')})"
+    if trial.alike == "fails":
+        ranges = " and ".join(f"from {a:.3f} to {b:.3f}" for a, b in analysis.friction)
+        same = "if it is the same on both palms, properties 1 and 2"
+        proofs.append(f"{same} hold {ranges}" if ranges else f"{same} fail for every friction")
+    if trial.failing is not None:
+        left, right, number = trial.failing
+        proofs.append(
+            f"with {left:g} on the left and {right:g} on the right palm property {number} fails"
+        )
+    elif is_common:
+        word = "fails for some pairs of values" if trial.unlike == "fails" else "may fail"
+        proofs.append(f"if the palms differ within the interval, a property {word}")
     if trial.counts:
         ends = zip(trial.counts, trial.friction, strict=True)
         rates = [f"{failures(one)} with friction {end:g}" for one, end in ends]
