@@ -103,7 +103,7 @@ def load_lines(load: LoadLimits) -> Iterator[Item]:
         for limit in load.limits
     ]
     numbers = ("anywhere\n[kg]", "inner half\n[kg]", "at start\n[kg]")
-    yield Table(rows, ("", *numbers, "key"), right=numbers)
+    yield Table(rows, ("", *numbers, "key"), right=numbers, gap=2)
 
 
 def _mass(mass: float | None) -> str:
