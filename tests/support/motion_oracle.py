@@ -18,6 +18,7 @@ Face = tuple[int, np.ndarray, np.ndarray, float, np.ndarray, float]
 Edge = tuple[np.ndarray, np.ndarray, np.ndarray]
 OUT = (-1.0, 1.0)
 TOUCHES = 2e-9  # gap of a contact at both ends of a motion [m]
+BENT = 2e-6  # how far the middle of both poses may be from the motion [m]
 SLIPS = 1e-3  # of the motion: more is slip, a tenth of it is none
 
 
@@ -174,11 +175,11 @@ class Oracle:
             and away[0] * after[1] - away[1] * after[0] > 0
         )
 
-    def touches(self, at: Moment) -> dict[tuple[Any, ...], Touch]:
-        """Pairs of features that are nearest points, by their names."""
+    def touches(self, at: Moment, slack: float = 1e-7) -> dict[tuple[Any, ...], Touch]:
+        """Pairs of features that are nearest points, by their names; `slack`: how far beyond the
+        end of a face they may be [m]."""
         circles, edges = self._placed(at)
         found: dict[tuple[Any, ...], Touch] = {}
-        slack = 1e-7
         for f, (carrier, start, along, length, normal, friction) in enumerate(self._faces(at)):
             for k, (centre, radius) in enumerate(circles):
                 place, above = (centre - start) @ along, (centre - start) @ normal
@@ -243,7 +244,7 @@ class Oracle:
         if moved < least:
             return None
         rays: list[tuple[int, list[float]]] = []
-        for name, touch in self.touches(at).items():
+        for name, touch in self.touches(at, BENT).items():
             ends = [where.get(name) for where in (first, last)]
             if any(one is None or abs(one.gap) > TOUCHES for one in ends):
                 continue
