@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every controller under every condition: how often it drops the object, and what it costs.
 
-    .venv/bin/python benchmarks/bench_robustness.py [CARRIES]      4000 by default
+    .venv/bin/python benchmarks/bench_robustness.py [CARRIES [CONDITION ...]]
+
+By default 4000 carries of all conditions. Rows of other conditions stay, and so do those of
+household objects whose scans are missing (_household.py).
 
 A condition is one change of the default scene. Drops are counted at a speed noise of 1, 2 and
 3 cm/s, everything else at 2 cm/s; palm moves and wheel reversals in the traces of 100 carries.
@@ -11,13 +14,16 @@ benchmarks/results/robustness.csv. Seeds are 0, 1, …; the counts depend on not
 """
 
 import csv
+import itertools
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import palmbots as pb
+from _household import HOUSEHOLD
 from palmbots.control.registry import shipped_names
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.batch import DELIVERED, DROPPED, Columns, available_cores, run_seeds
@@ -117,24 +123,49 @@ def row(condition: Condition, controller: str, n: int) -> dict[str, Any]:
     }
 
 
+def household() -> Iterator[Condition]:
+    """The objects whose scans are there; the others are named."""
+    for one in HOUSEHOLD:
+        try:
+            yield f"object {one.name}", "paper", one.keys()
+        except FileNotFoundError as error:
+            print(error, flush=True)
+
+
+def cells(condition: Condition, n: int) -> Iterator[dict[str, Any]]:
+    """The rows of a condition."""
+    for controller in shipped_names("station", "robots"):
+        try:
+            yield row(condition, controller, n)
+        except pb.SceneError as error:
+            print(f"{condition[0]}: {error}", flush=True)
+            yield {"condition": condition[0], "controller": controller, "carries": 0}
+
+
 def main() -> None:
     """Run all cells and write the file after each condition."""
-    n = int(sys.argv[1]) if len(sys.argv) > 1 else 4000
-    rows: list[dict[str, Any]] = []
-    for condition in CONDITIONS:
-        for controller in shipped_names():
-            if controller == "none":
-                continue
-            try:
-                rows.append(row(condition, controller, n))
-            except pb.SceneError as error:
-                print(f"{condition[0]}: {error}", flush=True)
-                rows.append({"condition": condition[0], "controller": controller, "carries": 0})
-            print(*rows[-1].values(), sep="  ", flush=True)
+    n, only = int((sys.argv[1:] or ["4000"])[0]), sys.argv[2:]
+    with RESULT.open(newline="", encoding="utf-8") as file:
+        reader = csv.DictReader(file)
+        head, known = reader.fieldnames, list(reader)
+    rows = {
+        name: [row for row in known if row["condition"] == name]
+        for name in [
+            *(condition[0] for condition in CONDITIONS),
+            *(f"object {one.name}" for one in HOUSEHOLD),
+        ]
+    }
+    for condition in (*CONDITIONS, *household()):
+        if only and condition[0] not in only:
+            continue
+        rows[condition[0]] = []
+        for cell in cells(condition, n):
+            rows[condition[0]].append(cell)
+            print(*cell.values(), sep="  ", flush=True)
         with RESULT.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, rows[0], lineterminator="\n")
+            writer = csv.DictWriter(file, head or (), lineterminator="\n")
             writer.writeheader()
-            writer.writerows(rows)
+            writer.writerows(itertools.chain(*rows.values()))
 
 
 if __name__ == "__main__":

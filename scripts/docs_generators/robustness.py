@@ -126,7 +126,7 @@ def dynamic() -> str:
     file = RESULT.with_name("mujoco_controllers.csv")
     with file.open(newline="", encoding="utf-8") as stream:
         head, *rows = csv.reader(stream)
-    return _table(head, [[f"`{scene}`", f"`{name}`", *cells] for scene, name, *cells in rows])
+    return _table(head, [[condition, f"`{name}`", *cells] for condition, name, *cells in rows])
 
 
 def recorded() -> str:

@@ -13,6 +13,7 @@
 #include "palmbots/sim/scene_values.hpp"
 #include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/sim/spec_of_scene.hpp"
+#include "palmbots/sim/start_refusal.hpp"
 
 namespace palmbots::page {
 

@@ -12,6 +12,7 @@
 #include "palmbots/sim/scene_check.hpp"
 #include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/sim/spec_of_scene.hpp"
+#include "palmbots/sim/start_refusal.hpp"
 
 namespace palmbots::bindings {
 

@@ -262,6 +262,46 @@ def test_written_object_is_carried(tmp_path: Path, here: Run) -> None:
     ).object.model_dump(exclude={"box_m"})
 
 
+def test_a_scan_that_is_turned_in_space_is_aligned(tmp_path: Path) -> None:
+    """A box turned about two axes, each way; without `align`, it is longer."""
+    box: list[Point] = [(0.0, 0.0), (240.0, 0.0), (240.0, 120.0), (0.0, 120.0)]
+    vertices, faces = prism(box, 90.0)
+    for name, (about_up, about_x) in {"one": (25.0, 8.0), "other": (-31.0, -12.0)}.items():
+        a, b = math.radians(about_up), math.radians(about_x)
+        spin = np.array([[math.cos(a), -math.sin(a), 0], [math.sin(a), math.cos(a), 0], [0, 0, 1]])
+        lean = np.array([[1, 0, 0], [0, math.cos(b), -math.sin(b)], [0, math.sin(b), math.cos(b)]])
+        turned = [tuple(map(float, point)) for point in np.array(vertices) @ (spin @ lean).T]
+        file = written(tmp_path / f"{name}.stl", stl((turned, faces)))
+        found = pb.import_object(file, unit="mm", align=True)
+        corners = {(round(1000 * x), round(1000 * y)) for x, y in found.vertices_m}
+        assert corners == {(x, y) for x, y in box}
+        assert found.com_m == pytest.approx((0.12, 0.06), abs=1e-5)
+        assert found.depth_m == pytest.approx(0.09, abs=1e-5)
+        assert "parallel to the axes" in found.remarks[0]
+        as_it_is = pb.import_object(file, unit="mm", view="silhouette")
+        assert max(as_it_is.vertices_m)[0] > 0.25
+
+
+@pytest.mark.parametrize(("rise", "is_outer"), [(0.5, True), (0.6, True), (4.0, False)])
+def test_contacts_are_where_steep_palms_touch(rise: float, is_outer: bool, tmp_path: Path) -> None:
+    """Both ends of the bottom rise by `rise` over 10 mm. Palms of 15° touch what lies lowest along
+    their normal; with contacts elsewhere no carry begins."""
+    w = 250.0
+    shape = [(-10.0, rise), (0.0, 0.0), (w, 0.0), (w + 10, rise), (w + 10, 100.0), (-10.0, 100.0)]
+    line_ = " ".join(f"{x + 10},{120 - y}" for x, y in shape)
+    found = imported(tmp_path, "t.svg", svg(f'<polygon points="{line_}"/>'), tolerance_mm=0.05)
+    ends = [tuple(round(1000 * x, 3) for x in found.vertices_m[k]) for k in found.contacts]
+    outer, inner = [(0.0, rise), (w + 20, rise)], [(10.0, 0.0), (w + 10, 0.0)]
+    assert ends == (outer if is_outer else inner)
+    assert (rise < 10 * math.tan(math.radians(15))) == is_outer
+    assert found.carried == "delivered"
+    wrong = [k for k, (x, _) in enumerate(found.vertices_m) if round(1000 * x) in (10, w + 10)]
+    if is_outer:
+        table = {name: getattr(found, name) for name in ("vertices_m", "com_m", "mass_kg")}
+        with pytest.raises(pb.SceneError, match=r"would lie in the object, by 2\.\d mm at the"):
+            pb.carry("paper", overrides={"object": table | {"contacts": sorted(wrong)}})
+
+
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/shapes")
 def test_scan_of_a_household_object() -> None:
     """The cracker box of the YCB set is 60 mm × 158 mm × 210 mm by its makers."""

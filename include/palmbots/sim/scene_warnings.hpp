@@ -100,35 +100,6 @@ inline double overrun_of(const Spec& spec, const ControllerInfo& controller) {
   return distance / sin_cos(steepest).cos;
 }
 
-// Overlap of the palms at the start, both steep [m]; negative: the gap between them. A palm extends
-// inward from its contact by half its length plus the contact coordinate p.
-inline double palm_overlap_of(const Spec& spec) {
-  double reach = 0;
-  PerSide<double> rise{};
-  const PerSide<double> radius = contact_radii(spec.outline);
-  for (const std::size_t side : {left, right}) {
-    const PalmSpec& palm = spec.palms[side];
-    const double p = spec.start[side];
-    const SinCos<double> steep = sin_cos(palm.steep);
-    reach += (p + 0.5 * palm.length) * steep.cos - radius[side] * steep.sin;
-    rise[side] = p * steep.sin + (palm.offset + radius[side]) * steep.cos;
-  }
-  const double z = rise[right] - rise[left];
-  return reach - std::sqrt(std::max(spec.width * spec.width - z * z, 0.0));
-}
-
-// Why no carry can begin with these palms; empty: it can. No world models that they touch each other.
-inline std::string palm_refusal(const Spec& spec) {
-  const double overlap = palm_overlap_of(spec);
-  if (!(overlap > 0)) return "";
-  const double level = sin_cos(spec.palms[left].steep).cos + sin_cos(spec.palms[right].steep).cos;
-  const double shorter = std::ceil(1e3 * overlap / (0.5 * level)) / 1e3;
-  return sentence(
-      "palm.length_m: the palms would collide under the object, where they overlap by {} at the "
-      "start; allowed: palms that are {} m shorter, or a wider object",
-      {millimetres(overlap), short_text(shorter)});
-}
-
 namespace detail {
 
 // The sensor of a palm reads 0 up to an end: it cannot foresee a drop there.

@@ -22,6 +22,8 @@ UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
 
 _LEAST_M, _MOST_M = 0.01, 3.0  # sizes that need no confirmation
 _DEPTH_M = 0.1  # of a drawing
+SEEN = math.radians(0.05)
+"""A turn that is worth a remark."""
 _MOST_TURN = math.radians(5)  # of a body that is nearly upright
 
 
@@ -102,7 +104,11 @@ def of_mesh(mesh: Mesh, file_m: float | None, given: Given, cut: float | None) -
     if not mesh.open_edges:
         volume, middle = mesh.volume_and_centre()
         volume, centre = volume * metres**3, metres * middle[:2]
-    return Body(given.name, outline, view, metres, depth, volume, centre, _ignored(outline))
+    remarks = _ignored(outline)
+    if mesh.aligned > SEEN:
+        angle = math.degrees(mesh.aligned)
+        remarks = (f"It is turned by {angle:.2g}° to be parallel to the axes.", *remarks)
+    return Body(given.name, outline, view, metres, depth, volume, centre, remarks)
 
 
 def _joined(pieces: Sequence[Points], size: float, name: str, *, is_mesh: bool) -> Outline:
@@ -201,7 +207,7 @@ def _cross(one: Points, other: Points) -> float:
     return float(one[0] * other[1] - one[1] * other[0])
 
 
-def refuse_one_point(points: Points, tolerance_m: float, name: str) -> None:
+def refuse_one_point(points: Points, tolerance_m: float, body: Body) -> None:
     """Refuse an outline that stands on one point, sharp or round: it would tip over or roll.
 
     The part of a flat lower side that is within a quarter of the tolerance is nearly as wide as the
@@ -214,9 +220,10 @@ def refuse_one_point(points: Points, tolerance_m: float, name: str) -> None:
     near, far = (_below(points, lowest + share * tolerance_m) for share in (0.25, 1.0))
     if near[1] - near[0] < 0.6 * (far[1] - far[0]):
         x = 1000 * float(sum(near) / 2 - points[:, 0].min())
+        other = "another --up" if body.view == "drawing" else "--align or another --up"
         raise PalmbotsError(
-            f"{name}: stands on one point, {x:.3g} mm from its left end, and would roll or tip; "
-            "allowed: a level lower side or two level feet, as with another --up"
+            f"{body.name}: stands on one point, {x:.3g} mm from its left end, and would roll or "
+            f"tip; allowed: a level lower side or two level feet, as with {other}"
         )
 
 

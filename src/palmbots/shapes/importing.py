@@ -28,7 +28,10 @@ from palmbots.scene.core_keys import most_records
 from palmbots.scene.error_messages import validation_message
 from palmbots.scene.object_library import IMPORTED
 from palmbots.scene.object_section import Object
+from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
 from palmbots.shapes.body_from_file import (
+    SEEN,
     UNITS,
     Body,
     Given,
@@ -50,7 +53,6 @@ _DRAWINGS = {".svg": read_svg, ".dxf": read_dxf}
 _MESHES = {".stl": "z", ".obj": "z", ".gltf": "y", ".glb": "y"}  # and the axis that points upwards
 _USUAL, _COARSEST = 0.005, 0.1  # tolerance, of the size
 _USUAL_OF_LESSER = 0.02  # of the smaller of length and height
-_SEEN = math.radians(0.05)  # a turn that is worth a remark
 
 
 @command(
@@ -62,6 +64,7 @@ _SEEN = math.radians(0.05)  # a turn that is worth a remark
     scale=Option(metavar="FACTOR"),
     up=Option(metavar="AXIS"),
     across=Option(metavar="AXIS"),
+    align=Option(),
     view=Option(metavar="section|silhouette"),
     cut=Option("--cut-percent", percent=True, least=0.01, most=0.99),
     tolerance_mm=Option(),
@@ -77,6 +80,7 @@ def import_object(
     scale: float | None = None,
     up: str | None = None,
     across: str | None = None,
+    align: bool = False,
     view: Literal["section", "silhouette"] = "section",
     cut: float = 0.5,
     tolerance_mm: float | None = None,
@@ -98,6 +102,8 @@ def import_object(
             glTF, z of others.
         across: axis of a mesh across the direction of travel: x, y or z; None: y, or z if y points
             upwards.
+        align: turn a mesh so that its sides are parallel to the axes, as those of a scan may not
+            be.
         view: outline of a mesh: that of its section by a vertical plane, or its silhouette.
         cut: position of this plane within the depth of the mesh.
         tolerance_mm: greatest deviation of the outline; None: 0.5 % of its size, or what 32 corners
@@ -127,16 +133,17 @@ def import_object(
     depth_mm, mass_kg = _above_0("depth_mm", depth_mm), _above_0("mass_kg", mass_kg)
     given = Given(path.name, unit, scale, None if depth_mm is None else depth_mm / 1000)
     if suffix in _DRAWINGS:
-        if (across, view, cut) != (None, "section", 0.5):
+        if (across, align, view, cut) != (None, False, "section", 0.5):
             raise PalmbotsError(
-                f"{path}: is a drawing; allowed without across, view and cut, which are for meshes"
+                f"{path}: is a drawing; allowed without across, align, view and cut, which are for "
+                "meshes"
             )
         drawing = _read(path, lambda data: _DRAWINGS[suffix](data))
         body = of_drawing(drawing, up, given)
     else:
         across = across or ("z" if up[-1] == "y" else "y")
         one_of("across", across, tuple(axis for axis in "xyz" if axis != up[-1]))
-        mesh = _read(path, lambda data: read_mesh(path, data, up, across))
+        mesh = _read(path, lambda data: read_mesh(path, data, up, across, align))
         metres = 1.0 if suffix in (".gltf", ".glb") else None
         if mesh.open_edges and (mass_kg is None or com_mm is None):
             raise PalmbotsError(
@@ -196,11 +203,11 @@ def _object(
         centre = body.outline.points.min(axis=0) + given
     points, centre, turn = settled(body.outline.points, centre)
     fitted, tolerance_m = _fitted(body.name, points, tolerance_mm)
-    refuse_one_point(points, tolerance_m, body.name)
+    refuse_one_point(points, tolerance_m, body)
     corner = fitted.vertices.min(axis=0)
     com = centre - corner if given is None else given
     remarks = body.remarks
-    if abs(turn) > _SEEN:
+    if abs(turn) > SEEN:
         way = "counter-clockwise" if turn > 0 else "clockwise"
         angle = abs(math.degrees(turn))
         remarks = (*remarks, f"It is turned {way} by {angle:.2g}° to stand on its lower side.")
@@ -212,6 +219,7 @@ def _object(
             f"{most_records('object.vertices_m')} corners.",
         )
     radii = [float(radius) for radius in fitted.radii]
+    contacts = _touched(fitted)
     table: dict[str, Any] = {
         "vertices_m": _pairs(fitted.vertices - corner),
         "edge_radius_m": radii[0] if len({*radii}) == 1 else radii,
@@ -219,6 +227,8 @@ def _object(
         "mass_kg": float(f"{volume * density_kg_m3 if mass_kg is None else mass_kg:.6g}"),
         "depth_m": round(body.depth_m, 6),
     }
+    if contacts is not None:
+        table["contacts"] = contacts
     try:
         made = Object.model_validate(table)
     except ValidationError as error:
@@ -289,6 +299,21 @@ def _fitted(name: str, points: Points, tolerance_mm: float | None) -> tuple[Fitt
 def _pairs(points: Any) -> list[tuple[float, float]]:
     """Points in whole micrometres."""
     return [(round(float(x), 6) + 0.0, round(float(y), 6) + 0.0) for x, y in points]
+
+
+def _touched(fitted: Fitted) -> tuple[int, int] | None:
+    """The corners that both palms of the scene `paper` touch where they are steep, as at the start
+    of a carry; None: it is the same one."""
+    edges = np.roll(fitted.vertices, -1, axis=0) - fitted.vertices
+    after = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.hypot(*edges.T)[:, None]  # inward
+    before = np.roll(after, 1, axis=0)
+    middle = (before + after) / (1 + (before * after).sum(axis=1))[:, None]
+    centres = fitted.vertices + fitted.radii[:, None] * middle
+    left, right = (
+        int(np.argmin(centres @ (-out * math.sin(palm.steep), math.cos(palm.steep)) - fitted.radii))
+        for out, palm in zip((-1, 1), to_spec(load_scene("paper")).palms, strict=True)
+    )
+    return None if left == right else (left, right)
 
 
 def _has_round_contact(fitted: Fitted, made: Object) -> bool:

@@ -7,8 +7,10 @@ Coordinates are turned so that x points along the direction of travel, y upwards
 from __future__ import annotations
 
 import io
+import itertools
 import json
 import logging
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,6 +32,8 @@ class Mesh:
     """Three indices of vertices each."""
     open_edges: int
     """Edges that do not join two triangles with the same side outwards; 0: the mesh is closed."""
+    aligned: float = 0.0
+    """By which angle the body was turned so that its sides are parallel to the axes [rad]."""
 
     @property
     def triangles(self) -> Points:
@@ -72,7 +76,7 @@ class Mesh:
         return found
 
 
-def read_mesh(path: Path, data: bytes, up: str, across: str) -> Mesh:
+def read_mesh(path: Path, data: bytes, up: str, across: str, align: bool = False) -> Mesh:
     """The mesh of a file. Vertices at the same place are one.
 
     Args:
@@ -80,6 +84,8 @@ def read_mesh(path: Path, data: bytes, up: str, across: str) -> Mesh:
         data: its content.
         up: the axis of the file that points upwards, such as ``z`` or ``-y``.
         across: its axis across the direction of travel: x, y or z.
+        align: whether the sides of the smallest box around the body become parallel to the axes
+            of the file.
     """
     trimesh = require("trimesh", "import")
     if path.suffix.lower() == ".gltf":
@@ -107,7 +113,25 @@ def read_mesh(path: Path, data: bytes, up: str, across: str) -> Mesh:
         np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True
     )
     ways = np.bincount(edge.reshape(-1), np.where(ends[:, 0] < ends[:, 1], 1, -1))
-    return Mesh(_turned(vertices, up, across), faces, int(((counts != 2) | (ways != 0)).sum()))
+    turn = 0.0
+    if align:
+        vertices, turn = _aligned(vertices)
+    opened = int(((counts != 2) | (ways != 0)).sum())
+    return Mesh(_turned(vertices, up, across), faces, opened, turn)
+
+
+def _aligned(vertices: Points) -> tuple[Points, float]:
+    """The body, turned as little as makes the sides of the smallest box around it parallel to the
+    axes; and the angle [rad]."""
+    bounds = require("trimesh", "import").bounds
+    axes = bounds.oriented_bounds(vertices)[0][:3, :3]
+    turns = [
+        np.array([sign * axes[k] for sign, k in zip(signs, order, strict=True)])
+        for order in itertools.permutations(range(3))
+        for signs in itertools.product((1.0, -1.0), repeat=3)
+    ]
+    turn = max((one for one in turns if np.linalg.det(one) > 0), key=np.trace)
+    return vertices @ turn.T, math.acos(min(1.0, (np.trace(turn) - 1) / 2))
 
 
 def _turned(vertices: Points, up: str, across: str) -> Points:

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Why no carry can begin with these palms and contacts: one sentence, for the command line, Python and
+// the page.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "palmbots/base/number_text.hpp"
+#include "palmbots/sim/build.hpp"
+#include "palmbots/sim/problem_text.hpp"
+#include "palmbots/world/quasistatic_world.hpp"
+
+namespace palmbots {
+
+// Overlap of the palms at the start, both steep [m]; negative: the gap between them. A palm extends
+// inward from its contact by half its length plus the contact coordinate p.
+inline double palm_overlap_of(const Spec& spec) {
+  double reach = 0;
+  PerSide<double> rise{};
+  const PerSide<double> radius = contact_radii(spec.outline);
+  for (const std::size_t side : {left, right}) {
+    const PalmSpec& palm = spec.palms[side];
+    const double p = spec.start[side];
+    const SinCos<double> steep = sin_cos(palm.steep);
+    reach += (p + 0.5 * palm.length) * steep.cos - radius[side] * steep.sin;
+    rise[side] = p * steep.sin + (palm.offset + radius[side]) * steep.cos;
+  }
+  const double z = rise[right] - rise[left];
+  return reach - std::sqrt(std::max(spec.width * spec.width - z * z, 0.0));
+}
+
+// A corner of the object that is in a palm.
+struct BuriedCorner {
+  double depth;  // [m]
+  double along;  // from the contact, along the palm, outward [m]
+  std::size_t side;
+};
+
+// The corner that is deepest in a palm at the start, by more than a thousandth of the object's size.
+inline std::optional<BuriedCorner> buried_corner_of(const Spec& spec) {
+  const Model<double> model = model_of<double>(spec);
+  const World<double> world(model, configuration_of(spec, model));
+  const Pose pose = world.pose();
+  double most = 1e-3 * world.shapes().size;
+  std::optional<BuriedCorner> deepest;
+  for (const std::size_t side : {left, right}) {
+    const double angle = spec.palms[side].steep;
+    const Carrier palm = side == left ? Carrier::left_palm : Carrier::right_palm;
+    Travel still{};
+    still.palms[side] = {world.pivot(side), {}, angle, 0.0, angle};
+    const Frame frame = still.frame(palm, 0.0);
+    const RoundedBody& body = world.shapes().body;
+    for (std::size_t i = 0; i < body.count; ++i) {
+      const Corner& corner = body.corners[i];
+      const Vec seen = frame.from_world(pose.at + pose.to_world(corner.centre) - frame.origin);
+      const double depth = spec.palms[side].offset - (seen.y - corner.radius);
+      if (std::abs(seen.x) > 0.5 * spec.palms[side].length || depth <= most) continue;
+      most = depth;
+      deepest = {depth, seen.x - spec.start[side], side};
+    }
+  }
+  return deepest;
+}
+
+// Why no carry can begin with these palms; empty: it can. No world models that they touch each other.
+inline std::string palm_refusal(const Spec& spec) {
+  if (const auto buried = buried_corner_of(spec)) {
+    return sentence(
+        "object.contacts: at the start, the {} palm would lie in the object, by {} at the corner "
+        "{} {} of the contact; allowed: the corners that the palms touch, or palms that are less "
+        "steep",
+        {buried->side == left ? "left" : "right", millimetres(buried->depth),
+         millimetres(std::abs(buried->along)), buried->along > 0 ? "outward" : "inward"});
+  }
+  const double overlap = palm_overlap_of(spec);
+  if (!(overlap > 0)) return "";
+  const double level = sin_cos(spec.palms[left].steep).cos + sin_cos(spec.palms[right].steep).cos;
+  const double shorter = std::ceil(1e3 * overlap / (0.5 * level)) / 1e3;
+  return sentence(
+      "palm.length_m: the palms would collide under the object, where they overlap by {} at the "
+      "start; allowed: palms that are {} m shorter, or a wider object",
+      {millimetres(overlap), short_text(shorter)});
+}
+
+}  // namespace palmbots
