@@ -82,7 +82,9 @@ def test_other_engines_are_tried_in_the_same_states(done: Validation) -> None:
 
 
 def test_rounded_corners_and_contacts_with_the_floor_agree(done: Validation) -> None:
-    assert [one.contacts for one in done.own] == ["two vertices", "rounded corners", "floor"]
+    assert [one.contacts for one in done.own] == [
+        "two vertices", "rounded corners", "floor, one palm", "floor, both palms",
+    ]  # fmt: skip
     for one in done.own[1:]:
         assert one.decisive_n > 1 and one.decisive_rate > 0.9
 
@@ -141,11 +143,9 @@ def test_validation_holds_only_if_all_parts_hold(done: Validation) -> None:
     held = replace(done, agreement=(fine, *peers), creep_m=(-0.25e-3, 0.25e-3))
     assert held.holds
     poor = [replace(p, decisive_rate=0.5) for p in peers]
-    kinds, others = poor[:2], poor[2:]
-    assert replace(held, agreement=(fine, *peers[:2], *others)).holds
+    assert replace(held, agreement=(fine, *peers[:3], *poor[3:])).holds
     for spoilt in (
-        replace(held, agreement=(fine, kinds[0], *peers[1:])),
-        replace(held, agreement=(fine, peers[0], kinds[1], *peers[2:])),
+        *(replace(held, agreement=(fine, *peers[:k], poor[k], *peers[k + 1 :])) for k in range(3)),
         replace(held, agreement=(replace(own, decisive_rate=0.9899), *peers)),
         replace(held, creep_m=(0.0, -0.2501e-3)),
         replace(held, creep_m=(0.2501e-3, 0.0)),
@@ -191,7 +191,8 @@ def test_the_command_reports_and_draws(
     assert len(result["carries"]) == 1
     compared = [(one["engine"], one["contacts"]) for one in result["agreement"]]
     assert compared == [
-        ("MuJoCo", "two vertices"), ("MuJoCo", "rounded corners"), ("MuJoCo", "floor"),
+        ("MuJoCo", "two vertices"), ("MuJoCo", "rounded corners"),
+        ("MuJoCo", "floor, one palm"), ("MuJoCo", "floor, both palms"),
         ("pymunk", "two vertices"), ("Box2D", "two vertices"),
     ]  # fmt: skip
     picture = Image.open(tmp_path / "validation.png")

@@ -29,7 +29,13 @@ from palmbots.errors import PalmbotsError
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.validation import trials
 from palmbots.mujoco.validation.engine_trials import ENGINES, engine_trials
-from palmbots.mujoco.validation.floor_trials import FloorTrial, floor_trial
+from palmbots.mujoco.validation.floor_trials import (
+    BOTH_PALMS,
+    ONE_PALM,
+    ROUNDED,
+    FloorTrial,
+    floor_trial,
+)
 from palmbots.mujoco.validation.trials import Slides, State
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import to_spec
@@ -37,8 +43,9 @@ from palmbots.simulation.batch import DELIVERED, run_seeds
 from palmbots.simulation.prepare import prepare
 from palmbots.simulation.single import carry
 
-VERTICES, ROUNDED, FLOOR = "two vertices", "rounded corners", "floor"
-FLOOR_TRIALS = 1500  # seeds; some states have contacts that the trials leave out
+VERTICES = "two vertices"
+CONTACTS = (VERTICES, ROUNDED, ONE_PALM, BOTH_PALMS)
+FLOOR_TRIALS = 3000  # seeds; some states have contacts that the trials leave out
 MIN_AGREEMENT, MAX_CREEP_M = 0.99, 0.25e-3
 _QUASISTATIC_CARRIES = {True: 1000, False: 100}  # of a compiled controller, of one in Python
 _PLACES = (-0.06, -0.045, -0.03, -0.015, 0.0, 0.015, 0.03, 0.045, 0.06)
@@ -72,8 +79,8 @@ class Agreement:
 
     engine: str
     contacts: str
-    """What touches: ``two vertices``, ``rounded corners`` on palms and their tips, or ``floor``,
-    where rounded corners touch the floor as well."""
+    """What touches: ``two vertices``; ``rounded corners`` on palms and their tips; ``floor, one
+    palm`` or ``floor, both palms``, where rounded corners touch the floor as well."""
     n: int
     rate: float
     decisive_n: int
@@ -221,7 +228,7 @@ def validate(
         on_floor = math.ceil(share * on_floor)
     engines = [name for name, (module, _) in ENGINES.items() if importlib.util.find_spec(module)]
     total = len(grid) * (1.0 + 0.3 * len(engines)) + 40.0 * carries + 300.0
-    total += len(rolling) + on_floor
+    total += len(rolling) + 0.5 * on_floor
     finished = 0.0
 
     def add_progress(units: float) -> None:
@@ -241,7 +248,7 @@ def validate(
     for seed in range(on_floor):
         if (one := floor_trial(base, seed, trials.MARGIN)) is not None:
             floor.append(one)
-        add_progress(1.0)
+        add_progress(0.5)
     lines = []
     for right in LINE_PLACES:
         for closing in (True, False):
@@ -262,18 +269,12 @@ def validate(
         controller=entry.name,
         trials=tuple(results),
         floor_trials=tuple(floor),
-        agreement=(
-            _agreement("MuJoCo", VERTICES, results),
-            _counted(
-                "MuJoCo",
-                ROUNDED,
-                [
-                    *((t.decisive, t.cause is None) for t in results if t.contacts == ROUNDED),
-                    *((t.decisive, t.agrees) for t in floor if not t.is_on_floor),
-                ],
-            ),
-            _counted("MuJoCo", FLOOR, [(t.decisive, t.agrees) for t in floor if t.is_on_floor]),
-            *(_agreement(name, VERTICES, results) for name in engines),
+        agreement=tuple(
+            _agreement(engine, contacts, results, floor)
+            for engine, contacts in (
+                *(("MuJoCo", one) for one in CONTACTS),
+                *((name, VERTICES) for name in engines),
+            )
         ),
         switch_lines=tuple(lines),
         tilts=tuple(tilts),
@@ -311,15 +312,19 @@ def _cause(decisive: bool) -> str:
     return "unexplained" if decisive else "near a switch line"
 
 
-def _agreement(engine: str, contacts: str, results: list[Trial]) -> Agreement:
-    own = [t for t in results if t.engine == engine and t.contacts == contacts]
-    return _counted(engine, contacts, [(t.decisive, t.cause is None) for t in own])
-
-
-def _counted(engine: str, contacts: str, results: list[tuple[bool, bool]]) -> Agreement:
-    """From whether each state is decisive, and whether both worlds agree there."""
-    decisive = [agrees for is_decisive, agrees in results if is_decisive]
-    n, rate = len(results), sum(agrees for _, agrees in results) / max(1, len(results))
+def _agreement(
+    engine: str, contacts: str, results: list[Trial], floor: list[FloorTrial]
+) -> Agreement:
+    judged = [
+        (one.decisive, agrees)
+        for own, one, agrees in (
+            *((t.engine, t, t.cause is None) for t in results),
+            *(("MuJoCo", t, t.agrees) for t in floor),
+        )
+        if (own, one.contacts) == (engine, contacts)
+    ]
+    decisive = [agrees for is_decisive, agrees in judged if is_decisive]
+    n, rate = len(judged), sum(agrees for _, agrees in judged) / max(1, len(judged))
     m = max(1, len(decisive))
     return Agreement(
         engine, contacts, n, rate, len(decisive), sum(decisive) / m, wilson(sum(decisive), m)
