@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where palms and object touch, and what several contacts can do.
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
 #include <tuple>
 
 #include "bindings.hpp"
-#include "palmbots/mechanics/contact_detection.hpp"
+#include "palmbots/mechanics/mode_forces.hpp"
+#include "palmbots/world/touching.hpp"
 
 namespace palmbots::bindings {
 
@@ -53,24 +58,20 @@ std::vector<int> listed(const Motions& motions, std::size_t count) {
 }
 
 nb::tuple contacts_of(const Spec& spec, Numbers2 angles, Numbers2 places) {
-  const Model<double> model = model_of<double>(spec);
-  const Configuration<double> configuration{
-      0.0,
-      {PalmAngle<double>::at(angles.first), PalmAngle<double>::at(angles.second)},
-      {places.first, places.second}};
-  const ContactSet<double> found = detect_contacts(model, configuration);
-  std::vector<std::tuple<std::string, double, double, double, SupportTuple>> points;
-  for (std::size_t i = 0; i < found.count && i < max_supports; ++i) {
-    const ContactPoint<double>& t = found.points[i];
+  const StateContacts found =
+      contacts_of_state(spec, {angles.first, angles.second}, {places.first, places.second});
+  std::vector<std::tuple<std::string, std::size_t, double, double, double, SupportTuple>> points;
+  for (const StateContact& t : found.touched) {
     const Support<double>& s = t.support;
-    points.emplace_back(name_of(t.kind), t.place, t.along[left], t.height,
+    points.emplace_back(t.kind, t.carrier, t.place, t.point.x, t.point.y,
                         SupportTuple{s.side, s.x, s.y, s.nx, s.ny, s.friction});
   }
   const auto pivot = [&](std::size_t side) {
-    return Numbers2{found.pivot_x[side], found.pivot_y[side]};
+    return Numbers2{found.pivots[side].x, found.pivots[side].y};
   };
   return nb::make_tuple(points, found.count, Numbers2{found.sunk[left], found.sunk[right]},
-                        std::pair(pivot(left), pivot(right)));
+                        std::pair(pivot(left), pivot(right)),
+                        refusal_of(found, spec, {angles.first, angles.second}));
 }
 
 std::vector<Numbers2> palm_velocities(const std::vector<SupportTuple>& given,
@@ -108,6 +109,31 @@ std::vector<std::vector<int>> outcomes(const std::vector<SupportTuple>& given,
   return found;
 }
 
+using Ends = std::pair<double, double>;
+
+std::tuple<std::vector<std::pair<Ends, Ends>>, double, std::optional<std::vector<int>>> mode_forces(
+    const std::vector<SupportTuple>& given, const std::vector<int>& codes, double slope,
+    const std::vector<std::size_t>& surfaces) {
+  const Supports<double> supports = supports_of(given);
+  const Motions motions = motions_of(codes, supports.count);
+  if (surfaces.size() != supports.count)
+    throw std::invalid_argument("one surface for each support");
+  SurfaceNumbers numbers{};
+  std::ranges::copy(surfaces, numbers.begin());
+  std::vector<std::pair<Ends, Ends>> forces;
+  const auto found = contact_forces(supports, motions, slope);
+  for (std::size_t i = 0; i < supports.count; ++i) {
+    forces.emplace_back(Ends{found[i].normal.low, found[i].normal.high},
+                        Ends{found[i].friction.low, found[i].friction.high});
+  }
+  const ModeMargin margin = margin_of(supports, motions, slope, numbers);
+  std::optional<std::vector<int>> at_limit;
+  if (std::isfinite(margin.angle)) {
+    at_limit = listed(loaded_edges(margin.supports, motions, slope), supports.count);
+  }
+  return {forces, margin.angle, at_limit};
+}
+
 }  // namespace
 
 void bind_multi_contact(nb::module_& m) {
@@ -115,8 +141,9 @@ void bind_multi_contact(nb::module_& m) {
   m.attr("contact_tolerance") = contact_tolerance<double>;
   m.attr("wrench_tolerance") = wrench_tolerance<double>;
   m.def("contacts", &contacts_of, nb::arg("spec"), nb::arg("angles"), nb::arg("places"),
-        "All contacts as (kind, place, object x, object y, support), how many there are (at most 8 "
-        "are listed), how deep either palm is in the object [m], and the pivots from the COM [m].");
+        "All contacts as (kind, palm, place, object x, object y, support), how many there are (not "
+        "all are listed if there are more than 8), how deep either palm is in an object with sharp "
+        "contact vertices [m], the pivots from the COM [m], and why the state is refused.");
   m.def("palm_velocities", &palm_velocities, nb::arg("supports"), nb::arg("pivots"),
         nb::arg("palms"), "Of the palms at the supports; a palm moves by (vx, vy, spin).");
   m.def(
@@ -143,6 +170,12 @@ void bind_multi_contact(nb::module_& m) {
         "Every way in which a rigid body can move on palms with these velocities.");
   m.def("outcomes", &outcomes, nb::arg("supports"), nb::arg("velocities"), nb::arg("slope") = 0.0,
         "Those of them that balance.");
+  m.def(
+      "mode_forces", &mode_forces, nb::arg("supports"), nb::arg("motions"), nb::arg("slope"),
+      nb::arg("surfaces"),
+      "Of a mode in balance: the least and the greatest normal and friction force of each contact "
+      "[weights], the margin of the mode [rad], and how each contact is loaded at its end, as a "
+      "motion (None: it has no end). `surfaces` numbers the surface of each contact.");
 }
 
 }  // namespace palmbots::bindings

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The quasistatic world, step by step.
 #include "palmbots/base/gravity.hpp"
-#include "palmbots/world/quasistatic_world.hpp"
+#include "palmbots/sim/standing_start.hpp"
+#include "palmbots/world/touching.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -32,58 +33,16 @@ std::tuple<std::string, double, int, int, int> result_of(const Advance<double>& 
 }
 
 using SupportTuple = std::tuple<std::size_t, double, double, double, double, double>;
-using Touched = std::tuple<std::string, std::size_t, double, SupportTuple>;
 
-const char* name_of(const Surface& surface) {
-  if (surface.tip) return "tip";
-  if (surface.carrier == Carrier::ground) return "floor";
-  if (surface.normal.y > 0.5) return "vertex";
-  return surface.at.x < 0.0 ? "nose" : "heel";
-}
-
-// Whether an earlier pair is the same contact: a feature and its neighbour, where one hands over to
-// the other.
-bool is_known(const ClosedPairs& closed, std::size_t i, double near) {
-  const FeatureContact& own = closed.at[i].contact;
-  for (std::size_t k = 0; k < i; ++k) {
-    const FeatureContact& other = closed.at[k].contact;
-    if (length(other.point - own.point) <= near && length(other.normal - own.normal) <= 1e-4)
-      return true;
-  }
-  return false;
-}
-
-std::vector<Touched> touching(const World<double>& w, double within) {
-  const ClosedPairs closed = w.touching(within);
-  std::vector<Touched> found;
-  for (std::size_t i = 0; i < closed.count; ++i) {
-    if (is_known(closed, i, 2.0 * within)) continue;
-    const auto& [pair, c] = closed.at[i];
-    const Surface& surface = w.shapes().surfaces.at[pair.surface];
-    const auto carrier = static_cast<std::size_t>(surface.carrier);
-    found.emplace_back(name_of(surface), carrier, surface.tip ? surface.at.x : c.place,
-                       SupportTuple{carrier == left ? left : right, c.point.x, c.point.y,
-                                    c.normal.x, c.normal.y, surface.friction});
+std::vector<std::tuple<std::string, std::size_t, double, SupportTuple>> touching(
+    const World<double>& w, double within) {
+  std::vector<std::tuple<std::string, std::size_t, double, SupportTuple>> found;
+  for (const Touched& one : touched_in(w, within)) {
+    const Support<double>& s = one.support;
+    found.emplace_back(one.kind, one.carrier, one.place,
+                       SupportTuple{s.side, s.x, s.y, s.nx, s.ny, s.friction});
   }
   return found;
-}
-
-// The palm whose faces, moved by `deep` into it, still lie in the object.
-std::optional<std::size_t> pierced(const World<double>& w, double deep) {
-  Travel still{};
-  for (const std::size_t side : {left, right}) {
-    const double angle = w.configuration().palms[side].angle;
-    still.palms[side] = {w.pivot(side), {}, angle, 0.0, angle};
-  }
-  const Frames frames = still.frames(0.0);
-  const Surfaces& surfaces = w.shapes().surfaces;
-  for (std::size_t i = 0; i < surfaces.count; ++i) {
-    const Surface& face = surfaces.at[i];
-    const auto carrier = static_cast<std::size_t>(face.carrier);
-    if (face.tip || carrier > right) continue;
-    if (is_pierced(w.shapes().body, w.pose(), frames[carrier], face, deep)) return carrier;
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -178,7 +137,7 @@ void bind_world(nb::module_& m) {
       .def("touching", &touching, nb::arg("within"),
            "Contacts with at most this gap [m]: (vertex, tip, nose, heel or floor; palm, or 2: the "
            "floor; place on it [m]; support), points from the COM.")
-      .def("pierced", &pierced, nb::arg("deep"),
+      .def("pierced", &pierced_palm, nb::arg("deep"),
            "The palm that is in the object by more than this [m]; None: neither is.")
       .def("set_on_both", &W::set_on_both, nb::arg("on_both"),
            "Whether a step ends when the object leaves one palm.")
@@ -205,6 +164,21 @@ void bind_world(nb::module_& m) {
             return std::pair(place(left), place(right));
           },
           "Where each palm is touched [m]; None: nowhere.");
+  m.def("standing_refusal", &standing_refusal, nb::arg("spec"),
+        "Why the object does not stand on its two contact vertices; empty: it does.");
+  m.def(
+      "standing_start",
+      [](const Spec& spec, Numbers2 angles, Numbers2 gaps) {
+        const StandingStart start =
+            StandingStart::of(spec, {angles.first, angles.second}, {gaps.first, gaps.second});
+        const auto [l, r] = std::pair(start.pivots[left], start.pivots[right]);
+        return std::pair(std::pair(Numbers2{l.x, l.y}, Numbers2{r.x, r.y}),
+                         Numbers2{start.com.x, start.com.y});
+      },
+      nb::arg("spec"), nb::arg("angles"), nb::arg("gaps"),
+      "Pivots and COM of an object that stands between palms at these angles [rad], whose inner "
+      "ends "
+      "are on the floor at these distances from it [m].");
   m.def(
       "takes_single_steps",
       [](const Spec& spec) { return takes_single_steps(model_of<double>(spec)); }, nb::arg("spec"),

@@ -14,15 +14,12 @@
 #include <vector>
 
 #include "palmbots/sim/lift_team.hpp"
-#include "palmbots/sim/object_frame.hpp"
 #include "palmbots/sim/random_streams.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/robot_pair.hpp"
+#include "palmbots/sim/standing_start.hpp"
 
 namespace palmbots {
-
-// Distance between the object and the noses at the start [m].
-inline constexpr double approach_distance = 0.03;
 
 // A phase of one robot, which lasts until its next one [ticks].
 struct LiftPhase {
@@ -32,32 +29,6 @@ struct LiftPhase {
   double moved;  // displacement of the COM until then [m]
 };
 inline constexpr std::size_t most_lift_phases = 128;
-
-// Where a job begins whose object stands on the floor: palms steep, their noses on the floor beside
-// the object, whose COM is above x = 0; the floor is y = 0 [m].
-struct StandingStart {
-  PerSide<Vec> pivots{};
-  Vec com{};
-
-  static StandingStart of(const Spec& spec) {
-    StandingStart start;
-    PerSide<double> end{};
-    const PerSide<double> radius = contact_radii(spec.outline);
-    for (const Vec& point : silhouette(spec)) {
-      end[left] = larger(end[left], -(point.x - spec.com_left));
-      end[right] = larger(end[right], point.x - spec.com_left);
-    }
-    for (const std::size_t side : {left, right}) {
-      const PalmSpec& palm = spec.palms[side];
-      const SinCos<double> at = sin_cos(palm.steep);
-      const double arm = 0.5 * palm.length * at.cos + palm.offset * at.sin;
-      start.pivots[side] = {outward<double>(side) * (end[side] + approach_distance + arm),
-                            palm.lowest_pivot(at)};
-    }
-    start.com = {0.0, spec.com_height + larger(radius[left], radius[right])};
-    return start;
-  }
-};
 
 template <class Inner>
 class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {

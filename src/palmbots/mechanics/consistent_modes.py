@@ -3,8 +3,8 @@
 walls.
 
 `consistent_modes` takes the contacts as they are, whatever touches. The core has the mechanics
-(`mechanics/wrench_cone.hpp`, `mechanics/twist_feasibility.hpp`); `palmbots.mechanics.mode_forces`
-adds forces and margins. Source: docs/theory/contacts.md.
+(`mechanics/wrench_cone.hpp`, `mechanics/twist_feasibility.hpp`, `mechanics/mode_forces.hpp`).
+Source: docs/theory/contacts.md.
 """
 
 from __future__ import annotations
@@ -17,13 +17,7 @@ import palmbots._core as _core
 from palmbots._util.arguments import show
 from palmbots._util.results import Result
 from palmbots.errors import PalmbotsError
-from palmbots.mechanics.mode_forces import (
-    ConsistentMode,
-    Support,
-    contact_forces,
-    loaded_edges,
-    margin_of,
-)
+from palmbots.mechanics.mode_forces import ConsistentMode, ContactForce, Support
 
 MOTION_CODES = ("ST", "SL", "SR", "BR")
 """A contact sticks, slides to the left, slides to the right, or breaks."""
@@ -108,13 +102,16 @@ def modes_of(
     def named(motions: Sequence[int]) -> tuple[str, ...]:
         return tuple(CODE_OF[s[0]][m] for s, m in zip(supports, motions, strict=True))
 
+    names = sorted(set(surfaces))
+    numbers = [names.index(name) for name in surfaces]
+
     def made(motions: Sequence[int]) -> ConsistentMode:
-        margin, at = margin_of(supports, motions, slope, surfaces)
+        forces, margin, at = _core.mode_forces(list(supports), motions, slope, numbers)
         return ConsistentMode(
             motions=named(motions),
-            forces=contact_forces(supports, motions, slope),
+            forces=tuple(ContactForce(normal, friction) for normal, friction in forces),
             margin_deg=math.degrees(margin),
-            at_limit=None if at is None else named(loaded_edges(at, motions, slope)),
+            at_limit=None if at is None else named(at),
         )
 
     return tuple(made(m) for m in _core.outcomes(list(supports), list(velocities), slope))

@@ -12,20 +12,16 @@ heels are found by the quasistatic world, which knows all of them.
 
 from __future__ import annotations
 
-import cmath
-import math
 from dataclasses import dataclass
 from typing import Literal, cast
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Overrides, Side
-from palmbots._util.arguments import show
 from palmbots.errors import PalmbotsError
-from palmbots.mechanics.consistent_modes import CODE_OF, MOST_CONTACTS, modes_of
+from palmbots.mechanics.consistent_modes import CODE_OF, modes_of
 from palmbots.mechanics.mode_forces import ConsistentMode, Support
 from palmbots.mechanics.state import PalmState, palm_state
 from palmbots.scene.scene import SceneLike
-from palmbots.scene.spec import contact_radii
 
 Kind = Literal["vertex", "flush", "tip", "nose", "heel"]
 Motions = tuple[str, ...]
@@ -114,99 +110,14 @@ def touching(state: PalmState) -> Touching:
     Raises:
         PalmbotsError: a palm lies in the object, or there are more than 8 contacts.
     """
-    if any(contact_radii(state.spec)):
-        return _with_others(state, _on_arcs(state))
-    points, count, sunk, pivots = _core.contacts(state.spec, state.theta_rad, state.p_m)
-    near = _core.contact_tolerance * state.spec.width
-    for i, side in enumerate(SIDES):
-        if sunk[i] > near:
-            raise PalmbotsError(
-                f"theta_{side}_deg: value is {show(state.theta_deg[i])}, which puts the {side} "
-                f"palm {1e3 * sunk[i]:.3g} mm inside the object's outline; allowed: angles and "
-                f"contacts at which they overlap by at most {1e3 * near:.2g} mm"
-            )
-    if count > MOST_CONTACTS:
-        raise _too_many(count)
+    points, _, _, pivots, refusal = _core.contacts(state.spec, state.theta_rad, state.p_m)
+    if refusal:
+        raise PalmbotsError(refusal)
     contacts = tuple(
-        Contact(SIDES[support[0]], cast(Kind, kind), place, (x, y))
-        for kind, place, x, y, support in points
+        Contact(SIDES[side], cast(Kind, kind), place, (x, y))
+        for kind, side, place, x, y, _ in points
     )
-    found = Touching(contacts, state.spec.slope, tuple(p[4] for p in points), pivots)
-    has_ends = any(palm.nose > 0 or palm.heel > 0 for palm in state.spec.palms)
-    return _with_others(state, found) if has_ends else found
-
-
-def _too_many(count: int) -> PalmbotsError:
-    return PalmbotsError(
-        f"object.vertices_m: the outline touches the palms in {count} points; allowed: "
-        f"{MOST_CONTACTS}"
-    )
-
-
-def _on_arcs(state: PalmState) -> Touching:
-    """The rounded contact vertices alone."""
-    spec, turn = state.spec, state.object_rad
-    contacts: list[Contact] = []
-    supports: list[Support] = []
-    for i, side in enumerate(SIDES):
-        theta = state.theta_rad[i]
-        down = contact_radii(spec)[i] * cmath.rect(1, (-0.5 * math.pi) + (-1, 1)[i] * theta - turn)
-        point = i * spec.width + down.real, down.imag
-        contacts.append(Contact(side, "vertex", state.p_m[i], point))
-        from_com = (complex(*point) - complex(spec.com_left, spec.com_height)) * cmath.rect(1, turn)
-        lean = (1, -1)[i] * theta
-        normal = math.sin(lean), math.cos(lean)
-        supports.append((i, from_com.real, from_com.imag, *normal, spec.palms[i].friction))
-    com, pivots = _placed(state)
-    left, right = (pivot - com for pivot in pivots)
-    from_com = ((left.real, left.imag), (right.real, right.imag))
-    return Touching(tuple(contacts), spec.slope, tuple(supports), from_com)
-
-
-def _placed(state: PalmState) -> tuple[complex, tuple[complex, complex]]:
-    """The COM and both pivots (x + iy), with the left pivot at the origin."""
-    spec, turned = state.spec, cmath.rect(1, state.object_rad)
-    feet = []  # of the contact vertices, or the centres of their arcs, from the pivots
-    for i, palm in enumerate(spec.palms):
-        along = (-1, 1)[i] * cmath.rect(1, (-1, 1)[i] * state.theta_rad[i])
-        across = cmath.rect(1, 0.5 * math.pi + (-1, 1)[i] * state.theta_rad[i])
-        feet.append(state.p_m[i] * along + (palm.offset + contact_radii(spec)[i]) * across)
-    com = feet[0] + complex(spec.com_left, spec.com_height) * turned
-    return com, (0j, feet[0] + spec.width * turned - feet[1])
-
-
-def _with_others(state: PalmState, known: Touching) -> Touching:
-    """The contacts that are known, and all others that the quasistatic world finds."""
-    spec = state.spec
-    near = _core.contact_tolerance * spec.width
-    com, (left, right) = _placed(state)
-    world = _core.World(spec)
-    pivots = (left.real, left.imag), (right.real, right.imag)
-    world.put(pivots, state.theta_rad, (com.real, com.imag), state.object_rad)
-    if (pierced := world.pierced(near)) is not None:
-        side = SIDES[pierced]
-        raise PalmbotsError(
-            f"theta_{side}_deg: value is {show(state.theta_deg[pierced])}, which puts the {side} "
-            "palm inside the object's outline; allowed: angles and contacts at which they overlap "
-            f"by at most {1e3 * near:.2g} mm"
-        )
-    contacts, supports = list(known.contacts), list(known.supports)
-    for kind, side, place, support in world.touching(near):
-        point = complex(*support[1:3])
-        if any(abs(point - complex(*one[1:3])) <= 4 * near for one in supports if one[0] == side):
-            continue
-        seen = point * cmath.rect(1, -state.object_rad) + complex(spec.com_left, spec.com_height)
-        contacts.append(Contact(SIDES[side], cast(Kind, kind), place, (seen.real, seen.imag)))
-        supports.append(support)
-    if len(contacts) > MOST_CONTACTS:
-        raise _too_many(len(contacts))
-    order = sorted(range(len(contacts)), key=lambda k: SIDES.index(contacts[k].side))
-    return Touching(
-        tuple(contacts[k] for k in order),
-        spec.slope,
-        tuple(supports[k] for k in order),
-        known.pivots,
-    )
+    return Touching(contacts, state.spec.slope, tuple(p[5] for p in points), pivots)
 
 
 def contacts(

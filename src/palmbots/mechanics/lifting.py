@@ -16,7 +16,6 @@ from dataclasses import dataclass, field, replace
 
 import palmbots._core as _core
 from palmbots._types import SIDES, BySide, MaybeNaN
-from palmbots._util.arguments import show
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table, bold, verdict, warning
 from palmbots._util.text import millimetres, rounded_down, rounded_up
@@ -248,19 +247,8 @@ def check_lift(scene: Scene) -> tuple[str, ...]:
 
 def check_stands(spec: _core.Spec) -> None:
     """Raise `SceneError` for an object that does not stand on its two contact vertices."""
-    radii = tuple(spec.outline[k][3] for k in (0, spec.contact_right))
-    height = spec.com_height + max(radii)
-    lowest = min(y for _, y in spec.silhouette) + height - spec.com_height
-    # Where the line of action meets the floor: a force towards −x moves it back.
-    back = spec.slope * height
-    inside = -spec.com_right < back < spec.com_left
-    if lowest < -1e-9 or radii[0] != radii[1] or not inside:
-        raise SceneError(
-            f"object.vertices_m: the outline does not stand on its contact vertices "
-            f"{show(spec.outline[0][0])} and {show(spec.outline[spec.contact_right][0])}; "
-            "allowed: an object whose two contact vertices are its lowest, with equal radii, "
-            "and whose weight acts on the floor between them"
-        )
+    if refusal := _core.standing_refusal(spec):
+        raise SceneError(refusal)
 
 
 def _palm(

@@ -24,7 +24,7 @@ from palmbots.mechanics.consistent_modes import (
 )
 from palmbots.mechanics.lifting import check_stands
 from palmbots.scene.scene import SceneLike, load_scene
-from palmbots.scene.spec import contact_radii, to_spec
+from palmbots.scene.spec import to_spec
 
 Point = tuple[float, float]
 
@@ -99,23 +99,9 @@ class FloorWorld:
         self._end = ""
         self._world = _core.World(spec, floor_friction)
         self._world.set_on_both(False)
-        height = spec.com_height + max(contact_radii(spec))
         check_stands(spec)
-        across = [x - spec.com_left for x, _ in spec.silhouette]
-        sides = (min(across) - gaps_m[0], max(across) + gaps_m[1])
-        pivots = [
-            (x + sense * self._arm(side, angle), self._pivot_height(side, angle))
-            for side, (x, sense, angle) in enumerate(zip(sides, (-1, 1), angles, strict=True))
-        ]
-        self._world.put((pivots[0], pivots[1]), angles, (0.0, height), 0.0)
-
-    def _half(self, side: int) -> float:
-        return 0.5 * self._spec.palms[side].length
-
-    def _arm(self, side: int, angle: float) -> float:
-        """Distance along the floor from the inner end of a palm to its pivot."""
-        offset = self._spec.palms[side].offset
-        return self._half(side) * math.cos(angle) + offset * math.sin(angle)
+        pivots, com = _core.standing_start(spec, angles, gaps_m)
+        self._world.put(pivots, angles, com, 0.0)
 
     def _pivot_height(self, side: int, angle: float) -> float:
         """Height of the pivot of a palm whose inner end is on the floor."""

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// An object that stands on the floor on its two contact vertices, between two palms whose inner ends
+// are on the floor, too.
+#pragma once
+
+#include <string>
+
+#include "palmbots/base/number_text.hpp"
+#include "palmbots/sim/object_frame.hpp"
+#include "palmbots/sim/spec.hpp"
+
+namespace palmbots {
+
+// Distance between the object and the inner ends where a job begins on the floor [m].
+inline constexpr double approach_distance = 0.03;
+
+// Positions of the pivots and of the COM, which is above x = 0; the floor is y = 0 [m].
+struct StandingStart {
+  PerSide<Vec> pivots{};
+  Vec com{};
+
+  // With palms at these angles [rad], whose inner ends have these horizontal distances from the
+  // object [m].
+  static StandingStart of(const Spec& spec, const PerSide<double>& angles,
+                          const PerSide<double>& gaps) {
+    StandingStart start;
+    PerSide<double> end{};
+    const PerSide<double> radius = contact_radii(spec.outline);
+    for (const Vec& point : silhouette(spec)) {
+      end[left] = larger(end[left], -(point.x - spec.com_left));
+      end[right] = larger(end[right], point.x - spec.com_left);
+    }
+    for (const std::size_t side : {left, right}) {
+      const PalmSpec& palm = spec.palms[side];
+      const SinCos<double> at = sin_cos(angles[side]);
+      const double arm = 0.5 * palm.length * at.cos + palm.offset * at.sin;
+      start.pivots[side] = {outward<double>(side) * (end[side] + gaps[side] + arm),
+                            palm.lowest_pivot(at)};
+    }
+    start.com = {0.0, spec.com_height + larger(radius[left], radius[right])};
+    return start;
+  }
+
+  // Where a job begins: the palms are steep.
+  static StandingStart of(const Spec& spec) {
+    return of(spec, {spec.palms[left].steep, spec.palms[right].steep},
+              {approach_distance, approach_distance});
+  }
+};
+
+// Why an object does not stand on its two contact vertices; empty: it does.
+inline std::string standing_refusal(const Spec& spec) {
+  const PerSide<double> radius = contact_radii(spec.outline);
+  const double height = spec.com_height + larger(radius[left], radius[right]);
+  double lowest = 0.0;
+  for (const Vec& point : silhouette(spec)) {
+    lowest = smaller(lowest, point.y + (height - spec.com_height));
+  }
+  // Where the line of action meets the floor: a force towards −x moves it back.
+  const double back = spec.slope * height;
+  const bool is_inside = -spec.com_right < back && back < spec.com_left;
+  if (lowest >= -1e-9 && radius[left] == radius[right] && is_inside) return "";
+  return sentence(
+      "object.vertices_m: the outline does not stand on its contact vertices, {} m apart; allowed: "
+      "an object whose two contact vertices are its lowest, with equal radii, and whose weight "
+      "acts "
+      "on the floor between them",
+      {short_text(spec.width)});
+}
+
+}  // namespace palmbots
