@@ -23,6 +23,7 @@ from palmbots.control.interface import MOVES, PALMS, SIGN_WORDS
 from palmbots.control.registry import describe, shipped_names
 from palmbots.control.resilient_timing import REFUSALS
 from palmbots.derivation.global_policy import table_1
+from palmbots.mechanics.consistent_modes import CODE_OF
 from palmbots.mechanics.contact_mode_words import MOTION_MEANINGS, SENTENCES
 from palmbots.mechanics.contact_modes import CONTACT_MODES
 from palmbots.scene.fields import KINDS, PROBLEMS
@@ -256,6 +257,7 @@ def tables() -> dict[str, Any]:
         "dropReasons": [["none", ""], *([name, REASONS[name]] for name in _core.drop_reasons[1:])],
         "contactModes": ["-".join(mode) for mode in CONTACT_MODES],
         "requiredContactModes": {str(number): required_mode(number) for number in SLIDING_EDGES},
+        "motionCodes": [{str(k): code for k, code in codes.items()} for codes in CODE_OF],
         "motionMeanings": MOTION_MEANINGS,
         "contactModeSentences": SENTENCES,
         "bindings": {

@@ -15,6 +15,7 @@
 #include "palmbots/stability/tolerance.hpp"
 #include "recorded_carry.hpp"
 #include "statics_of_state.hpp"
+#include "touched_state.hpp"
 
 // The C++ library calls this in place of an exception. Its own version prints, for which the module
 // would need a console.
@@ -38,6 +39,7 @@ RowPolicy policy;
 std::vector<Fork> forks;
 page::RecordedCarry carry;
 page::Tally tally;
+page::TouchedState touched;
 std::vector<double> answer;
 std::size_t answer_length = 0;
 
@@ -229,6 +231,39 @@ PAGE_EXPORT(statics)
 const double* statics(double theta_left, double theta_right, double p_left, double p_right) {
   answer.clear();
   page::StaticsOfState(scene).append({{theta_left, theta_right}, {p_left, p_right}}, answer);
+  return give(answer);
+}
+
+// Everything that touches the object: on two palms, or on a floor on which the palms stand. The next
+// two functions are about the state that was asked for last.
+PAGE_EXPORT(touch_palms)
+const double* touch_palms(double theta_left, double theta_right, double p_left, double p_right) {
+  touched = page::TouchedState::on_palms(scene, {theta_left, theta_right}, {p_left, p_right});
+  answer.clear();
+  touched.append(answer);
+  return give(answer);
+}
+PAGE_EXPORT(touch_floor)
+const double* touch_floor(double theta_left, double theta_right, double driven_left,
+                          double driven_right, double raised, double friction) {
+  touched = page::TouchedState::on_floor(
+      scene, {{theta_left, theta_right}, {driven_left, driven_right}, raised, friction});
+  answer.clear();
+  touched.append(answer);
+  return give(answer);
+}
+// What is wrong, why the palms stopped early, and what touches, one a line.
+PAGE_EXPORT(touched_text) const char* touched_text() {
+  answer_text = touched.problem() + "\n" + touched.end() + "\n" + touched.kinds();
+  return answer_text.c_str();
+}
+// The contact modes that may occur while the palms move: velocities of the pivots [m/s] and spins,
+// anticlockwise [rad/s].
+PAGE_EXPORT(touched_modes)
+const double* touched_modes(double x_left, double y_left, double spin_left, double x_right,
+                            double y_right, double spin_right) {
+  answer.clear();
+  touched.append_modes({{{x_left, y_left, spin_left}, {x_right, y_right, spin_right}}}, answer);
   return give(answer);
 }
 

@@ -3,6 +3,7 @@
 import type { Fork, PolicyRow } from "./core";
 import type { Overrides } from "./scene_values";
 import { OWN_ROWS, SIGN_PAIRS } from "./state";
+import type { Json } from "./tables";
 import { tomlValue } from "./toml";
 
 export const POLICY_FILE = "rows.toml";
@@ -44,6 +45,34 @@ export function carryOf(sceneWords: string[], controller: string, seed: number, 
   words.push("--controller", controllerWord(controller), "--seed", String(seed));
   for (const fork of forks) words.push("--fork", `${fork.at}:${fork.seed}`);
   return words.join(" ");
+}
+
+// A value as Python writes it.
+function pythonValue(value: Json): string {
+  if (Array.isArray(value)) return `[${value.map(pythonValue).join(", ")}]`;
+  if (typeof value === "boolean") return value ? "True" : "False";
+  if (typeof value !== "object") return JSON.stringify(value);
+  return `{${Object.entries(value).map(([key, v]) => `${JSON.stringify(key)}: ${pythonValue(v)}`).join(", ")}}`;
+}
+
+// The program that puts an object on a floor, drives palms under it [mm] and lists the contact modes.
+export function floorLines(base: string, overrides: Overrides, at: {
+  palms: [number, number]; driven: [number, number]; raised: number; friction: number;
+}): string[] {
+  const metres = (mm: number) => Number((mm / 1000).toPrecision(12));
+  const scene = needsFile(overrides) ? SCENE_FILE : base;
+  const given = [JSON.stringify(scene), `palms_deg=(${at.palms.join(", ")})`];
+  if (at.friction !== 0.3) given.push(`floor_friction=${at.friction}`);
+  if (!needsFile(overrides) && Object.keys(overrides).length > 0) given.push(`overrides=${pythonValue(overrides)}`);
+  const up = metres(at.raised);
+  const program = [
+    "from palmbots.simulation import FloorWorld",
+    `world = FloorWorld(${given.join(", ")})`,
+    `world.move(${metres(at.driven[0])}, ${-metres(at.driven[1])})`,
+    ...(up > 0 ? [`world.move(up_m=(${up}, ${up}))`] : []),
+    ...["0.01, -0.01", "-0.01, 0.01"].map((way) => `print(world.contact_modes(${way}))`),
+  ];
+  return `python -c ${quoted(program.join("\n"))}`.split("\n");
 }
 
 export function policyFile(rows: PolicyRow[]): string {

@@ -3,6 +3,7 @@
 // (src/palmbots/mechanics/contact_mode_words.py).
 import type { Statics } from "./core";
 import { filledIn, tables } from "./tables";
+import type { Mode } from "./touched";
 
 export const NOT_HELD = -1;
 export const JAMMED = -2;
@@ -65,4 +66,15 @@ export function decision(found: Statics, closing: boolean): string {
 export function marginWords(margin: number): string {
   const angle = `${Math.abs((margin * 180) / Math.PI).toFixed(2)}°`;
   return filled(margin >= 0 ? "margin" : "no_margin", { angle });
+}
+
+export function modeMarginWords({ margin }: Mode): string {
+  if (!Number.isFinite(margin)) return filled("endless_margin");
+  return filled("mode_margin", { angle: `${((margin * 180) / Math.PI).toFixed(2)}°` });
+}
+
+// The inequality of a contact that becomes an equation where the margin of a mode ends.
+export function limitWords({ motions, limits }: Mode, i: number): string {
+  if (!limits || motions[i] === limits[i]) return "";
+  return limits[i] === "BR" ? filled("carries_nothing") : filled("at_cone", { motion: limits[i]! });
 }

@@ -33,6 +33,15 @@ interface Exports {
   clear_tally(): void;
   add_to_tally(controller: number, first: number, n: number): number;
   statics(thetaLeft: number, thetaRight: number, pLeft: number, pRight: number): number;
+  touch_palms(thetaLeft: number, thetaRight: number, pLeft: number, pRight: number): number;
+  touch_floor(
+    thetaLeft: number, thetaRight: number, drivenLeft: number, drivenRight: number, raised: number,
+    friction: number,
+  ): number;
+  touched_text(): number;
+  touched_modes(
+    xLeft: number, yLeft: number, spinLeft: number, xRight: number, yRight: number, spinRight: number,
+  ): number;
   contact_mode_map(thetaLeft: number, thetaRight: number, closing: number, n: number, reach: number): number;
   com_map(
     x0: number, x1: number, y0: number, y1: number, nx: number, ny: number, shallowLeft: number,
@@ -170,7 +179,7 @@ function pairs<T>(numbers: Float64Array, width: number, make: (row: Float64Array
 export class Core {
   private scene: Scene | null = null;
 
-  private constructor(private readonly wasm: Exports) {}
+  private constructor(readonly wasm: Exports) {}
 
   static async load(): Promise<Core> {
     const [head, inlined] = address.split(";base64,");
@@ -187,11 +196,11 @@ export class Core {
   }
 
   // The array that a call returned: a copy, because the next call may move it.
-  private take(at: number): Float64Array {
+  take(at: number): Float64Array {
     return new Float64Array(this.wasm.memory.buffer, at, this.wasm.length()).slice();
   }
 
-  private text(at: number): string {
+  text(at: number): string {
     const bytes = new Uint8Array(this.wasm.memory.buffer, at);
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
   }

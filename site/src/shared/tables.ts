@@ -56,6 +56,7 @@ interface Tables {
   dropReasons: [string, string][];
   contactModes: string[];
   requiredContactModes: Record<string, string>; // by property, with the left palm shallow
+  motionCodes: Record<string, string>[]; // by side, of a motion as the core numbers it
   motionMeanings: Record<string, string>; // of the symbols in contactModes
   contactModeSentences: Record<string, string>; // with names in braces for what is filled in
   bindings: Record<string, string>;

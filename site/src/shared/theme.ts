@@ -18,11 +18,12 @@ export interface Palette {
   drop: string;
   background: string;
   body: string;
+  edge: string;
 }
 
 const NAMES = [
   "ink", "quiet", "rule", "ground", "object", "objectEdge", "left", "right", "both", "zero",
-  "zeroPale", "slides", "drop", "background", "body",
+  "zeroPale", "slides", "drop", "background", "body", "edge",
 ] as const;
 
 function read(): Palette {

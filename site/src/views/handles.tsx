@@ -5,7 +5,7 @@ import { useRef } from "preact/hooks";
 export interface Handle {
   id: string;
   label: string;
-  kind: "com" | "corner" | "palm" | "contact" | "cone";
+  kind: "com" | "corner" | "palm" | "contact" | "cone" | "shape";
   x: number; // pixels
   y: number;
   move: (x: number, y: number) => void; // to pixels

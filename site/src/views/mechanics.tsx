@@ -1,21 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mechanics: one state to take apart. Figures 3 to 6 of the paper, alive.
+import { batch } from "@preact/signals";
 import { analyzeLines, anglesWords, drawCom } from "./com_map";
 import { Handles } from "./handles";
-import { StateSliders } from "./mechanics_controls";
+import { ShapeFields, StateSliders } from "./mechanics_controls";
 import { drawState, handles, mechanicsHeight } from "./mechanics_picture";
 import { NineModes, Squeezes } from "./mechanics_report";
-import { contact, found, inMm, shown, theta } from "./mechanics_state";
+import { refused } from "./mechanics_shape";
+import { contact, driven, floorFriction, found, inMm, isGeneral, onFloor, raised, shown, theta, touched } from "./mechanics_state";
+import { TouchedReport } from "./touched_report";
 import { ContactModeMap } from "./contact_mode_map_figure";
 import { AtHome, SceneChoice, presentRun } from "./parts";
 import { Canvas } from "../shared/canvas";
-import { sceneWords } from "../shared/command";
+import { floorLines, sceneWords } from "../shared/command";
 import { decision, marginWords, contactModeName, contactModeWords } from "../shared/contact_mode_words";
-import { base, overrides, setExtra } from "../shared/state";
+import type { Overrides } from "../shared/scene_values";
+import { base, extras, overrides, setExtra } from "../shared/state";
 import { tables } from "../shared/tables";
 
+// Scenes and states in which further kinds of contact occur.
+const EXAMPLES: { id: string; name: string; base: string; overrides: Overrides; extras: Record<string, string> }[] = [
+  {
+    id: "rounded-edge", name: "Rounded edge", base: "paper", overrides: { "object.edge_radius_m": 0.02 },
+    extras: { tl: "0", pl: "0", pr: "2.63305" },
+  },
+  {
+    id: "from-the-floor", name: "From the floor", base: "plate", overrides: { "object.edge_radius_m": 0.003 },
+    extras: { floor: "1", tl: "15", tr: "45", dl: "14", dr: "10" },
+  },
+];
+
+function Examples() {
+  return (
+    <div class="row" role="group" aria-label="examples">
+      {EXAMPLES.map((one) => (
+        <button type="button" id={one.id} onClick={() => batch(() => {
+          base.value = one.base;
+          overrides.value = one.overrides;
+          extras.value = one.extras;
+          refused.value = "";
+        })}>
+          {one.name}
+        </button>
+      ))}
+    </div>
+  );
+}
+
 export function MechanicsView() {
-  const f = found.value;
+  const f = onFloor.value ? null : found.value;
+  const here = touched.value;
   const words = sceneWords(base.value, overrides.value).join(" ");
   const numbers = [
     "--theta-left-deg", theta.value[0], "--theta-right-deg", theta.value[1],
@@ -26,19 +60,21 @@ export function MechanicsView() {
       <header class="lead">
         <h1>Which contact slides?</h1>
         <p>
-          Drag the centre of mass, a corner, a palm, a contact or an edge of the cones. The squeeze H, the
-          force with which the palms press the object inward, decides which contact slides on closing
-          (the robots drive the contact points together) and on opening (apart).
+          Drag the centre of mass, a corner, a palm, a contact, a cone, or a blue dot to shape edges and palms.
+          The squeeze H, with which the palms press the object inward, decides which contact slides on
+          closing (the robots drive the contact points together) and on opening (apart).
         </p>
       </header>
       <div class="choices">
         <SceneChoice />
         <button type="button" id="reset" onClick={() => {
           overrides.value = {};
-          for (const name of ["tl", "tr", "pl", "pr"]) setExtra(name, "", "");
+          refused.value = "";
+          for (const name of ["tl", "tr", "pl", "pr", "floor", "dl", "dr", "up", "mf", "mo", "mk"]) setExtra(name, "", "");
         }}>
           reset
         </button>
+        <Examples />
       </div>
       <div class="state-and-words">
       <section class="panel" aria-label="one state">
@@ -47,13 +83,25 @@ export function MechanicsView() {
             label="object, palms, friction cones and line of gravity of one state" />
           <Handles handles={handles()} />
           {f && !f.reaches && <p class="status refusal">The object does not reach from palm to palm.</p>}
-          {f && f.reaches && f.reason > 0 && (
+          {here?.problem && <p class="status refusal">{here.problem}</p>}
+          {here?.end && (
+            <p class="status refusal">
+              the palms stop here: {here.end}: {tables.dropReasons.find(([name]) => name === here.end)?.[1]}
+            </p>
+          )}
+          {f && f.reaches && f.reason > 0 && !here?.problem && !isGeneral.value && (
             <p class="status refusal">{tables.dropReasons[f.reason]![0]}: {tables.dropReasons[f.reason]![1]}</p>
           )}
         </div>
         <StateSliders />
+        <ShapeFields />
       </section>
-      {f && f.reaches && (
+      {isGeneral.value && (
+        <section class="state">
+          <TouchedReport />
+        </section>
+      )}
+      {f && f.reaches && !isGeneral.value && (
         <section class="state">
           <p class="note" id="shown-state">
             State {shown.value.isUnderPointer ? "under the pointer" : "at the dot of the maps below"}:{" "}
@@ -71,6 +119,7 @@ export function MechanicsView() {
       {f && f.reaches && (
         <>
           <section>
+            {isGeneral.value && <p class="note">If only the two contact vertices touched the palms:</p>}
             <NineModes f={f} />
             <p class="note">
               {Object.entries(tables.motionMeanings).map((both) => both.join(": ")).reverse().join(", ")}
@@ -109,7 +158,11 @@ export function MechanicsView() {
         </>
       )}
       <AtHome
-        lines={[`palmbots contact-modes ${words} ${numbers}`, ...analyzeLines(words)]}
+        lines={onFloor.value
+          ? floorLines(base.value, overrides.value, {
+            palms: theta.value, driven: driven.value, raised: raised.value, friction: floorFriction.value,
+          })
+          : [`palmbots contact-modes ${words} ${numbers}`, ...analyzeLines(words)]}
         runs={presentRun()}
         note="The last command simulates a carry of the object in this view."
       />

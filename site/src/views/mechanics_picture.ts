@@ -2,8 +2,13 @@
 // The picture of the view Mechanics: object, palms and friction cones of one state, with their handles.
 import { signal } from "@preact/signals";
 import type { Handle } from "./handles";
-import { DEGREE, found, setContact, setTheta, theta } from "./mechanics_state";
+import { shape } from "./mechanics_shape";
+import {
+  DEGREE, chosenMode, found, isGeneral, onFloor as isOnFloor, setContact, setTheta, theta, touched,
+} from "./mechanics_state";
+import { driveHandles, palmHandles, radiusHandle } from "./shape_handles";
 import { zeroZone } from "./stage";
+import { type TouchedPicture, drawCloseUp, drawTouched } from "./touched_picture";
 import type { Surface } from "../shared/canvas";
 import { PLACES, type Statics } from "../shared/core";
 import { type Xy, objectTransform } from "../shared/object_transform";
@@ -21,7 +26,7 @@ function setObject(changes: { vertices_m?: Xy[]; com_m?: Xy }): void {
   const object = get(scene.peek(), "object") as Record<string, unknown>;
   const next = { ...overrides.peek() };
   for (const key of Object.keys(next)) if (key.startsWith("object")) delete next[key];
-  for (const key of ["vertices_m", "contacts", "com_m", "mass_kg", "depth_m"]) {
+  for (const key of ["vertices_m", "contacts", "com_m", "mass_kg", "depth_m", "edge_radius_m"]) {
     const value = changes[key as "com_m"] ?? object[key];
     if (value !== undefined) next[`object.${key}`] = value as never;
   }
@@ -34,21 +39,46 @@ export function mechanicsHeight(width: number): number {
   return Math.round(Math.min(isLow.value ? 310 : 400, Math.max(260, width * 0.45)));
 }
 
+// What the view shows: places of palms and object; null: there is nothing to show.
+function placesShown(): Float64Array | null {
+  if (isOnFloor.value) return touched.value?.problem === "" ? touched.value.places : null;
+  return found.value?.reaches ? found.value.places : null;
+}
+
 // A view of the pair that leaves room above for the cones.
 export function drawState(surface: Surface): void {
-  const f = found.value;
-  if (!f || !f.reaches) return;
-  const at = viewOf(surface, f.places, tiltOf(scene.value), false);
+  const places = placesShown();
+  if (!places) return;
+  const at = viewOf(surface, places, tiltOf(scene.value), false);
   // The handles lie over the drawing: they are moved only when the view changes.
   const last = view.peek();
   const same = last && last.tilt === at.tilt && last.scale === at.scale && last.x(0) === at.x(0) && last.y(0) === at.y(0);
   if (!same) view.value = at;
-  drawSide(
-    surface, at, palette.value,
-    { places: f.places, zones: zeroZone(scene.value), cones: f.cones, gravity: true },
-    0, false,
-  );
-  onFloor(surface, at, () => drawCrossings(surface, at, palette.value, f));
+  const p = palette.value;
+  const s = shape.value;
+  const here = touched.value;
+  const picture: TouchedPicture = {
+    places, contacts: here?.contacts ?? [], mode: chosenMode.value, hasFloor: isOnFloor.value,
+    isThin: s["palm.thickness_m"] === 0,
+  };
+  const f = found.value;
+  if (isGeneral.value) drawTouched(surface, at, p, picture);
+  else if (f) {
+    drawSide(surface, at, p, { places, zones: zeroZone(scene.value), cones: f.cones, gravity: true }, 0, false);
+    onFloor(surface, at, () => drawCrossings(surface, at, p, f));
+  }
+  const small = Math.max(s["object.edge_radius_m"], s["palm.thickness_m"], s["palm.heel_m"] / 2);
+  if (!isGeneral.value && small === 0) return;
+  const span = Math.min(0.05, Math.max(0.012, 3.2 * small));
+  for (const side of [0, 1] as const) drawCloseUp(surface, at, p, picture, side, centreOf(side, places), span);
+}
+
+// What the close-up of a side shows: a corner of the object, or the inner end of the palm.
+function centreOf(side: 0 | 1, places: Float64Array): Xy {
+  const own = touched.value?.contacts.filter((one) => one.carrier === side) ?? [];
+  const seen = own.find((one) => one.kind !== "tip") ?? own[0];
+  if (!seen) return [places[PLACES.inner + 2 * side]!, places[PLACES.inner + 2 * side + 1]!];
+  return [places[PLACES.com]! + seen.at[0], places[PLACES.com + 1]! + seen.at[1]];
 }
 
 // Where the line of gravity meets the edges of the cones: L and R of Figure 4, where they are shown.
@@ -80,8 +110,8 @@ function drawCrossings(surface: Surface, at: View, p: Palette, f: Statics): void
 export function handles(): Handle[] {
   const at = view.value;
   const f = found.value;
-  if (!at || !f || !f.reaches) return [];
-  const places = f.places;
+  const places = placesShown();
+  if (!at || !places) return [];
   const frame = objectTransform(scene.value, places);
   const world = (x: number, y: number): Xy => {
     const origin = at.y(0);
@@ -89,10 +119,13 @@ export function handles(): Handle[] {
   };
   const list: Handle[] = [];
   const vertices = get(scene.value, "object.vertices_m") as Xy[];
-  vertices.forEach((vertex, k) => {
+  const corners = vertices.map((vertex): Xy => {
     const [x, y] = frame.toWorld(vertex);
+    return [at.x(x), at.y(y)];
+  });
+  corners.forEach(([x, y], k) => {
     list.push({
-      id: `corner-${k}`, label: `corner ${k + 1} of the object`, kind: "corner", x: at.x(x), y: at.y(y),
+      id: `corner-${k}`, label: `corner ${k + 1} of the object`, kind: "corner", x, y,
       move: (px, py) => {
         const [sx, sy] = frame.toScene(world(px, py));
         setObject({ vertices_m: vertices.map((v, i): Xy => (i === k ? [fine(sx), fine(sy)] : v)) });
@@ -120,6 +153,7 @@ export function handles(): Handle[] {
         setTheta(side, Math.atan2(wy - middle[1], out * (wx - middle[0])) / DEGREE);
       },
     });
+    if (isOnFloor.value) continue;
     const [cx, cy] = point(PLACES.contact);
     list.push({
       id: `contact-${SIDES[side]}`, label: `contact on the ${SIDES[side]} palm`, kind: "contact",
@@ -133,7 +167,9 @@ export function handles(): Handle[] {
       },
     });
   }
-  for (const side of [0, 1] as const) list.push(coneHandle(side, f, at, world));
+  list.push(...radiusHandle(at, corners), ...palmHandles(at, places));
+  if (isOnFloor.value) list.push(...driveHandles(at, places, touched.value!.starts));
+  if (f && !isGeneral.value) for (const side of [0, 1] as const) list.push(coneHandle(side, f, at, world));
   return list.map((handle) => {
     const [x, y] = at.turned(handle.x, handle.y);
     return { ...handle, x, y, move: (px, py) => handle.move(...at.level(px, py)) };

@@ -4,8 +4,9 @@ import { computed, signal } from "@preact/signals";
 import type { Statics } from "../shared/core";
 import { MAP, REACH } from "../shared/contact_mode_map";
 import { ofSide } from "../shared/scene_values";
-import { core, extraNumber, extras, scene, setExtra } from "../shared/state";
+import { core, extra, extraFlag, extraNumber, extras, scene, setExtra } from "../shared/state";
 import { SIDES } from "../shared/tables";
+import { type PalmMotions, type TouchedState, modesOf, touchedOnFloor, touchedOnPalms } from "../shared/touched";
 
 export const DEGREE = Math.PI / 180;
 
@@ -58,10 +59,11 @@ const map = (closing: boolean) =>
   });
 export const maps = { closing: map(true), opening: map(false) };
 
+const tenth = (value: number) => Math.round(10 * value) / 10;
 export const halfMm = (mm: number) => Math.round(2 * mm) / 2;
 
 export function setTheta(side: 0 | 1, degrees: number): void {
-  const value = Math.round(10 * Math.min(60, Math.max(-20, degrees))) / 10;
+  const value = tenth(Math.min(60, Math.max(onFloor.peek() ? 0 : -20, degrees)));
   setExtra(side === 0 ? "tl" : "tr", String(value), String(usualTheta(side)));
 }
 
@@ -73,3 +75,69 @@ export function setContact(side: 0 | 1, mm: number): void {
 
 export const inMm = (value: number) => `${value.toFixed(1).replace("-", "−")} mm`;
 export const inDegrees = (value: number) => `${value.toFixed(1).replace("-", "−")}°`;
+
+// With a floor, the palms stand on it beside the object, drive inward and then rise; the URL holds how
+// far [mm].
+export const onFloor = computed(() => extraFlag("floor"));
+export const driven = computed<[number, number]>(() => [extraNumber("dl", 0), extraNumber("dr", 0)]);
+export const raised = computed(() => extraNumber("up", 0));
+export const floorFriction = computed(() => extraNumber("mf", 0.3));
+
+export const MOST_DRIVEN = 300;
+export const MOST_RAISED = 100;
+
+export function setDriven(side: 0 | 1, mm: number): void {
+  setExtra(side === 0 ? "dl" : "dr", String(tenth(Math.min(MOST_DRIVEN, Math.max(0, mm)))), "0");
+}
+export function setRaised(mm: number): void {
+  setExtra("up", String(tenth(Math.min(MOST_RAISED, Math.max(0, mm)))), "0");
+}
+
+// Everything that touches in the state that the view shows; null: the object does not reach.
+export const touched = computed<TouchedState | null>(() => {
+  const machine = core.value;
+  if (!machine) return null;
+  const angles: [number, number] = [theta.value[0] * DEGREE, theta.value[1] * DEGREE];
+  if (onFloor.value) {
+    machine.setScene(scene.value);
+    return touchedOnFloor(machine, angles, {
+      driven: [driven.value[0] / 1000, driven.value[1] / 1000], raised: raised.value / 1000,
+      friction: floorFriction.value,
+    });
+  }
+  const { f, contacts } = shown.value;
+  if (!f?.reaches) return null;
+  machine.setScene(scene.value);
+  return touchedOnPalms(machine, angles, [contacts[0] / 1000, contacts[1] / 1000]);
+});
+
+// Whether the nine contact modes of two contacts do not describe the state.
+export const isGeneral = computed(() => onFloor.value || (touched.value?.contacts.length ?? 0) > 2);
+
+// The motions of the palms for which the view lists contact modes.
+export const MOTIONS: { id: string; name: string; palms: PalmMotions; needsFloor?: boolean }[] = [
+  { id: "closing", name: "closing", palms: [[0.01, 0, 0], [-0.01, 0, 0]] },
+  { id: "opening", name: "opening", palms: [[-0.01, 0, 0], [0.01, 0, 0]] },
+  { id: "left-in", name: "left drives in", palms: [[0.01, 0, 0], [0, 0, 0]], needsFloor: true },
+  { id: "right-in", name: "right drives in", palms: [[0, 0, 0], [-0.01, 0, 0]], needsFloor: true },
+  { id: "rising", name: "both rise", palms: [[0, 0.01, 0], [0, 0.01, 0]], needsFloor: true },
+  { id: "left-steeper", name: "left steeper", palms: [[0, 0, DEGREE], [0, 0, 0]] },
+  { id: "left-shallower", name: "left shallower", palms: [[0, 0, -DEGREE], [0, 0, 0]] },
+  { id: "right-steeper", name: "right steeper", palms: [[0, 0, 0], [0, 0, DEGREE]] },
+  { id: "right-shallower", name: "right shallower", palms: [[0, 0, 0], [0, 0, -DEGREE]] },
+];
+
+// Every motion with the contact modes that may occur, in a general state.
+export const listed = computed(() => {
+  const here = touched.value;
+  const machine = core.value;
+  if (!here || here.problem || !machine || !isGeneral.value) return [];
+  return MOTIONS.filter((m) => onFloor.value || !m.needsFloor)
+    .map((m) => ({ ...m, modes: modesOf(machine, here.contacts, m.palms) }));
+});
+export const chosenMotion = computed(() =>
+  listed.value.find((m) => m.id === extra("mo", "closing")) ?? listed.value[0] ?? null);
+export const chosenMode = computed(() => {
+  const modes = chosenMotion.value?.modes ?? [];
+  return modes[Math.min(extraNumber("mk", 0), modes.length - 1)] ?? null;
+});

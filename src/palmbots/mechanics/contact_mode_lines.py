@@ -11,6 +11,7 @@ from palmbots._util.text import millimetres, plural
 from palmbots.mechanics.consistent_modes import MOTION_CODES
 from palmbots.mechanics.contact_mode_words import (
     MOTION_MEANINGS,
+    SENTENCES,
     decision_sentence,
     margin_sentence,
     mode_sentence,
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from palmbots.mechanics.mode_forces import ConsistentMode, Range
 
 _SYMBOLS = ", ".join(f"{symbol}: {meaning}" for symbol, meaning in MOTION_MEANINGS.items())
-_ENDLESS = "  margin: no change of a friction angle ends this mode"
 _ALL_SYMBOLS = (
     f"{_SYMBOLS}, BR: breaks contact; forces in units of the weight, friction to the left"
 )
@@ -113,7 +113,7 @@ def _contacts(contacts: "Sequence[Contact]", names: "Sequence[str]") -> Table:
 def _modes(what: str, names: "Sequence[str]", modes: "Sequence[ConsistentMode]") -> Iterator[Item]:
     """All consistent contact modes under one motion of the surfaces."""
     if not modes:
-        yield Line(f"{what}: ", bad("none"), " (no contact mode is possible and in balance)")
+        yield Line(f"{what}: ", bad("none"), f" ({SENTENCES['no_mode']})")
     elif len(modes) > 1:
         yield Line(f"{what}: ", bold(f"one of {len(modes)} contact modes"))
     for k, mode in enumerate(modes, start=1):
@@ -127,7 +127,8 @@ def _modes(what: str, names: "Sequence[str]", modes: "Sequence[ConsistentMode]")
         ]
         title = what if len(modes) == 1 else f"  mode {k}"
         yield Table(rows, (title, "motion", *heads, "margin ends where"), right=heads)
-        yield f"  margin {mode.margin_deg:.2f}° of friction angle" if mode.at_limit else _ENDLESS
+        margin = SENTENCES["mode_margin" if mode.at_limit else "endless_margin"]
+        yield "  " + margin.format(angle=f"{mode.margin_deg:.2f}°")
 
 
 def _range(ends: "Range") -> str:
@@ -139,7 +140,7 @@ def _end(motion: str, limit: str) -> str:
     """The inequality of a contact that becomes an equation where the margin of a mode ends."""
     if motion == limit:
         return ""
-    return "normal = 0" if limit == "BR" else f"|friction| = μ × normal, {limit}"
+    return SENTENCES["carries_nothing" if limit == "BR" else "at_cone"].format(motion=limit)
 
 
 def _verdict_mark(found: "ContactModes", mode: "ContactMode") -> str:

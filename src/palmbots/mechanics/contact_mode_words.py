@@ -33,6 +33,13 @@ SENTENCES: dict[str, str] = {
     "H = {first} there ≥ {second} at the lower edge of the {far} cone.",
     "margin": "Both friction cones may shrink by {angle} before the object slides.",
     "no_margin": "Both friction cones would have to grow by {angle} to hold the object.",
+    "all_hold": "HELD  with all {count} contacts sticking",
+    "all_slip": "NOT HELD  with all {count} contacts sticking",
+    "no_mode": "no contact mode is possible and in balance",
+    "mode_margin": "margin {angle} of friction angle",
+    "endless_margin": "margin: no change of a friction angle ends this mode",
+    "at_cone": "|friction| = μ × normal, {motion}",
+    "carries_nothing": "normal = 0",
     "property_1": "Driving the palms together slides the contact on the shallow palm up.",
     "property_2": "Driving the palms apart slides the contact on the steep palm down.",
 }

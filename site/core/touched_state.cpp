@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Apart from core.cpp, because it serves one picture at a time and is compiled to be small.
+#include "touched_state.hpp"
+
+#include "palmbots/mechanics/mode_forces.hpp"
+#include "palmbots/sim/placement.hpp"
+#include "palmbots/sim/standing_start.hpp"
+
+namespace palmbots::page {
+
+namespace {
+
+// Distance between the object and the inner ends at the start (palmbots.simulation.FloorWorld) [m].
+constexpr double floor_gap = 0.01;
+
+}  // namespace
+
+TouchedState TouchedState::on_palms(const Spec& spec, const PerSide<double>& theta,
+                                    const PerSide<double>& p) {
+  const StateContacts found = contacts_of_state(spec, theta, p);
+  TouchedState here(spec);
+  here.problem_ = refusal_of(found, spec, theta);
+  for (const StateContact& one : found.touched) here.add(one);
+  here.pivots_ = found.pivots;
+  return here;
+}
+
+TouchedState TouchedState::on_floor(const Spec& spec, const FloorState& state) {
+  TouchedState here(spec);
+  here.problem_ = standing_refusal(spec);
+  if (!here.problem_.empty()) return here;
+  Model<double> model = model_of<double>(spec);
+  model.safe_reach = -1;  // the palms may have any angles
+  model.limit = no_limits<double>;
+  model.surroundings = {true, state.friction};
+  World<double> world(model, configuration_of(spec, model));
+  world.set_on_both(false);
+  const StandingStart start = StandingStart::of(spec, state.theta, {floor_gap, floor_gap});
+  world.put(start.pivots, state.theta, Pose::of(start.com, 0.0));
+  const auto move = [&](const PerSide<Vec>& by) {
+    if (here.end_.empty()) here.end_ = name_of(world.advance(by, state.theta).reason);
+  };
+  move({Vec{state.driven[left], 0.0}, Vec{-state.driven[right], 0.0}});
+  if (state.raised != 0) move({Vec{0.0, state.raised}, Vec{0.0, state.raised}});
+  for (const Touched& one : touched_in(world, contact_tolerance<double> * spec.width)) {
+    here.add(one);
+  }
+  const Pose pose = world.pose();
+  here.places_ = {start.pivots[left].x, start.pivots[right].x};
+  PairPose at{world.configuration(), 0.0, {pose.cos, pose.sin}};
+  for (const std::size_t side : {left, right}) {
+    const Vec pivot = world.pivot(side);
+    here.pivots_[side] = pivot - pose.at;
+    at.height[side] = pivot.y;
+    at.midpoint += 0.5 * pivot.x;
+  }
+  append_places(spec, at, here.places_);
+  return here;
+}
+
+std::string TouchedState::kinds() const {
+  std::string lines;
+  for (const Touched& one : touched_) lines.append(one.kind).append("\n");
+  return lines;
+}
+
+void TouchedState::append(std::vector<double>& out) const {
+  out.insert(out.end(), {balances(supports_, {}, slope_) ? 1.0 : 0.0, double(supports_.count)});
+  for (std::size_t i = 0; i < supports_.count; ++i) {
+    const Support<double>& s = supports_.at[i];
+    out.insert(out.end(),
+               {double(touched_[i].carrier), touched_[i].place, s.x, s.y, s.nx, s.ny, s.friction});
+  }
+  out.insert(out.end(), places_.begin(), places_.end());
+}
+
+void TouchedState::append_modes(const PerSide<PalmMotion<double>>& palms,
+                                std::vector<double>& out) const {
+  Velocities<double> velocities{};
+  SurfaceNumbers surfaces{};
+  for (std::size_t i = 0; i < supports_.count; ++i) {
+    const std::size_t carrier = touched_[i].carrier;
+    surfaces[i] = carrier > right ? 0 : carrier + 1;  // by name, as in Python
+    if (carrier > right) continue;
+    const Vec pivot = pivots_[carrier];
+    velocities[i] =
+        velocity_at(palms[carrier], supports_.at[i].x - pivot.x, supports_.at[i].y - pivot.y);
+  }
+  each_outcome(supports_, velocities, slope_, [&](const Motions& motions) {
+    const auto forces = contact_forces(supports_, motions, slope_);
+    const ModeMargin margin = margin_of(supports_, motions, slope_, surfaces);
+    const Motions at_limit = loaded_edges(margin.supports, motions, slope_);
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      out.insert(out.end(), {double(motions[i]), forces[i].normal.low, forces[i].normal.high,
+                             forces[i].friction.low, forces[i].friction.high, double(at_limit[i])});
+    }
+    out.push_back(margin.angle);
+  });
+}
+
+void TouchedState::add(const Touched& one) {
+  if (supports_.count == max_supports) return;
+  supports_.at[supports_.count++] = one.support;
+  touched_.push_back(one);
+}
+
+}  // namespace palmbots::page
