@@ -125,10 +125,10 @@ PAGE_EXPORT(object) const double* object() {
 }
 
 // Of the scene: its time limit [s], and the longest one with which the page carries, or 0 if the
-// scene's own is not longer; the friction coefficients of both palms.
+// scene's own is not longer; the friction coefficients of both palms; whether the object is a pipe.
 PAGE_EXPORT(scene_facts) const double* scene_facts() {
   answer = {page_scene.timeout, page_scene.is_too_long() ? page_scene.longest_timeout() : 0.0,
-            scene.palms[left].friction, scene.palms[right].friction};
+            scene.palms[left].friction, scene.palms[right].friction, scene.width > 0 ? 0.0 : 1.0};
   return give(answer);
 }
 

@@ -17,8 +17,10 @@ constexpr double floor_gap = 0.01;
 
 TouchedState TouchedState::on_palms(const Spec& spec, const PerSide<double>& theta,
                                     const PerSide<double>& p) {
-  const StateContacts found = contacts_of_state(spec, theta, p);
   TouchedState here(spec);
+  here.problem_ = pipe_refusal(spec);
+  if (!here.problem_.empty()) return here;
+  const StateContacts found = contacts_of_state(spec, theta, p);
   here.problem_ = refusal_of(found, spec, theta);
   for (const StateContact& one : found.touched) here.add(one);
   here.pivots_ = found.pivots;

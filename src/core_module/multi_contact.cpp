@@ -6,7 +6,6 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <tuple>
@@ -119,7 +118,10 @@ std::tuple<std::vector<std::pair<Ends, Ends>>, double, std::optional<std::vector
   if (surfaces.size() != supports.count)
     throw std::invalid_argument("one surface for each support");
   SurfaceNumbers numbers{};
-  std::ranges::copy(surfaces, numbers.begin());
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (surfaces[i] >= max_supports) throw std::out_of_range("a surface is a number from 0 to 7");
+    numbers[i] = surfaces[i];
+  }
   std::vector<std::pair<Ends, Ends>> forces;
   const auto found = contact_forces(supports, motions, slope);
   for (std::size_t i = 0; i < supports.count; ++i) {

@@ -10,9 +10,9 @@
 // may serve. Source: docs/theory/contacts.md.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -36,7 +36,7 @@ struct ModeMargin {
   Supports<double> supports;  // with the friction at its end
 };
 
-// The surface of each contact, as a number: contacts of one surface have one friction.
+// The surface of each contact, as a number below 32: contacts of one surface have one friction.
 using SurfaceNumbers = std::array<std::size_t, max_supports>;
 
 namespace detail {
@@ -287,36 +287,27 @@ inline ModeMargin margin_of(const Supports<double>& supports, const Motions& mot
   constexpr double most = 89.0 * radians_per_degree<double>;
   // More friction permits all forces that less of it does, so where all contacts of a surface stick,
   // only less of it can end the mode.
-  std::vector<std::size_t> numbers;  // of the surfaces with contacts that stay
-  std::vector<std::size_t> slides;   // those of them with a contact that slides
+  std::uint32_t stay = 0;    // bits of the surfaces with contacts that stay
+  std::uint32_t slides = 0;  // those of them with a contact that slides
   for (std::size_t i = 0; i < supports.count; ++i) {
-    if (motions[i] == Motion::leave) continue;
-    numbers.push_back(surfaces[i]);
-    if (motions[i] != Motion::stick) slides.push_back(surfaces[i]);
+    const std::uint32_t bit = std::uint32_t{1} << surfaces[i];
+    if (motions[i] != Motion::leave) stay |= bit;
+    if (motions[i] == Motion::up || motions[i] == Motion::down) slides |= bit;
   }
-  for (std::vector<std::size_t>* list : {&numbers, &slides}) {
-    std::sort(list->begin(), list->end());
-    list->erase(std::unique(list->begin(), list->end()), list->end());
-  }
-  const auto place = [](const std::vector<std::size_t>& list, std::size_t number) {
-    return static_cast<std::size_t>(std::find(list.begin(), list.end(), number) - list.begin());
-  };
   ModeMargin found{std::numeric_limits<double>::infinity(), supports};
-  // Each bit says whether the friction of a surface grows; the first surface has the highest one.
-  for (std::size_t bits = 0; bits < std::size_t{1} << slides.size(); ++bits) {
+  for (std::uint32_t grow = 0;;
+       grow = (grow - slides) & slides) {  // each subset of those that slide
     const auto changed = [&](double by) {
       std::array<double, max_supports> changes{};
       for (std::size_t i = 0; i < supports.count; ++i) {
-        if (place(numbers, surfaces[i]) == numbers.size()) continue;
-        const std::size_t k = place(slides, surfaces[i]);
-        const bool grows = k < slides.size() && (bits >> (slides.size() - 1 - k) & 1) != 0;
-        changes[i] = grows ? by : -by;
+        if ((stay >> surfaces[i] & 1) != 0) changes[i] = (grow >> surfaces[i] & 1) != 0 ? by : -by;
       }
       return detail::at_friction_angles(supports, changes);
     };
     const auto holds = [&](double by) { return balances(changed(by), motions, slope); };
     const double end = detail::first_end(holds, smaller(found.angle, most));
     if (end < found.angle) found = {end, changed(end)};
+    if (grow == slides) break;
   }
   return found;
 }

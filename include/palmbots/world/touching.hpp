@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "palmbots/base/number_text.hpp"
@@ -173,14 +174,25 @@ inline StateContacts contacts_of_state(const Spec& spec, const PerSide<double>& 
       return other.support.side == one.support.side && length(apart) <= 4 * near;
     };
     if (std::any_of(found.touched.begin(), found.touched.end(), is_same)) continue;
-    ++found.count;
     const Vec from_com = found.pose.from_world({one.support.x, one.support.y});
-    found.touched.push_back({one, from_com + Vec{spec.com_left, spec.com_height}});
+    const auto first_of_right =
+        std::find_if(found.touched.begin(), found.touched.end(),
+                     [&](const StateContact& other) { return other.carrier > one.carrier; });
+    ++found.count;
+    found.touched.insert(first_of_right, {one, from_com + Vec{spec.com_left, spec.com_height}});
   }
-  std::stable_sort(
-      found.touched.begin(), found.touched.end(),
-      [](const StateContact& a, const StateContact& b) { return a.carrier < b.carrier; });
   return found;
+}
+
+// Why something refuses a pipe, whose two contacts move together; empty: the object is none.
+inline std::string pipe_refusal(const Spec& spec, std::string what = "this analysis") {
+  if (spec.width > 0) return "";
+  return sentence(
+      "object.edge_radius_m: {} makes the object a pipe, but {} assumes contacts that move one by "
+      "one; allowed: contact vertices whose arcs have two centres; carry, compare and drop-rate "
+      "take "
+      "pipes",
+      {short_text(spec.outline.vertices[0].radius), std::move(what)});
 }
 
 // Why a state is refused: a palm lies in the object, or there are too many contacts; empty: it is not.

@@ -58,6 +58,7 @@ export interface SceneFacts {
   timeout: number; // [s]
   longestTimeout: number; // [s], or 0 if `timeout` is not longer
   friction: [number, number];
+  isPipe: boolean;
 }
 
 export interface Fork {
@@ -259,7 +260,7 @@ export class Core {
     this.setScene(scene);
     const a = this.take(this.wasm.scene_facts());
     return {
-      timeout: a[0]!, longestTimeout: a[1]!, friction: [a[2]!, a[3]!],
+      timeout: a[0]!, longestTimeout: a[1]!, friction: [a[2]!, a[3]!], isPipe: a[4] === 1,
     };
   }
 

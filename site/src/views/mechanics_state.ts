@@ -12,9 +12,10 @@ export const DEGREE = Math.PI / 180;
 
 const usualTheta = (side: 0 | 1) =>
   ofSide(scene.value, "palm", SIDES[side], side === 0 ? "shallow_deg" : "steep_deg");
-export const theta = computed<[number, number]>(() => [
-  extraNumber("tl", usualTheta(0)), extraNumber("tr", usualTheta(1)),
-]);
+export const theta = computed<[number, number]>(() => {
+  const least = onFloor.value ? 0 : -Infinity; // the inner end of a palm is its lowest point
+  return [Math.max(least, extraNumber("tl", usualTheta(0))), Math.max(least, extraNumber("tr", usualTheta(1)))];
+});
 export const contact = computed<[number, number]>(() => [extraNumber("pl", -20), extraNumber("pr", 0)]);
 // The contacts under the pointer in a map of contact modes. The view shows their state until it leaves.
 export const hovered = signal<[number, number] | null>(null);
@@ -23,7 +24,7 @@ export const half = (side: 0 | 1) => ofSide(scene.value, "palm", SIDES[side], "l
 function staticsAt([pLeft, pRight]: [number, number]): Statics | null {
   const machine = core.value;
   if (!machine) return null;
-  machine.setScene(scene.value);
+  if (machine.facts(scene.value).isPipe) return null;
   return machine.statics(
     [theta.value[0] * DEGREE, theta.value[1] * DEGREE], [pLeft / 1000, pRight / 1000],
   );
@@ -106,7 +107,7 @@ export const touched = computed<TouchedState | null>(() => {
     });
   }
   const { f, contacts } = shown.value;
-  if (!f?.reaches) return null;
+  if (f && !f.reaches) return null;
   machine.setScene(scene.value);
   return touchedOnPalms(machine, angles, [contacts[0] / 1000, contacts[1] / 1000]);
 });

@@ -156,7 +156,7 @@ function drawContacts(surface: Surface, at: View, p: Palette, picture: TouchedPi
   const { places, contacts, mode } = picture;
   const com: Xy = [places[PLACES.com]!, places[PLACES.com + 1]!];
   const spots = contacts.map((one): Xy => [at.x(com[0] + one.at[0]), at.y(com[1] + one.at[1])]);
-  contacts.forEach((one, i) => drawCone(c, p, ...spots[i]!, one, isClose ? 34 : 58));
+  contacts.forEach((one, i) => drawCone(c, p, ...spots[i]!, one, isClose ? 29 : 58));
   if (mode) {
     contacts.forEach((one, i) =>
       drawForce(c, p, ...spots[i]!, one, mode.normal[i]!, mode.friction[i]!, isClose ? 48 : WEIGHT));
@@ -174,7 +174,7 @@ function drawContacts(surface: Surface, at: View, p: Palette, picture: TouchedPi
     c.stroke();
     const [nx, ny] = screen(one.normal);
     const text = mode ? `${names[i]!.short} ${motion}` : names[i]!.short;
-    const above = isClose ? 44 : 68; // beyond the cone
+    const above = isClose ? 38 : 68; // beyond the cone
     write(c, text, x + nx * above, y + ny * above, p.ink, { size: 11, weight: 650, align: Math.abs(nx) > 0.7 ? (nx > 0 ? "left" : "right") : "center" });
   });
 }

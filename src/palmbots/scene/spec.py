@@ -35,12 +35,8 @@ def contact_radii(spec: _core.Spec) -> tuple[float, float]:
 
 def refuse_pipe(scene: Scene, what: str = "this analysis") -> None:
     """Raise `SceneError` for a pipe, whose two contacts move together: no analysis covers it."""
-    if to_spec(scene, unrolled=True).width == 0:
-        raise SceneError(
-            f"object.edge_radius_m: {show(scene.object.edge_radius_m)} makes the object a pipe, "
-            f"but {what} assumes contacts that move one by one; allowed: contact vertices whose "
-            "arcs have two centres; carry, compare and drop-rate take pipes"
-        )
+    if refusal := _core.pipe_refusal(to_spec(scene, unrolled=True), what):
+        raise SceneError(refusal)
 
 
 def refuse_rounded_contacts(scene: Scene) -> None:
