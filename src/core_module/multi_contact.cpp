@@ -172,6 +172,8 @@ void bind_multi_contact(nb::module_& m) {
         "Every way in which a rigid body can move on palms with these velocities.");
   m.def("outcomes", &outcomes, nb::arg("supports"), nb::arg("velocities"), nb::arg("slope") = 0.0,
         "Those of them that balance.");
+  m.def("pipe_refusal", &pipe_refusal, nb::arg("spec"), nb::arg("what"),
+        "Why this (`what`) refuses a pipe; empty: the object is none.");
   m.def(
       "mode_forces", &mode_forces, nb::arg("supports"), nb::arg("motions"), nb::arg("slope"),
       nb::arg("surfaces"),

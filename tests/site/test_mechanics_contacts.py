@@ -294,3 +294,22 @@ def test_a_dragged_corner_keeps_the_radius(open_page: Open) -> None:
     drag(page, "corner-2", -10, 14)
     expect(page.locator("#edge-radius")).to_have_value("20")
     assert re.search(r"edge_radius_m%3D0\.02", page.evaluate("location.hash")) is not None
+
+
+@pytest.mark.parametrize("floor", [False, True])
+def test_a_pipe_is_refused_in_the_words_of_the_package(open_page: Open, floor: bool) -> None:
+    """Its two contacts move together; the view opens all the same, and its controls work."""
+    page = open_page(hash_of("mechanics", {"scene": "pipe", "v.floor": int(floor)}))
+    with pytest.raises(pb.SceneError) as refused:
+        FloorWorld("pipe") if floor else pb.contact_modes("pipe")
+    expect(page.locator(".over .refusal")).to_have_text(str(refused.value))
+    page.locator("#edge-radius").fill("10")
+    page.locator("#edge-radius").press("Enter")
+    expect(page.locator(".over .refusal")).to_have_count(0)
+
+
+def test_a_palm_on_a_floor_is_never_below_the_horizontal(open_page: Open) -> None:
+    page = open_page(hash_of("mechanics", {"v.tl": -5}))
+    page.locator("#floor").check()
+    assert floor_world(page).state.palms_deg.left == 0
+    assert_report(page)
