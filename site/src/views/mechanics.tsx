@@ -38,7 +38,6 @@ function Examples() {
           base.value = one.base;
           overrides.value = one.overrides;
           extras.value = one.extras;
-          refused.value = "";
         })}>
           {one.name}
         </button>
@@ -47,9 +46,20 @@ function Examples() {
   );
 }
 
-export function MechanicsView() {
+// Over the picture: why the last change was cut, else what is wrong with the state.
+function Status() {
   const f = onFloor.value ? null : found.value;
   const here = touched.value;
+  const reason = (name: string) => `${name}: ${tables.dropReasons.find(([known]) => known === name)![1]}`;
+  const words = refused.value || here?.problem
+    || (here?.end && `the palms stop here: ${reason(here.end)}`)
+    || (f && !f.reaches && "The object does not reach from palm to palm.")
+    || (f && f.reason > 0 && !isGeneral.value && reason(tables.dropReasons[f.reason]![0]));
+  return words ? <p class="status refusal" role="status">{words}</p> : null;
+}
+
+export function MechanicsView() {
+  const f = onFloor.value ? null : found.value;
   const words = sceneWords(base.value, overrides.value).join(" ");
   const numbers = [
     "--theta-left-deg", theta.value[0], "--theta-right-deg", theta.value[1],
@@ -69,7 +79,6 @@ export function MechanicsView() {
         <SceneChoice />
         <button type="button" id="reset" onClick={() => {
           overrides.value = {};
-          refused.value = "";
           for (const name of ["tl", "tr", "pl", "pr", "floor", "dl", "dr", "up", "mf", "mo", "mk"]) setExtra(name, "", "");
         }}>
           reset
@@ -82,16 +91,7 @@ export function MechanicsView() {
           <Canvas id="state-picture" height={mechanicsHeight} draw={drawState}
             label="object, palms, friction cones and line of gravity of one state" />
           <Handles handles={handles()} />
-          {f && !f.reaches && <p class="status refusal">The object does not reach from palm to palm.</p>}
-          {here?.problem && <p class="status refusal">{here.problem}</p>}
-          {here?.end && (
-            <p class="status refusal">
-              the palms stop here: {here.end}: {tables.dropReasons.find(([name]) => name === here.end)?.[1]}
-            </p>
-          )}
-          {f && f.reaches && f.reason > 0 && !here?.problem && !isGeneral.value && (
-            <p class="status refusal">{tables.dropReasons[f.reason]![0]}: {tables.dropReasons[f.reason]![1]}</p>
-          )}
+          <Status />
         </div>
         <StateSliders />
         <ShapeFields />

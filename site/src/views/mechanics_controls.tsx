@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sliders and fields of the view Mechanics: palm angles, contacts or the floor, friction, shapes.
-import { SHAPES, refused, setShape, shape } from "./mechanics_shape";
+import { SHAPES, setShape, shape } from "./mechanics_shape";
 import {
   MOST_DRIVEN, MOST_RAISED, contact, driven, floorFriction, half, onFloor, raised, setContact, setDriven, setRaised,
   setTheta, theta,
@@ -46,22 +46,19 @@ export function StateSliders() {
 // The shape of what touches, in fields that also name the limits of the core.
 export function ShapeFields() {
   return (
-    <>
-      <div class="shapes">
-        {SHAPES.map(({ key, id, label, step }) => (
-          <label class="field" title={tables.keys.find((k) => k.name === key)?.meaning}>
-            <span>{label} [mm]</span>
-            <input type="number" id={id} min={0} step={step} value={Number((1000 * shape.value[key]).toFixed(2))}
-              onChange={(event) => setShape(key, Number(event.currentTarget.value) / 1000)} />
-          </label>
-        ))}
-        <label class="check">
-          <input type="checkbox" id="floor" checked={onFloor.value}
-            onChange={(event) => setExtraFlag("floor", event.currentTarget.checked)} />
-          on a floor
+    <div class="shapes">
+      {SHAPES.map(({ key, id, label, step }) => (
+        <label class="field" title={tables.keys.find((k) => k.name === key)?.meaning}>
+          <span>{label} [mm]</span>
+          <input type="number" id={id} min={0} step={step} value={Number((1000 * shape.value[key]).toFixed(2))}
+            onChange={(event) => setShape(key, Number(event.currentTarget.value) / 1000)} />
         </label>
-      </div>
-      {refused.value && <p class="note refusal" id="refused" role="status">{refused.value}</p>}
-    </>
+      ))}
+      <label class="check">
+        <input type="checkbox" id="floor" checked={onFloor.value}
+          onChange={(event) => setExtraFlag("floor", event.currentTarget.checked)} />
+        on a floor
+      </label>
+    </div>
   );
 }

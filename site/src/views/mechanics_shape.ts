@@ -30,8 +30,9 @@ export const shape = computed(() => {
   return found;
 });
 
-// Why the last change was cut or refused, in one line; empty: it was not.
-export const refused = signal("");
+// Why the last change was cut or refused, in one line; empty: it was not, or something changed since.
+const cut = signal<{ why: string; overrides: Overrides }>({ why: "", overrides: {} });
+export const refused = computed(() => (cut.value.overrides === overrides.value ? cut.value.why : ""));
 
 // Why the core refuses the built-in scene with these overrides; empty: it does not.
 function refusalWith(changes: Overrides): string {
@@ -65,8 +66,8 @@ export function setShape(key: ShapeKey, metres: number): void {
       overrides.value = before;
       return tried(key, value);
     };
-    refused.value = attempt(metres);
-    if (!refused.value) return;
+    const why = attempt(metres);
+    if (!why) return;
     let [good, bad] = [from, metres];
     for (let k = 0; k < 24; ++k) {
       const middle = (good + bad) / 2;
@@ -78,5 +79,6 @@ export function setShape(key: ShapeKey, metres: number): void {
     const tenths = sense * Math.floor(sense * good * 1e4 + 1e-3);
     const isMore = (value: number) => sense * (value - from) > 5e-5;
     if ([tenths, tenths - sense].every((n) => !isMore(n / 1e4) || attempt(n / 1e4))) overrides.value = before;
+    cut.value = { why, overrides: overrides.peek() };
   });
 }
