@@ -96,6 +96,10 @@ void bind_world(nb::module_& m) {
           },
           "Contacts as (side, tip, vertex or edge, p of the tip); empty: the two vertices alone.")
       .def_prop_ro("contact_events", [](const W& w) { return w.contact_events().count; })
+      .def_prop_ro("ambiguous_events", &W::ambiguous_events,
+                   "Events so far after which several motions were as good.")
+      .def(
+          "copy", [](const W& w) { return w; }, "A world that goes on from here by itself.")
       .def(
           "check", [](const W& w) { return name_of(w.check()); },
           "Why the object is not held here; empty if it is.")

@@ -3,7 +3,7 @@
 
 A script moves the robots and turns the palms, at and below 0° included, under objects of many
 shapes. One end is a definition: a contact vertex leaves its palm. Every other end must be forced:
-the slow world (rigid_body_oracle) does not carry on there either.
+the slow world (slow_world.py) does not carry on there either.
 """
 
 import math
@@ -14,9 +14,10 @@ import numpy as np
 
 import palmbots as pb
 import palmbots._core as _core
+from motion_oracle import Oracle
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import contact_radii, to_spec
-from rigid_body_oracle import SlowContacts
+from script_ends import Course, End
 
 POINTED = [[0, 0], [0.02, 0.02], [0.23, 0.02], [0.25, 0], [0.25, 0.16], [0, 0.16]]
 LID = [[0, 0], [0.25, 0], [0.25, 0.02], [0.35, 0.02], [0.35, 0.1], [-0.1, 0.1], [-0.1, 0.02], [0, 0.02]]  # fmt: skip  # noqa: E501
@@ -38,7 +39,6 @@ ALL_ANGLES = (-5, -3, -1, 0, 0, 1, 2, 5, 8, 15, 25)
 FLAT_ANGLES = (-5, -2, 0, 0, 1, 3, 5)
 STEPS = 8
 PER_SCENE = 10  # scripts that share a scene: building one takes longer than a script
-NEAR = 0.02  # how far the ends in both worlds may differ, as a share of a step
 
 Move = tuple[float, float, float]  # change of the separation [m], angles of the palms [°]
 
@@ -48,13 +48,6 @@ class Script:
     thing: dict[str, Any]
     keys: dict[str, Any]
     moves: list[Move]
-
-
-@dataclass(frozen=True)
-class End:
-    reason: str
-    move: int
-    fraction: float
 
 
 def scripts(seed: int, count: int) -> list[Script]:
@@ -91,37 +84,17 @@ class Runner:
         self._keys: dict[str, Any] | None = None
         self._spec: Any = None
 
-    def spec(self, script: Script) -> Any:
+    def course(self, script: Script) -> Course:
         if self._keys is not script.keys:
             self._keys, self._spec = script.keys, to_spec(load_scene(script.thing, script.keys))
-        return self._spec
+        moves = [
+            (((-change / 2, 0.0), (change / 2, 0.0)), (math.radians(left), math.radians(right)))
+            for change, left, right in script.moves
+        ]
+        return Course(_core.World(self._spec), Oracle(self._spec, None), True, moves)
 
     def end(self, script: Script) -> End | None:
         """How the script ends early; None if it does not, or if the object is not held at first."""
-        world = _core.World(self.spec(script))
-        if world.check():
-            return None
-        for k, (change, left, right) in enumerate(script.moves):
-            reason, fraction, *_ = world.advance(change, (math.radians(left), math.radians(right)))
-            if reason:
-                return End(reason, k, fraction)
-        return None
-
-    def is_forced(self, script: Script, end: End) -> bool:
-        """Whether the slow world ends there too.
-
-        It takes what is nearer than a step for a contact, so it may continue where an opening is
-        narrower: then it is asked again with smaller steps in the last move.
-        """
-        return any(self._slow_end_agrees(script, end, steps) for steps in (200, 2000, 60_000))
-
-    def _slow_end_agrees(self, script: Script, end: End, steps: int) -> bool:
-        spec = self.spec(script)
-        start = _core.World(spec)
-        slow = SlowContacts(spec, start.contacts, start.separation, start.palms)
-        for k, (change, left, right) in enumerate(script.moves[: end.move + 1]):
-            steps_here = steps if k == end.move else min(steps, 8000)
-            done = slow.move(change, (math.radians(left), math.radians(right)), steps_here)
-            if done < 1:
-                return k < end.move or done <= end.fraction + NEAR
-        return end.fraction > 1 - NEAR
+        course = self.course(script)
+        end = course.exact() if course.is_held else None
+        return end if end is not None and end.reason else None

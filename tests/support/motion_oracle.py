@@ -60,6 +60,7 @@ class Oracle:
     """The object and the palms of a spec, over a floor or (None) without one."""
 
     def __init__(self, spec: Any, floor_friction: float | None) -> None:
+        self.spec = spec
         self.slope = spec.slope
         self.floor = floor_friction
         com = np.array([spec.com_left, spec.com_height])

@@ -2,8 +2,8 @@
 """Random motions of palms with a shape, over a floor or without one, under objects with arcs.
 
 A script lasts 500 control periods. In each of them nothing may sink into anything, and the motion
-must be one for which an independent program finds forces (motion_oracle.py); these are computed in
-some of the periods.
+must be one for which an independent program finds forces (motion_oracle.py). The motions that
+follow events are judged, and some of those in between.
 """
 
 import math
@@ -21,7 +21,8 @@ from palmbots.scene.spec import to_spec
 
 PERIODS = 500
 PHASE = 25  # periods in which the speeds stay the same
-CHECKED = 12  # motions of a script whose forces are computed
+SAMPLED = 40  # periods, of which one is judged even if nothing changes
+PARTS = 8  # in which a period with an event is made again
 SUNK = 1e-6  # [m]
 BALANCED = 2e-3  # [weights]: the poses of a motion are those at its ends
 MOST_PIECES = 200  # of a period: a step that gives up
@@ -40,7 +41,9 @@ class Found:
 
     ends: Counter[str] = field(default_factory=Counter)
     moved: int = 0
-    checked: int = 0
+    checked: int = 0  # motions
+    events: int = 0  # that begin within a period
+    judged_events: int = 0  # with the motion that followed in the same period
     worst_depth_m: float = -math.inf
     worst_imbalance: float = 0.0
     faults: list[str] = field(default_factory=list)
@@ -126,6 +129,44 @@ class Drive:
         return (self._speeds[0], self._speeds[1]), (turned[0], turned[1])
 
 
+class Judge:
+    """Looks for the forces of motions of a script."""
+
+    def __init__(self, seed: int, oracle: Oracle, found: Found) -> None:
+        self._seed, self._oracle, self._found = seed, oracle, found
+
+    def has_forces(self, k: int, before: Moment, after: Moment) -> bool:
+        """Judges the motion of period `k`; False: it is too small to be judged."""
+        rest = self._oracle.imbalance(before, after)
+        if rest is None:
+            return False
+        self._found.checked += 1
+        self._found.worst_imbalance = max(self._found.worst_imbalance, rest)
+        if rest > BALANCED:
+            self._found.faults.append(f"seed {self._seed}, period {k}: no forces, {rest:.3g}")
+        return True
+
+    def events(self, k: int, world: _core.World, by: Any, palms: tuple[float, float]) -> None:
+        """Makes the motion of period `k` in parts; judges the first whole part after each event."""
+        first, here = world.palms, Moment.of(world)
+        follows = False
+        for part in range(1, PARTS + 1):
+            share = part / PARTS
+            left, right = (a + share * (b - a) for a, b in zip(first, palms, strict=True))
+            (lx, ly), (rx, ry) = by
+            parts = ((lx / PARTS, ly / PARTS), (rx / PARTS, ry / PARTS))
+            reason, *_, pieces = world.move(parts, (left, right))
+            before, here = here, Moment.of(world)
+            if reason:
+                return
+            if pieces > 1:
+                self._found.events += 1
+                follows = True
+            elif follows and self.has_forces(k, before, here):
+                self._found.judged_events += 1
+                follows = False
+
+
 def run(seed: int, found: Found) -> None:
     """One script, to its end."""
     rng = np.random.default_rng(seed)
@@ -137,25 +178,27 @@ def run(seed: int, found: Found) -> None:
     if not on_floor and world.check():
         found.ends["not held at first"] += 1
         return
-    drive = Drive(rng, on_floor)
-    checks = set(rng.choice(PERIODS, CHECKED, replace=False).tolist())
+    drive, judge = Drive(rng, on_floor), Judge(seed, oracle, found)
     end = "completed"
     here = Moment.of(world)
+    mode: Any = None
+    follows = False
     for k in range(PERIODS):
-        reason, *_, pieces = world.move(*drive.next(k, world.palms))
+        twin = world.copy()
+        by, palms = drive.next(k, world.palms)
+        reason, _, *motion, pieces = world.move(by, palms)
         before, here = here, Moment.of(world)
         found.moved += 1
         depth = oracle.deepest(here)
         found.worst_depth_m = max(found.worst_depth_m, depth)
         if depth > SUNK:
             found.faults.append(f"seed {seed}, period {k}: sunk {1e6 * depth:.3g} um")
-        if k in checks and not reason and pieces == 1:
-            rest = oracle.imbalance(before, here)
-            if rest is not None:
-                found.checked += 1
-                found.worst_imbalance = max(found.worst_imbalance, rest)
-                if rest > BALANCED:
-                    found.faults.append(f"seed {seed}, period {k}: no forces, {rest:.3g}")
+        last, mode = mode, (world.constraints, motion)
+        if pieces > 1:
+            judge.events(k, twin, by, palms)
+        elif not reason and (follows or mode != last or k % SAMPLED == 0):
+            judge.has_forces(k, before, here)
+        follows = pieces > 1
         if reason:
             gave_up = reason == "jammed" and pieces > MOST_PIECES
             end = "gave up" if gave_up else reason

@@ -62,6 +62,5 @@ def test_a_tilt_after_it_ends_where_the_slow_world_ends() -> None:
     start = {"start.left_m": 0.037228, "start.right_m": 0.0343346}
     script, runner = Script({"object": "trapezoid"}, KEYS | start, moves), Runner()
     end = runner.end(script)
-    assert end is not None and end.move == 3
-    assert end.fraction == pytest.approx(0.115, abs=0.01)  # as in the slow world
-    assert runner.is_forced(script, end)
+    assert end is not None and end.at == pytest.approx(3.115, abs=0.01)
+    assert runner.course(script).is_forced(end)

@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 import palmbots as pb
 import palmbots._core as _core
 from contact_scripts import OBJECTS
+from motion_oracle import Moment, Oracle
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
-from rigid_body_oracle import SlowContacts
 from sampled import amounts
+from slow_world import SlowWorld
 
 ANGLES = [-5, 0, 2, 5, 8, 15, 25]
 Step = tuple[float, float, float, float]  # change of the separation, palm angles [°], push
@@ -148,18 +149,17 @@ def test_motion_is_that_of_an_independent_world(cases: int) -> None:
         fast = _core.World(spec)
         if fast.check():
             continue
-        slow = SlowContacts(spec, fast.contacts, fast.separation, fast.palms)
+        slow = SlowWorld(Oracle(spec, None), Moment.of(fast), on_both=True)
         for change, left, right, _ in chosen.script:
             palms = (math.radians(left), math.radians(right))
             end, fraction, *_ = fast.advance(change, palms)
-            done = slow.move(change, palms, 240)
-            assert done == pytest.approx(fraction, abs=0.02), (seed, end)
+            by = ((-change / 2, 0.0), (change / 2, 0.0))
+            reason, done = slow.move(by, palms, pace=1e-4)
+            assert (reason, done) == (end, pytest.approx(fraction, abs=0.001)), seed
             if end:
                 seen["ended"] += 1
                 break
-            # The slow world errs by its step: three times less with three times the steps.
-            where = np.array([slow.vertex(side) for side in (0, 1)]).T
-            assert np.array([fast.contacts, fast.lift]) == pytest.approx(where, abs=3e-4), seed
+            assert fast.pose == pytest.approx(slow.at.pose, abs=1e-5), seed
             seen["further"] += len(fast.constraints) > 0
             seen["lifted"] += max(fast.lift) > 1e-4
     assert min(seen.values()) > 0, seen

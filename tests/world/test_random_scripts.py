@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever palms do: nothing sinks in, and there are forces for every motion."""
+"""Whatever palms do: nothing sinks in, there are forces for every motion, and no end is early."""
 
 import copy
 from dataclasses import replace
@@ -8,8 +8,10 @@ import numpy as np
 
 from motion_oracle import Moment, Oracle
 from palm_scripts import BALANCED, SUNK, Drive, Found, run, world_of
+from script_ends import STEPS, compare_scripts
 
 SCRIPTS = 12
+COMPARED = 12
 
 
 def slipperier(oracle: Oracle, by: float) -> Oracle:
@@ -25,7 +27,8 @@ def test_nothing_sinks_in_and_forces_balance() -> None:
     for seed in range(SCRIPTS):
         run(seed, found)
     assert found.faults == []
-    assert found.checked > 2 * SCRIPTS
+    assert found.checked > 10 * SCRIPTS
+    assert found.judged_events > 0.8 * found.events > SCRIPTS
     assert found.ends["gave up"] == 0
 
 
@@ -48,3 +51,15 @@ def test_the_oracle_notices_a_wrong_friction_and_a_wrong_place() -> None:
             if pieces == 1:
                 seen["balance"] += (slippery.imbalance(before, here) or 0.0) > BALANCED
     assert min(seen.values()) > 50
+
+
+def test_scripts_end_as_in_the_slow_world() -> None:
+    ends = compare_scripts(range(COMPARED))
+    assert ends.faults == ends.missed == []
+    assert ends.clear_share >= 0.7 and ends.agreed > 0.7 * COMPARED
+
+
+def test_the_slow_world_notices_a_wrong_friction() -> None:
+    """With less friction it ends scripts elsewhere, or leaves the object in another pose."""
+    ends = compare_scripts(range(6), lambda oracle: slipperier(oracle, 0.9), STEPS[:1])
+    assert len(ends.faults) > 2
