@@ -8,7 +8,7 @@
 
 #include "palmbots/mechanics/twist_feasibility.hpp"
 #include "palmbots/sim/spec.hpp"
-#include "palmbots/world/touching.hpp"
+#include "palmbots/sim/state_contacts.hpp"
 
 namespace palmbots::page {
 

@@ -12,7 +12,7 @@
 
 #include "bindings.hpp"
 #include "palmbots/mechanics/mode_forces.hpp"
-#include "palmbots/world/touching.hpp"
+#include "palmbots/sim/state_contacts.hpp"
 
 namespace palmbots::bindings {
 
@@ -68,8 +68,7 @@ nb::tuple contacts_of(const Spec& spec, Numbers2 angles, Numbers2 places) {
   const auto pivot = [&](std::size_t side) {
     return Numbers2{found.pivots[side].x, found.pivots[side].y};
   };
-  return nb::make_tuple(points, found.count, Numbers2{found.sunk[left], found.sunk[right]},
-                        std::pair(pivot(left), pivot(right)),
+  return nb::make_tuple(points, found.pierced, std::pair(pivot(left), pivot(right)),
                         refusal_of(found, spec, {angles.first, angles.second}));
 }
 
@@ -142,10 +141,10 @@ void bind_multi_contact(nb::module_& m) {
   m.attr("contact_kinds") = names_to(ContactKind::tip);
   m.attr("contact_tolerance") = contact_tolerance<double>;
   m.attr("wrench_tolerance") = wrench_tolerance<double>;
-  m.def("contacts", &contacts_of, nb::arg("spec"), nb::arg("angles"), nb::arg("places"),
-        "All contacts as (kind, palm, place, object x, object y, support), how many there are (not "
-        "all are listed if there are more than 8), how deep either palm is in an object with sharp "
-        "contact vertices [m], the pivots from the COM [m], and why the state is refused.");
+  m.def(
+      "contacts", &contacts_of, nb::arg("spec"), nb::arg("angles"), nb::arg("places"),
+      "All contacts as (kind, palm, place, object x, object y, support), the palm that lies in the "
+      "object, the pivots from the COM [m], and why the state is refused.");
   m.def("palm_velocities", &palm_velocities, nb::arg("supports"), nb::arg("pivots"),
         nb::arg("palms"), "Of the palms at the supports; a palm moves by (vx, vy, spin).");
   m.def(

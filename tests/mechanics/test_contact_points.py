@@ -206,10 +206,8 @@ def test_overlap_and_contacts_against_sampled_palms() -> None:
         try:
             there = ask(scene, state)
         except PalmbotsError as error:
-            words = str(error).split(" mm inside")[0].split()
-            side, result = words[-3], float(words[-1]) / 1e3
-            assert 0.45 * deepest[side] <= result <= 1.01 * deepest[side] + 1e-4, (scene, state)
-            assert deepest[side] > 0
+            side = str(error).split(" palm inside")[0].split()[-1]
+            assert deepest[side] > 0, (scene, state)
             seen["refused"] += 1
             continue
         assert max(deepest.values()) <= 1e-5, (scene.object, state)

@@ -20,7 +20,6 @@
 #include <optional>
 #include <vector>
 
-#include "palmbots/mechanics/contact_detection.hpp"
 #include "palmbots/world/contact_shapes.hpp"
 #include "palmbots/world/contact_step.hpp"
 #include "palmbots/world/general_step.hpp"

@@ -44,7 +44,12 @@ struct ClosedPair {
   FeatureContact contact;
 };
 
-// A gap (times w) below this counts as closed where the object is looked at.
+// A gap (times w) below this counts as closed where people look at the object: 2.5 µm for the paper's
+// box, finer than any measured length, coarser than a coordinate that a person writes down.
+template <class Real>
+inline constexpr Real contact_tolerance = Real(1e-5);
+
+// The same where the world looks at it.
 template <class Real>
 inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
 

@@ -5,9 +5,8 @@ Besides its two contact vertices the object may have an edge flush on a palm, st
 vertex, or lie on a palm's tip. Points are in the object's frame (`scene.object_frame`): origin
 at the left contact vertex, x towards the right one, y up, metres. The motions of a contact have the
 names of the paper: ST sticks, SL and SR slide to the left and right on the palm, and BR breaks (the
-contact leaves the palm). The core has the mechanics (`mechanics/contact_detection.hpp`,
-`mechanics/wrench_cone.hpp`, `mechanics/twist_feasibility.hpp`). Rounded contact vertices, noses and
-heels are found by the quasistatic world, which knows all of them.
+contact leaves the palm). The core finds the contacts (`world/touching.hpp`) and has their mechanics
+(`mechanics/wrench_cone.hpp`, `mechanics/twist_feasibility.hpp`).
 """
 
 from __future__ import annotations
@@ -110,7 +109,7 @@ def touching(state: PalmState) -> Touching:
     Raises:
         PalmbotsError: a palm lies in the object, or there are more than 8 contacts.
     """
-    points, _, _, pivots, refusal = _core.contacts(state.spec, state.theta_rad, state.p_m)
+    points, _, pivots, refusal = _core.contacts(state.spec, state.theta_rad, state.p_m)
     if refusal:
         raise PalmbotsError(refusal)
     contacts = tuple(
@@ -118,6 +117,14 @@ def touching(state: PalmState) -> Touching:
         for kind, side, place, x, y, _ in points
     )
     return Touching(contacts, state.spec.slope, tuple(p[5] for p in points), pivots)
+
+
+def is_clear(state: PalmState) -> bool:
+    """Whether no palm lies in the object, up to rounding."""
+    _, _, pivots, _ = _core.contacts(state.spec, state.theta_rad, state.p_m)
+    world = _core.World(state.spec)
+    world.put(pivots, state.theta_rad, (0.0, 0.0), state.object_rad)
+    return world.pierced(1e-10 * state.spec.width) is None
 
 
 def contacts(

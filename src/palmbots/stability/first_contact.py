@@ -13,14 +13,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.plain_values import derived
 from palmbots.errors import PalmbotsError
-from palmbots.mechanics.contact_points import Contact, Motions, touching
+from palmbots.mechanics.contact_points import Contact, Motions, is_clear, touching
 from palmbots.mechanics.state import PalmState, placed
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import contact_radii, to_spec
+from palmbots.scene.spec import to_spec
 from palmbots.stability.clearance import ClosestState
 from palmbots.stability.problem import Pair
 
@@ -70,28 +69,20 @@ class FirstTouch:
 
 
 def first_touch(scene: Scene, closest: ClosestState) -> FirstTouch | None:
-    """The nearest state with a further contact, found by turning one palm; None: there is none, or
-    a contact vertex is rounded."""
+    """The nearest state with a further contact, found by turning one palm; None: there is none."""
     side = SIDES.index(closest.side)
     farthest = 1.5 * abs(closest.margin) + math.radians(1)
     spec = to_spec(scene)
-    if any(contact_radii(spec)):
-        return None
 
     def state(turn: float) -> PalmState:
         degrees = [math.degrees(angle) for angle in closest.angles_rad]
         degrees[side] += math.degrees(turn)
         return placed(scene, spec, closest.contacts_m, (degrees[0], degrees[1]))
 
-    def is_clear(turn: float) -> bool:
-        palms = state(turn)
-        overlap = _core.contacts(palms.spec, palms.theta_rad, palms.p_m)[2]
-        return max(overlap) <= 0
-
     turns: list[float] = []
     for direction in (1.0, -1.0):
         try:
-            turn = _boundary(is_clear, direction * farthest)
+            turn = _boundary(lambda turn: is_clear(state(turn)), direction * farthest)
         except PalmbotsError:  # the object cannot span the palms at such an angle
             continue
         if turn is not None:
