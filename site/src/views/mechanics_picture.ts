@@ -2,7 +2,7 @@
 // The picture of the view Mechanics: object, palms and friction cones of one state, with their handles.
 import { signal } from "@preact/signals";
 import type { Handle } from "./handles";
-import { shape } from "./mechanics_shape";
+import { setIfAllowed, shape } from "./mechanics_shape";
 import {
   DEGREE, chosenMode, found, isGeneral, onFloor as isOnFloor, setContact, setTheta, theta, touched,
 } from "./mechanics_state";
@@ -30,7 +30,9 @@ function setObject(changes: { vertices_m?: Xy[]; com_m?: Xy }): void {
     const value = changes[key as "com_m"] ?? object[key];
     if (value !== undefined) next[`object.${key}`] = value as never;
   }
-  overrides.value = next;
+  // On a floor, the object moves: what no scene may have could do anything there.
+  if (isOnFloor.peek()) setIfAllowed(next);
+  else overrides.value = next;
 }
 
 const view = signal<View | null>(null);

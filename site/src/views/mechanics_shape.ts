@@ -46,6 +46,13 @@ function refusalWith(changes: Overrides): string {
   return "";
 }
 
+// Takes these overrides unless the core refuses them.
+export function setIfAllowed(next: Overrides): void {
+  const why = refusalWith(next);
+  if (why) cut.value = { why, overrides: overrides.peek() };
+  else overrides.value = next;
+}
+
 function tried(key: ShapeKey, metres: number): string {
   const value = Number(metres.toFixed(6));
   const withBevel = key === "palm.nose_m" && value < shape.peek()["palm.thickness_m"] && shape.peek()["palm.bevel_m"] === 0;

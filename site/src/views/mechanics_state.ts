@@ -100,7 +100,11 @@ export const touched = computed<TouchedState | null>(() => {
   if (!machine) return null;
   const angles: [number, number] = [theta.value[0] * DEGREE, theta.value[1] * DEGREE];
   if (onFloor.value) {
-    machine.setScene(scene.value);
+    try {
+      machine.check(scene.value);
+    } catch (error) {
+      return { problem: (error as Error).message, end: "", held: false, contacts: [], starts: [0, 0], places: new Float64Array() };
+    }
     return touchedOnFloor(machine, angles, {
       driven: [driven.value[0] / 1000, driven.value[1] / 1000], raised: raised.value / 1000,
       friction: floorFriction.value,
