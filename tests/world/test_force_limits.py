@@ -80,6 +80,36 @@ def test_while_a_palm_turns_a_stalled_robot_keeps_both_contacts() -> None:
     np.testing.assert_allclose(world.contacts, contacts, rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("is_mirrored", [False, True])
+def test_a_contact_slides_at_the_limit_of_a_robot_while_a_palm_turns(is_mirrored: bool) -> None:
+    """The robots pull apart. At their speeds the pull at which the right contact slides would grow;
+    if it stuck, that pull would fall, because the palms turn up. So it slides at the limit."""
+    theta, phi, com = math.radians(15), math.atan(0.6), 0.12
+    limit = com / 0.25 * math.tan(phi - theta) * (1 + 2e-5)
+    keys = {"object.com_m": [com, 0.1], "palm.steep_deg": 15, "palm.shallow_deg": 14}
+    forces = {"palm.friction": 0.6, "robot.motor_force_n": limit * WEIGHT}
+    scene = load_scene("paper", keys | forces)
+    world = _core.World(to_spec(scene.mirrored() if is_mirrored else scene))
+    order = slice(None, None, -1 if is_mirrored else 1)
+    rows = []
+    for _ in range(20):
+        before = world.pivots[order]
+        goal = world.palms[0] + math.radians(0.001), world.palms[1] + math.radians(0.001)
+        assert world.move(((-1e-4, 0.0), (1e-4, 0.0)), goal)[0] == ""
+        (left, _), (right, _) = world.pivots[order]
+        rows.append((abs(left - before[0][0]), abs(right - before[1][0]), *world.contacts[order]))
+        dx, dy = world.contact_vector
+        dy *= -1 if is_mirrored else 1
+        over = com * dx / 0.25 - 0.1 * dy / 0.25  # the COM from the left contact, along the floor
+        edge = math.tan(goal[0] - phi)
+        assert -edge * over / (dx + edge * dy) == pytest.approx(limit, abs=1e-12)
+    ways, contacts = np.array(rows)[:, :2], np.array(rows)[:, 2:]
+    assert np.ptp(ways[1:], axis=0) == pytest.approx([0, 0], abs=1e-6)
+    assert ways[1:, 1] == pytest.approx(1e-4, abs=1e-15)
+    assert np.all((ways[:, 0] > 1e-5) & (ways[:, 0] < 5e-5))
+    assert np.all(contacts[:, 0] == 0.0) and np.all(np.diff(contacts[:, 1]) < -1e-4)
+
+
 @pytest.mark.parametrize("keys", [
     {"robot.motor_force_n": 1.1},
     {"robot.left.motor_force_n": 0.9, "robot.right.traction_n": 1.2, "robot.noise_m_s": 0.02},

@@ -216,21 +216,34 @@ class ContactStep : ContactTrial {
           drives[partner] = Drive::stands;
           moving[partner].velocity.x = 0.0;
         }
-        for (const std::size_t held_by : {partner, ground, side}) {
-          moving[side].velocity.x = 0.0;
-          drives[side] = held_by == side ? Drive::stands : Drive::yields;
-          if (held_by != side) {
-            const double speed = speed_with(closed, moving, side, held_by);
-            const double least = Tolerance::rate * pace_;
-            if (!(sense * speed > least && sense * (problem_.commanded[side] - speed) > -least))
-              continue;
-            moving[side].velocity.x = speed;
-          }
+        const auto goes_at = [&](double speed, Drive drive, bool slides = false) {
+          drives[side] = drive;
+          moving[side].velocity.x = speed;
           RegimeCandidates found = candidates_at(problem_, moving, pose_, closed);
-          for (std::size_t k = 0; k < found.count; ++k) found.at[k].regime.drives = drives;
+          std::size_t count = 0;
+          for (std::size_t k = 0; k < found.count; ++k) {
+            if (slides && !found.at[k].regime.has_unique_forces()) continue;
+            found.at[count] = found.at[k];
+            found.at[count++].regime.drives = drives;
+          }
+          found.count = count;
           const Found stalled = go_on_with(found, done);
-          if (stalled.any && stalled.reason == DropReason::none) return true;
+          return stalled.any && stalled.reason == DropReason::none;
+        };
+        const double fastest = problem_.commanded[side];
+        for (const std::size_t held_by : {partner, ground}) {
+          moving[side].velocity.x = 0.0;
+          const double speed = speed_with(closed, moving, side, held_by);
+          const double least = Tolerance::rate * pace_;
+          if (sense * speed > least && sense * (fastest - speed) > -least &&
+              goes_at(speed, Drive::yields))
+            return true;
         }
+        // A contact slides while the robot exerts its greatest force. Its direction does not depend
+        // on whether the robot is as fast as this, or slower.
+        for (const double speed : {fastest, 0.0})
+          if (goes_at(speed, Drive::yields, true)) return true;
+        if (goes_at(0.0, Drive::stands)) return true;
       }
     }
     return false;

@@ -11,7 +11,7 @@
 //   gaps      those of pairs near by.
 #pragma once
 
-#include "palmbots/world/force_limits.hpp"
+#include "palmbots/world/regime_equations.hpp"
 
 namespace palmbots {
 
@@ -180,9 +180,10 @@ inline bool is_clear(const ContactProblem& problem, const Frames& frames, const 
   return false;
 }
 
-// Adds those of robots with limits. `speed` is that of one that yields.
+// Adds those of robots with limits. `speed` is that of one that yields; it is known to `slack`, as a
+// share of the pace.
 inline void add_limits(Conditions& all, const ContactProblem& problem, const Regime& regime,
-                       const ActiveContacts& contacts, double speed, double pace) {
+                       const ActiveContacts& contacts, double speed, double slack, double pace) {
   using Tolerance = ContactTolerance;
   const BalancedForces forces(problem, regime, contacts, Tolerance::force);
   all.add(Tolerance::force - forces.least_excess());
@@ -194,8 +195,8 @@ inline void add_limits(Conditions& all, const ContactProblem& problem, const Reg
     if (regime.drives[side] != Drive::as_commanded)
       most = larger(most, forces.most_push(side, sense));
     if (regime.drives[side] != Drive::yields) continue;
-    all.add(sense * speed / pace + Tolerance::rate);
-    all.add(sense * (commanded - speed) / pace + Tolerance::rate);
+    all.add(sense * speed / pace + slack);
+    all.add(sense * (commanded - speed) / pace + slack);
   }
   all.add(most + 10.0 * Tolerance::force);
 }
@@ -211,8 +212,8 @@ inline Conditions conditions_of_motion(const ContactProblem& problem, const Regi
   all.add(balance(rays_of(problem, regime, contacts), problem.weight(regime.pushed)) +
           Tolerance::force);
   const auto moves = twist.system.solution();
-  if (problem.is_limited()) add_limits(all, problem, regime, contacts, moves[3], pace);
   const double least = twist.balance ? Tolerance::balanced_rate : Tolerance::rate;
+  if (problem.is_limited()) add_limits(all, problem, regime, contacts, moves[3], least, pace);
   for (std::size_t i = 0; i < regime.count; ++i) {
     const ActivePair& a = regime.active[i];
     if (a.motion == Motion::stick) continue;
