@@ -216,15 +216,15 @@ class ContactStep : ContactTrial {
           drives[partner] = Drive::stands;
           moving[partner].velocity.x = 0.0;
         }
-        const auto goes_at = [&](double speed, Drive drive, bool slides = false) {
+        const auto goes_at = [&](double speed, Drive drive, bool at_limit = false) {
           drives[side] = drive;
           moving[side].velocity.x = speed;
           RegimeCandidates found = candidates_at(problem_, moving, pose_, closed);
           std::size_t count = 0;
           for (std::size_t k = 0; k < found.count; ++k) {
-            if (slides && !found.at[k].regime.has_unique_forces()) continue;
-            found.at[count] = found.at[k];
-            found.at[count++].regime.drives = drives;
+            Regime& regime = found.at[k].regime;
+            regime.drives = drives;
+            if (!at_limit || is_at_limit(regime, moving)) found.at[count++] = found.at[k];
           }
           found.count = count;
           const Found stalled = go_on_with(found, done);
@@ -247,6 +247,14 @@ class ContactStep : ContactTrial {
       }
     }
     return false;
+  }
+
+  // Whether the force of a robot that yields is unique and, here, its greatest one.
+  bool is_at_limit(const Regime& regime, const Frames& frames) const {
+    constexpr double near = 1e-6;  // [weights]: the regime finds the place to rounding
+    return regime.has_unique_forces() &&
+           magnitude(detail::above_limit(problem_, regime,
+                                         contacts_of(problem_, regime, frames, pose_))) < near;
   }
 
   // The speed of a palm along x if its contacts, and those of another carrier, stick; not a number: they
