@@ -34,7 +34,7 @@ TouchedState TouchedState::on_floor(const Spec& spec, const FloorState& state) {
   Model<double> model = model_of<double>(spec);
   model.safe_reach = -1;  // the palms may have any angles
   model.limit = no_limits<double>;
-  model.surroundings = {true, state.friction};
+  model.surroundings = Surroundings::on_floor(state.friction);
   World<double> world(model, configuration_of(spec, model));
   world.set_on_both(false);
   const StandingStart start = StandingStart::of(spec, state.theta, {floor_gap, floor_gap});

@@ -11,7 +11,9 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "bindings.hpp"
@@ -61,14 +63,14 @@ void bind_world(nb::module_& m) {
   nb::class_<W>(m, "World", "Two palms and an object: exact motion under given robot motions.")
       .def(
           "__init__",
-          [](W* self, const Spec& spec, std::optional<double> floor) {
+          [](W* self, const Spec& spec, bool has_floor) {
             Model<double> model = model_of<double>(spec);
             model.safe_reach = -1;  // the palms may be turned to any angles
-            if (floor) model.surroundings = {true, *floor};
+            if (has_floor) model.surroundings = surroundings_of(spec);
             new (self) W(model, configuration_of(spec, model));
           },
-          nb::arg("spec"), nb::arg("floor") = nb::none(),
-          "floor: friction of a floor at height 0; None: no floor.")
+          nb::arg("spec"), nb::arg("has_floor") = false,
+          "has_floor: among the floor, the walls and the stands of the spec.")
       .def_prop_ro("contacts", [](const W& w) { return pair_of(w.configuration().contacts); })
       .def_prop_ro("separation", [](const W& w) { return w.configuration().separation; })
       .def_prop_ro("palms",
@@ -139,8 +141,20 @@ void bind_world(nb::module_& m) {
           nb::arg("pivots"), nb::arg("palms"), nb::arg("at"), nb::arg("angle"),
           "Puts pivots and the object's COM at these places (x, y) [m].")
       .def("touching", &touching, nb::arg("within"),
-           "Contacts with at most this gap [m]: (vertex, tip, nose, heel or floor; palm, or 2: the "
-           "floor; place on it [m]; support), points from the COM.")
+           "Contacts with at most this gap [m]: (vertex, tip, nose, heel, floor, wall or stand; "
+           "palm, or 2: the ground; place on it [m]; support), points from the COM.")
+      .def_prop_ro(
+          "grounds",
+          [](const W& w) {
+            std::set<std::string> names;
+            const Regime& regime = w.regime();
+            for (std::size_t i = 0; i < regime.count; ++i) {
+              const Surface& surface = w.shapes().surfaces.at[regime.active[i].pair.surface];
+              if (surface.carrier == Carrier::ground) names.insert(name_of(surface));
+            }
+            return std::vector(names.begin(), names.end());
+          },
+          "Which of floor, wall and stand are among the contacts.")
       .def("pierced", &pierced_palm, nb::arg("deep"),
            "The palm that is in the object by more than this [m]; None: neither is.")
       .def("set_on_both", &W::set_on_both, nb::arg("on_both"),
@@ -182,7 +196,7 @@ void bind_world(nb::module_& m) {
       nb::arg("spec"), nb::arg("angles"), nb::arg("gaps"),
       "Pivots and COM of an object that stands between palms at these angles [rad], whose inner "
       "ends "
-      "are on the floor at these distances from it [m].");
+      "are at these distances from it, at the height of what it stands on [m].");
   m.def(
       "takes_single_steps",
       [](const Spec& spec) { return takes_single_steps(model_of<double>(spec)); }, nb::arg("spec"),

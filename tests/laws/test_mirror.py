@@ -17,13 +17,12 @@ from hypothesis import strategies as st
 import palmbots as pb
 from palmbots.control.registry import controller_names, reference_names, resolve
 from palmbots.errors import SceneError
-from palmbots.scene.core_keys import ROWS
 from palmbots.scene.files import built_in_scenes
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.trace import VARIABLES
 from palmbots.simulation.worlds import world_names
-from random_keys import names_in, random_keys
+from random_keys import CARRIED_ROWS, names_in, random_keys
 from strategies import scenes
 
 CONTROLLERS = [
@@ -98,7 +97,7 @@ def check(scene: Scene, controller: str, seed: int, precision: Any = "double") -
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_carries_with_every_key(controller: str) -> None:
     """Every key is given for a table with beacons and one with a queue; for the others a few."""
-    every = set(ROWS) if controller in ("shared-sign", "distributed") else set()
+    every = CARRIED_ROWS if controller in ("shared-sign", "distributed") else frozenset()
     draw = random.Random(controller)
     given: set[str] = set()
     done = 0

@@ -2,21 +2,24 @@
 """Judges motions of the quasistatic world from outside; shares nothing with it.
 
 The object is a set of circles (its corners; sharp ones have radius 0) and the straight lines
-between them, a palm is a plate with a heel, and the floor is y = 0. From two poses a short time
+between them, a palm is a plate with a heel, the floor is y = 0, and walls and stands are rectangles
+on it. From two poses a short time
 apart follow the contacts that persist and how each of them moved. Forces in the corresponding edges
 of their friction cones must balance the weight, as non-negative least squares decides.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import nnls
 
-Face = tuple[int, np.ndarray, np.ndarray, float, np.ndarray, float]
 Edge = tuple[np.ndarray, np.ndarray, np.ndarray]
 OUT = (-1.0, 1.0)
+PLATE = 1e-3  # how deep a palm is solid: a thin one has no lower side [m]
+FAR = 1e3  # [m]
 TOUCHES = 2e-9  # gap of a contact at both ends of a motion [m]
 BENT = 2e-6  # how far the middle of both poses may be from the motion [m]
 SLIPS = 1e-3  # of the motion: more is slip, a tenth of it is none
@@ -45,24 +48,48 @@ class Moment:
         return Moment(((ax, ay), (bx, by)), (left, right), (x, y, turn))
 
 
+class Face(NamedTuple):
+    """A flat face of the palm of a side, or (2) of what stands still."""
+
+    carrier: int
+    start: np.ndarray
+    along: np.ndarray
+    length: float
+    normal: np.ndarray
+    friction: float
+    solid: float  # how deep it is solid below [m]
+
+
 @dataclass(frozen=True)
 class Touch:
     """A contact: its point [m], its normal into the object, its gap [m], its friction."""
 
-    carrier: int  # the side of the palm; 2: the floor
+    carrier: int  # the side of the palm; 2: floor, walls and stands
     point: np.ndarray
     normal: np.ndarray
     gap: float
     friction: float
 
 
+class Block(NamedTuple):
+    """A rectangle on the floor; a wall is very long behind its face, and may be very high."""
+
+    low: float
+    high: float
+    height: float
+    friction: float
+
+
 class Oracle:
     """The object and the palms of a spec, over a floor or (None) without one."""
 
-    def __init__(self, spec: Any, floor_friction: float | None) -> None:
+    def __init__(
+        self, spec: Any, floor_friction: float | None, blocks: Sequence[Block] = ()
+    ) -> None:
         self.spec = spec
         self.slope = spec.slope
         self.floor = floor_friction
+        self.blocks = tuple(blocks)
         com = np.array([spec.com_left, spec.com_height])
         self.corners = [(np.array([x, y]) - com, r) for x, y, r in spec.corners]
         self.size = max(spec.width, *(r for _, r in self.corners))
@@ -93,30 +120,40 @@ class Oracle:
         )
 
     def _faces(self, at: Moment) -> list[Face]:
-        """Carrier, start, direction, length, normal and friction of every flat face."""
-        faces = []
+        """Every flat face."""
+        faces: list[Face] = []
         for side in (0, 1):
             pivot, along, across = self._palm(at, side)
             offset, half, nose, heel, friction = self.plates[side]
             top = pivot + offset * across
-            faces.append((side, top - half * along, along, 2 * half, across, friction))
+            inner, outer = top - half * along, top + half * along
+            faces.append(Face(side, inner, along, 2 * half, across, friction, PLATE))
             if nose > 0:
-                faces.append((side, top - half * along, -across, nose, -along, friction))
+                faces.append(Face(side, inner, -across, nose, -along, friction, PLATE))
             if heel > 0:
-                faces.append((side, top + half * along, across, heel, -along, friction))
+                faces.append(Face(side, outer, across, heel, -along, friction, PLATE))
+        x, y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
         if self.floor is not None:
-            start, along, up = np.array([-1e3, 0.0]), np.array([1.0, 0.0]), np.array([0.0, 1.0])
-            faces.append((2, start, along, 2e3, up, self.floor))
+            faces.append(Face(2, -FAR * x, x, 2 * FAR, y, self.floor, math.inf))
+        for low, high, height, friction in self.blocks:
+            wide = high - low
+            foot, tall = -FAR * y, FAR + height
+            faces.append(Face(2, low * x + height * y, x, wide, y, friction, math.inf))
+            faces.append(Face(2, low * x + foot, y, tall, -x, friction, wide / 2))
+            faces.append(Face(2, high * x + foot, y, tall, x, friction, wide / 2))
         return faces
 
     def _tips(self, at: Moment) -> list[tuple[int, np.ndarray, float]]:
-        """Carrier, place and friction of the corners of both palms that may touch the object."""
+        """Carrier, place and friction of the corners of both palms and of the blocks that may touch
+        the object."""
         tips = []
         for side in (0, 1):
             pivot, along, across = self._palm(at, side)
             offset, half, nose, heel, friction = self.plates[side]
             for x, y in ((-half, 0.0), (-half, -nose), (half, heel)):
                 tips.append((side, pivot + x * along + (offset + y) * across, friction))
+        for low, high, height, friction in self.blocks:
+            tips.extend((2, np.array([x, height]), friction) for x in (low, high))
         return tips
 
     def _placed(self, at: Moment) -> tuple[list[tuple[np.ndarray, float]], list[Edge]]:
@@ -129,15 +166,10 @@ class Oracle:
         )
 
     def deepest(self, at: Moment) -> float:
-        """How deep a palm or the floor lies in the object [m]; negative: nowhere.
-
-        Palms are looked at within 1 mm of their faces: they are solid below, and a thin one has no
-        lower side.
-        """
+        """How deep a palm, the floor or a block lies in the object [m]; negative: nowhere."""
         circles, edges = self._placed(at)
         depth = -math.inf
-        for carrier, start, along, length, normal, _ in self._faces(at):
-            solid = math.inf if carrier == 2 else 1e-3
+        for _, start, along, length, normal, _, solid in self._faces(at):
             for centre, radius in circles:
                 place, above = (centre - start) @ along, (centre - start) @ normal
                 if 1e-3 < place < length - 1e-3 and radius - above < solid:
@@ -181,7 +213,7 @@ class Oracle:
         end of a face they may be [m]."""
         circles, edges = self._placed(at)
         found: dict[tuple[Any, ...], Touch] = {}
-        for f, (carrier, start, along, length, normal, friction) in enumerate(self._faces(at)):
+        for f, (carrier, start, along, length, normal, friction, _) in enumerate(self._faces(at)):
             for k, (centre, radius) in enumerate(circles):
                 place, above = (centre - start) @ along, (centre - start) @ normal
                 if not -slack <= place <= length + slack:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Random motions of palms with a shape, over a floor or without one, under objects with arcs.
 
+On some floors there are walls or stands, and beside some walls only one palm.
+
 A script lasts 500 control periods. In each of them nothing may sink into anything, and the motion
 must be one for which an independent program finds forces (motion_oracle.py). The motions that
 follow events are judged, and some of those in between.
@@ -14,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import palmbots._core as _core
-from motion_oracle import Moment, Oracle
+from motion_oracle import FAR, Block, Moment, Oracle
 from palmbots.errors import SceneError
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
@@ -49,6 +51,41 @@ class Found:
     faults: list[str] = field(default_factory=list)
 
 
+def things_on_floor(
+    rng: np.random.Generator, end: tuple[float, float]
+) -> tuple[dict[str, Any], list[Block], list[bool]]:
+    """Keys of random walls and stands around an object between these ends, what they are, and
+    whether there is a palm on each side."""
+    keys: dict[str, Any] = {}
+    blocks: list[Block] = []
+    palms = [True, True]
+    kind = rng.random()
+    friction = float(rng.choice([0.1, 0.3, 0.5]))
+    if 0.4 < kind < 0.75:  # a wall
+        side = int(rng.integers(2))
+        x = end[side] + (-1, 1)[side] * float(rng.uniform(0.0005, 0.02))
+        height = float(rng.choice([0.01, 0.03, math.inf]))
+        wall = {"at_m": x, "friction": friction, "height_m": height}
+        if height == math.inf:
+            del wall["height_m"]
+        keys["floor.walls"] = [wall]
+        ends = (-FAR, x) if side == 0 else (x, FAR)
+        blocks.append(Block(*ends, min(height, FAR), friction))
+        palms[side] = bool(rng.random() < 0.3)
+    elif kind >= 0.75:  # the object stands on a stand, or beside one
+        if rng.random() < 0.75:
+            low, high = -float(rng.uniform(0.005, 0.2)), float(rng.uniform(0.005, 0.2))
+        else:
+            low = end[1] + float(rng.uniform(0.0005, 0.02))
+            high = low + float(rng.uniform(0.01, 0.1))
+        height = float(rng.choice([0.005, 0.02, 0.05]))
+        keys["floor.stands"] = [
+            {"from_m": low, "to_m": high, "height_m": height, "friction": friction}
+        ]
+        blocks.append(Block(low, high, height, friction))
+    return keys, blocks, palms
+
+
 def world_of(
     rng: np.random.Generator, limits: tuple[float, float] | None = None
 ) -> tuple[_core.World, Oracle, bool]:
@@ -78,26 +115,40 @@ def world_of(
             "object.edge_radius_m": [low, low, *[high] * (len(shape) - 2)],
             "palm.pivot_offset_m": float(rng.choice([0.0, 0.01])),
         }
-    spec = to_spec(load_scene("paper", keys))
+    scene = load_scene("paper", keys)
+    blocks: list[Block] = []
+    palms_there = [True, True]
+    spec = to_spec(scene)
+    ends = [x - spec.com_left for x, _ in spec.silhouette]
+    if on_floor and limits is None:
+        things, blocks, palms_there = things_on_floor(rng.spawn(1)[0], (min(ends), max(ends)))
+        spec = to_spec(load_scene(scene, {"floor.friction": floor, **things}))
+    elif on_floor:
+        spec.floor_friction = floor
     if limits is not None:
         robots = spec.robots
         for robot, limit in zip(robots, limits, strict=True):
             robot.motor_limit = limit
         spec.robots = robots
-    world = _core.World(spec, floor)
+    world = _core.World(spec, on_floor)
     world.set_on_both(not on_floor)
     if on_floor:
         angles = np.radians(rng.uniform(2, 30, 2)).tolist()
-        ends = [x - spec.com_left for x, _ in spec.silhouette]
+        level = max(
+            (b.height for b in blocks if b.low < spec.com_right and b.high > -spec.com_left),
+            default=0.0,
+        )
         pivots = []
         for side, (out, end) in enumerate(zip((-1, 1), (min(ends), max(ends)), strict=True)):
             palm, angle = spec.palms[side], angles[side]
             arm = palm.length / 2 * math.cos(angle) + palm.offset * math.sin(angle)
             gap = float(rng.uniform(0.0005, 0.01))
-            pivots.append((end + out * (gap + arm), palm.lowest_pivot(angle)))
+            away = gap + arm if palms_there[side] else FAR
+            pivots.append((end + out * away, level + palm.lowest_pivot(angle)))
         low = min(y for _, y in spec.silhouette)
-        world.put((pivots[0], pivots[1]), (angles[0], angles[1]), (0.0, spec.com_height - low), 0.0)
-    return world, Oracle(spec, floor), on_floor
+        high = level + spec.com_height - low
+        world.put((pivots[0], pivots[1]), (angles[0], angles[1]), (0.0, high), 0.0)
+    return world, Oracle(spec, floor, blocks), on_floor
 
 
 class Drive:

@@ -25,6 +25,9 @@ NEAR_ZERO = {
 INSTEAD_OF_NONE = {
     "": 0.3, "m": 0.2, "s": 0.5, "N": 30.0, "degrees": 15.0, "parts per million": 5000.0,
 }  # fmt: skip
+# Lists of what stands on a floor. Most of what carries random scenes has none and refuses them.
+ON_FLOOR = ("floor.walls", "floor.stands")
+CARRIED_ROWS = frozenset(name for name in ROWS if not name.startswith(ON_FLOOR))
 OUTLINE = {  # the rows of an outline say nothing about its shape
     "object.vertices_m": lambda draw: [
         [0.02, draw.uniform(-0.01, 0.01)], [0.28, 0.0], [0.27, draw.uniform(0.1, 0.2)], [0.0, 0.17],
@@ -108,14 +111,14 @@ def agreeing_value(given: str, name: str, keys: Keys, draw: random.Random) -> An
 
 
 def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
-    """Keys of a valid scene; each key that the core reads is in it with a probability `share`."""
+    """Keys of a valid scene; each of `CARRIED_ROWS` is in it with a probability `share`."""
     keys: Keys = {name: make(draw) for name, make in OUTLINE.items()}
     if draw.random() < 0.25:
         del keys["object.vertices_m"]
         keys["object.box_m"] = [draw.uniform(0.27, 0.3), draw.uniform(0.15, 0.2)]
     keys["object.mass_kg"] = 0.5
     names = [n for n in ROWS if "[" not in n and n not in keys]
-    lists = sorted({n.partition("[]")[0] for n in ROWS if "[]." in n})
+    lists = sorted({n.partition("[]")[0] for n in CARRIED_ROWS if "[]." in n})
     for name in draw.sample(names, len(names)):
         if draw.random() >= share:
             continue

@@ -18,6 +18,7 @@ def slipperier(oracle: Oracle, by: float) -> Oracle:
     """The same with this share of the friction."""
     other = copy.copy(oracle)
     other.floor = None if oracle.floor is None else by * oracle.floor
+    other.blocks = tuple(one._replace(friction=by * one.friction) for one in oracle.blocks)
     other.plates = [(*plate[:-1], by * plate[-1]) for plate in oracle.plates]
     return other
 

@@ -12,6 +12,7 @@
 // All three are functions of the pose alone; nothing is integrated.
 #pragma once
 
+#include "palmbots/mechanics/rounded_body.hpp"
 #include "palmbots/mechanics/surface.hpp"
 
 namespace palmbots {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "palmbots/mechanics/clearance.hpp"
+#include "palmbots/mechanics/surroundings.hpp"
 
 namespace palmbots {
 
@@ -38,14 +39,6 @@ struct PalmProfile {
   // Whether the nose or the heel may touch the object although both contacts are within `reach` and
   // both palms are at angles that the scene permits.
   bool touches_within_reach = false;
-};
-
-// What stands still around object and palms.
-struct Surroundings {
-  bool floor = false;     // at height 0
-  double friction = 0.0;  // of the floor
-
-  constexpr bool none() const { return !floor; }
 };
 
 // Robots that push as hard as necessary.

@@ -6,8 +6,12 @@
 // the two palms are described by the same numbers. On the ground they are x and y.
 #pragma once
 
-#include "palmbots/mechanics/loop_closure.hpp"
-#include "palmbots/mechanics/rounded_body.hpp"
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "palmbots/base/side.hpp"
+#include "palmbots/base/vec.hpp"
 
 namespace palmbots {
 
@@ -39,6 +43,9 @@ struct Frame {
   }
 };
 
+// What a surface on the ground is a part of.
+enum class Ground : std::uint8_t { none, floor, wall, stand };
+
 // A flat piece of a surface, or (`tip`) a convex corner between two of them.
 struct Surface {
   Carrier carrier;
@@ -49,15 +56,22 @@ struct Surface {
   double low;   // the places on a face
   double high;
   double friction;
+  Ground ground = Ground::none;
 };
 
 inline constexpr std::size_t max_surfaces = 24;
+inline constexpr std::size_t max_palm_surfaces = 6;  // with a nose and a heel
 
 struct Surfaces {
   std::array<Surface, max_surfaces> at{};
   std::size_t count = 0;
+  std::size_t ordered = 0;  // from this one on, they are listed from left to right
 
   constexpr void add(const Surface& surface) { at[count++] = surface; }
+  // The i-th of them if the ordered ones are walked from this side: in the mirror it is the same walk.
+  constexpr std::size_t walked(std::size_t side, std::size_t i) const {
+    return side == left || i < ordered ? i : ordered + (count - 1 - i);
+  }
 };
 
 }  // namespace palmbots

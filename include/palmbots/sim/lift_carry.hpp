@@ -24,7 +24,7 @@ class LiftCarry : public LiftRobots<Inner> {
       : Base(spec, seed, std::move(inner), records) {
     Model<double> model = model_of<double>(spec);
     model.safe_reach = -1;  // that of level pivots
-    model.surroundings = {true, spec.floor_friction};
+    model.surroundings = surroundings_of(spec);
     world_ = world_of(spec, model, seed);
     spec.begins_on == StandsOn::floor ? stand() : hold();
     first_ = world_.pose().at;

@@ -120,7 +120,7 @@ inline constexpr Section sections[] = {
     detail::section<FaultsSpec>("faults", faults_keys, faults_lists),
     detail::section<BumpsSpec>("bumps", bumps_keys, bumps_lists),
     detail::section<StartSpec>("start", start_keys),
-    detail::section<FloorSpec>("floor", floor_keys),
+    detail::section<FloorSpec>("floor", floor_keys, floor_lists),
     detail::section<WorldSpec>("world", world_keys),
     detail::section<TaskSpec>("task", task_keys),
 };

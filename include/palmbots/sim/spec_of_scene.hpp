@@ -89,6 +89,17 @@ inline void derive_zones(const SceneValues& scene, Spec& spec) {
   spec.zone_count = 3;
 }
 
+// From places in the direction of travel. Adding 0.0 turns −0.0 into 0.0.
+inline void derive_surroundings(Spec& spec) {
+  for (std::size_t i = 0; i < spec.wall_count; ++i) spec.walls[i].at *= spec.direction;
+  for (std::size_t i = 0; i < spec.stand_count && spec.direction < 0; ++i) {
+    StandSpec& stand = spec.stands[i];
+    const double from = stand.from;
+    stand.from = 0.0 - stand.to;
+    stand.to = 0.0 - from;
+  }
+}
+
 inline void derive_messages(const SceneValues& scene, Spec& spec) {
   for (std::size_t i = 0; i < spec.message_fault_count; ++i) {
     const auto& given = scene.list<"radio.script">()[i];
@@ -213,6 +224,7 @@ inline Spec spec_of(const SceneValues& scene) {
   const SceneObject object = object_of(scene);
   static_cast<ObjectSpec&>(spec) = object_frame(object);
   detail::derive_limits(scene, object.mass * standard_gravity, spec);
+  spec.direction = scene.of<"task.direction">() == 1 ? -1 : 1;
   for (const std::size_t side : {left, right}) {
     PalmSpec& palm = spec.palms[side];
     palm.friction = detail::friction_of(scene, side);
@@ -224,9 +236,9 @@ inline Spec spec_of(const SceneValues& scene) {
     spec.robots[side].stride = detail::stride_of(scene, side);
   }
   detail::derive_zones(scene, spec);
+  detail::derive_surroundings(spec);
   detail::derive_messages(scene, spec);
   detail::derive_faults(scene, spec);
-  spec.direction = scene.of<"task.direction">() == 1 ? -1 : 1;
   // Uphill in the direction of travel pulls the object back: towards −x when travelling forward.
   spec.slope =
       spec.direction * tangent(scene.of<"task.slope_deg">() * radians_per_degree<double>) + 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An object that stands on the floor on its two contact vertices, between two palms whose inner ends
-// are on the floor, too.
+// An object that stands on the floor or on a stand, on its two contact vertices, between two palms
+// whose inner ends are at the same height.
 #pragma once
 
 #include <string>
@@ -14,6 +14,18 @@ namespace palmbots {
 // Distance between the object and the inner ends where a job begins on the floor [m].
 inline constexpr double approach_distance = 0.03;
 
+// The height at which the object begins: that of the highest stand under its contact vertices, or of
+// the floor [m].
+inline double standing_level(const Spec& spec) {
+  double level = 0.0;
+  for (std::size_t i = 0; i < spec.stand_count; ++i) {
+    const StandSpec& stand = spec.stands[i];
+    if (stand.from < spec.com_right && stand.to > -spec.com_left)
+      level = larger(level, stand.height);
+  }
+  return level;
+}
+
 // Positions of the pivots and of the COM, which is above x = 0; the floor is y = 0 [m].
 struct StandingStart {
   PerSide<Vec> pivots{};
@@ -24,6 +36,7 @@ struct StandingStart {
   static StandingStart of(const Spec& spec, const PerSide<double>& angles,
                           const PerSide<double>& gaps) {
     StandingStart start;
+    const double level = standing_level(spec);
     PerSide<double> end{};
     const PerSide<double> radius = contact_radii(spec.outline);
     for (const Vec& point : silhouette(spec)) {
@@ -35,9 +48,9 @@ struct StandingStart {
       const SinCos<double> at = sin_cos(angles[side]);
       const double arm = 0.5 * palm.length * at.cos + palm.offset * at.sin;
       start.pivots[side] = {outward<double>(side) * (end[side] + gaps[side] + arm),
-                            palm.lowest_pivot(at)};
+                            level + palm.lowest_pivot(at)};
     }
-    start.com = {0.0, spec.com_height + larger(radius[left], radius[right])};
+    start.com = {0.0, level + spec.com_height + larger(radius[left], radius[right])};
     return start;
   }
 

@@ -3,6 +3,7 @@
 // times in s.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -128,11 +129,46 @@ inline constexpr Key start_keys[] = {
     detail::start_key<right>("right_m"),
 };
 
+// A wall (mechanics/surroundings.hpp). Places count from the COM of the object at its start.
+struct WallSpec {
+  double at = 0.0;  // x; in a scene in the direction of travel
+  double height = std::numeric_limits<double>::infinity();  // infinite: no upper edge
+  double friction = -1.0;                                   // negative: that of the floor
+};
+inline constexpr Key wall_keys[] = {
+    number<&WallSpec::at>("at_m", Unit::m, -10, 10),
+    number<&WallSpec::height>("height_m", Unit::m, 0.001, 10),
+    number<&WallSpec::friction>("friction", Unit::none, 0, 5),
+};
+
+// A block on the floor, from x to x.
+struct StandSpec {
+  double from = 0.0;
+  double to = 0.0;
+  double height = 0.001;
+  double friction = -1.0;  // negative: that of the floor
+};
+inline constexpr Key stand_keys[] = {
+    number<&StandSpec::from>("from_m", Unit::m, -10, 10),
+    number<&StandSpec::to>("to_m", Unit::m, -10, 10),
+    number<&StandSpec::height>("height_m", Unit::m, 0.001, 10),
+    number<&StandSpec::friction>("friction", Unit::none, 0, 5),
+};
+
+// What stands still around object and palms.
 struct FloorSpec {
   double floor_friction = 0.3;  // between object and floor
+  std::array<WallSpec, 2> walls{};
+  std::size_t wall_count = 0;
+  std::array<StandSpec, 2> stands{};
+  std::size_t stand_count = 0;
 };
 inline constexpr Key floor_keys[] = {
     number<&FloorSpec::floor_friction>("friction", Unit::none, 0, 5),
+};
+inline constexpr RecordList floor_lists[] = {
+    records<&FloorSpec::walls, &FloorSpec::wall_count>("walls", wall_keys),
+    records<&FloorSpec::stands, &FloorSpec::stand_count>("stands", stand_keys),
 };
 
 // Which motion follows an event after which mechanics permit several.

@@ -33,7 +33,7 @@ int lopsided(const Model<Real>& model) {
     if (a.height != b.height) return a.height > b.height ? 1 : -1;
     if (a.radius != b.radius) return a.radius > b.radius ? 1 : -1;
   }
-  return 0;
+  return lopsided(model.surroundings);
 }
 
 }  // namespace detail
@@ -85,17 +85,9 @@ ContactShapes shapes_of(const Model<Real>& model) {
              double(model.offset[side]) - shapes.body.corners[own].radius,
              double(model.half_length[side]), double(model.friction[side]), model.profile[side]);
   }
-  if (model.surroundings.floor) {
-    constexpr double endless = 1e6;  // [m]
-    shapes.surfaces.add({Carrier::ground,
-                         false,
-                         {0.0, 0.0},
-                         {0.0, 1.0},
-                         {},
-                         -endless,
-                         endless,
-                         model.surroundings.friction});
-  }
+  const Surroundings& around = model.surroundings;
+  shapes.surfaces.ordered = shapes.surfaces.count + around.ordered;
+  for (std::size_t i = 0; i < around.count; ++i) shapes.surfaces.add(around.at[i]);
   return shapes;
 }
 
@@ -124,12 +116,12 @@ inline bool is_pierced(const RoundedBody& body, const Pose& pose, const Frame& f
   return pierced || is_inside;
 }
 
-// Whether a face of a palm, moved by `deep` into the palm, lies in the object anywhere.
+// Whether a face, moved by `deep` into its carrier, lies in the object anywhere.
 inline bool is_pierced(const ContactShapes& shapes, const Pose& pose, const Frames& frames,
                        double deep) {
   for (std::size_t i = 0; i < shapes.surfaces.count; ++i) {
     const Surface& face = shapes.surfaces.at[i];
-    if (face.tip || face.carrier == Carrier::ground) continue;
+    if (face.tip) continue;
     const Frame& frame = frames[static_cast<std::size_t>(face.carrier)];
     if (is_pierced(shapes.body, pose, frame, face, deep)) return true;
   }

@@ -50,12 +50,14 @@ struct NearPairs {
 template <class Visit>
 void each_pair(const ContactProblem& problem, std::size_t first, Visit visit) {
   const RoundedBody& body = problem.shapes.body;
-  for (std::size_t s = 0; s < problem.shapes.surfaces.count; ++s) {
-    const Surface& surface = problem.shapes.surfaces.at[s];
+  const Surfaces& surfaces = problem.shapes.surfaces;
+  for (std::size_t i = 0; i < surfaces.count; ++i) {
+    const std::size_t s = surfaces.walked(first, i);
+    const Surface& surface = surfaces.at[s];
     const auto carrier = static_cast<std::size_t>(surface.carrier);
     const std::size_t side = carrier < 2 ? carrier : first;
     std::size_t corner = problem.shapes.own[side].feature;
-    for (std::size_t i = 0; i < body.count; ++i) {
+    for (std::size_t k = 0; k < body.count; ++k) {
       const std::size_t edge = side == left ? corner : body.before(corner);
       const auto pair = [&](PairKind kind, std::size_t feature) {
         return FeaturePair{kind, static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(feature)};

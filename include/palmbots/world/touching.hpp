@@ -3,6 +3,7 @@
 // Source: docs/theory/contacts.md.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct Touched {
 };
 
 inline const char* name_of(const Surface& surface) {
+  static constexpr std::array grounds{"", "floor", "wall", "stand"};
+  if (surface.carrier == Carrier::ground) return grounds[static_cast<std::size_t>(surface.ground)];
   if (surface.tip) return "tip";
-  if (surface.carrier == Carrier::ground) return "floor";
   if (surface.normal.y > 0.5) return "vertex";
   return surface.at.x < 0.0 ? "nose" : "heel";
 }

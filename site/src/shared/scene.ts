@@ -106,8 +106,8 @@ export function overridesOf(
   return found;
 }
 
-// Refuses what the page does not carry: a job that begins or ends on the floor, a curved path and more
-// time than it records.
+// Refuses what the page does not carry: a job that begins or ends on the floor, walls and stands, a
+// curved path and more time than it records.
 export function checkPage(scene: Scene, facts: SceneFacts): void {
   for (const key of ["task.from", "task.to"]) {
     const on = get(scene, key) ?? "palms";
@@ -115,6 +115,14 @@ export function checkPage(scene: Scene, facts: SceneFacts): void {
     refuse(
       key, on, "is not on the palms, but the page has no floor",
       '"palms" here, or palmbots carry scene.toml on your computer',
+    );
+  }
+  for (const key of ["floor.walls", "floor.stands"]) {
+    const given = (get(scene, key) ?? []) as Json[];
+    if (given.length === 0) continue;
+    refuse(
+      key, given, "stand on a floor, but the page has none",
+      "none here, or palmbots carry scene.toml on your computer",
     );
   }
   for (const [key, value] of Object.entries((get(scene, "task.path") ?? {}) as Scene)) {

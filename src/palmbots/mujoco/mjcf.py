@@ -27,6 +27,7 @@ from palmbots.scene.extrusion import gyration
 from palmbots.scene.placement import floor_level
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import contact_radii, to_spec
+from palmbots.scene.surroundings import blocks_of
 from palmbots.scene.unequal_pivots import raise_right_pivot
 from palmbots.viz.solids import Prism
 from palmbots.viz.style import BACKGROUND, OBJECT, QUIET, SKY, TILES, ZERO
@@ -163,7 +164,8 @@ def mjcf(
     actuators = ET.Element("actuator")
     for k, side in enumerate(SIDES):
         add_robot(world, actuators, scene, side, at.pivots[k], at.height + at.raised[k])
-    balls, slabs, stands = _object(world, scene, at)
+    blocks = _blocks(world, at) if lifts(scene) else {}
+    balls, slabs, stands = _object(world, scene, at, bool(blocks))
     contact = ET.SubElement(root, "contact")
     _floor_pairs(contact, scene, ["floor", *ridges])
     lips: dict[Side, tuple[str, ...]] = {
@@ -173,7 +175,10 @@ def mjcf(
     }
     _palm_pairs(contact, at, balls, slabs, lips, engine.lifting if lifts(scene) else engine.palm)
     if lifts(scene):
-        _standing_pairs(contact, scene, stands, engine.lifting)
+        touching = [*stands, *(slab.name for slab in slabs)] if blocks else []
+        _standing_pairs(contact, scene, "floor", scene.floor.friction, stands, engine.lifting)
+        for name, friction in blocks.items():
+            _standing_pairs(contact, scene, name, friction, touching, engine.lifting)
     root.append(actuators)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
@@ -203,6 +208,22 @@ def _ridges(world: ET.Element, scene: Scene) -> list[str]:
     return names
 
 
+def _blocks(world: ET.Element, at: Layout) -> dict[str, float]:
+    """Walls and stands as boxes; their friction by their names."""
+    dx, dz = at.spec.com_left, at.spec.com_height
+    com = at.vertex[0] + dx * math.cos(at.turn) - dz * math.sin(at.turn)
+    frictions = {}
+    for k, block in enumerate(blocks_of(at.spec)):
+        low, high, tall = block.part(1.0, 1.0)
+        frictions[name := f"{block.kind}_{k + 1}"] = block.friction
+        ET.SubElement(
+            world, "geom", {"class": "touch"}, name=name, type="box",
+            size=numbers((high - low) / 2, 0.5, tall / 2), group="0", rgba=rgba(QUIET),
+            pos=numbers(com + (low + high) / 2, 0.0, tall / 2),
+        )  # fmt: skip
+    return frictions
+
+
 @dataclass(frozen=True)
 class _Ball:
     name: str
@@ -220,12 +241,13 @@ class _Slab:
 
 
 def _object(
-    world: ET.Element, scene: Scene, at: Layout
+    world: ET.Element, scene: Scene, at: Layout, has_walls: bool
 ) -> tuple[list[_Ball], list[_Slab], list[str]]:
     """The object, its frame at the left contact vertex; returns its contact shapes.
 
     A corner is a ball at each end of the palms: of the radius of its arc, or almost a point. On the
-    floor it is a capsule across the depth of the object; its name is in the last list.
+    floor it is a capsule across the depth of the object; its name is in the last list. With walls,
+    high corners have one, too.
     """
     thing = scene.object
     body = ET.SubElement(
@@ -252,9 +274,10 @@ def _object(
     following = [*range(1, len(outline)), 0] if len(arcs) > 1 else []  # a pipe has no edges
     for k, (x, z, radius) in enumerate(arcs):
         is_convex = turn(outline[k - 1], outline[k], outline[(k + 1) % len(outline)]) > 0
-        if z - radius > reach / 2 or not is_convex:
+        is_low = z - radius <= reach / 2
+        if not (is_low or has_walls) or not is_convex:
             continue
-        for end, y in (("near", -across), ("far", across)):
+        for end, y in (("near", -across), ("far", across)) if is_low else ():
             balls.append(_Ball(f"vertex_{k}_{end}", x, z))
             ET.SubElement(
                 body, "geom", {"class": "touch"}, name=balls[-1].name, type="sphere",
@@ -313,14 +336,22 @@ def _floor_pairs(parent: ET.Element, scene: Scene, floors: list[str]) -> None:
             _pair(parent, floor, f"{side}_caster", 1, 0.0, FLOOR)
 
 
-def _standing_pairs(parent: ET.Element, scene: Scene, stands: list[str], contact: Contact) -> None:
-    """The contact pairs of the floor with the object and with the noses, which slide freely."""
-    for stand in stands:
-        _pair(parent, "floor", stand, 3, scene.floor.friction, contact)
+def _standing_pairs(
+    parent: ET.Element,
+    scene: Scene,
+    ground: str,
+    friction: float,
+    parts: list[str],
+    contact: Contact,
+) -> None:
+    """The contact pairs of floor, wall or stand with parts of the object and with the noses, which
+    slide freely."""
+    for part in parts:
+        _pair(parent, ground, part, 3, friction, contact)
     for side in SIDES:
         for name, *_ in undersides(scene.palm_of(side)):
             for end in ("near", "far"):
-                _pair(parent, "floor", f"{side}_{name}_{end}", 1, 0.0, contact)
+                _pair(parent, ground, f"{side}_{name}_{end}", 1, 0.0, contact)
 
 
 def _palm_pairs(

@@ -57,11 +57,41 @@ class Start(Section):
     """Contact coordinate on the right palm; > 0 is outward of the pivot."""
 
 
+class Wall(Section):
+    """A vertical face in front of solid ground, on one side of the object."""
+
+    at_m: float = key("floor.walls[].at_m")
+    """Its place, from the COM of the object at its start in the direction of travel; < 0: behind
+    the object."""
+    height_m: float | None = key("floor.walls[].height_m")
+    """Height of its upper edge. The ground behind it is level at this height. Not set: endless."""
+    friction: float | None = key("floor.walls[].friction")
+    """Coulomb coefficient between object and wall. Not set: that of the floor."""
+
+
+class Stand(Section):
+    """A block on the floor with a level top and two edges. An object above one starts on it."""
+
+    from_m: float = key("floor.stands[].from_m")
+    """Where it begins, from the COM of the object at its start in the direction of travel."""
+    to_m: float = key("floor.stands[].to_m")
+    """Where it ends, in the same direction."""
+    height_m: float = key("floor.stands[].height_m")
+    """Height of its top above the floor."""
+    friction: float | None = key("floor.stands[].friction")
+    """Coulomb coefficient between object and stand. Not set: that of the floor."""
+
+
 class Floor(Section):
-    """[floor] The floor, where the object stands on it."""
+    """[floor] The floor, where the object stands on it, and what is on the floor."""
 
     friction: float = key("floor.friction")
     """Coulomb coefficient between object and floor."""
+    walls: tuple[Wall, ...] = records("floor.walls")
+    """Walls, at most one on each side of the object: a list of tables {at_m, height_m,
+    friction}."""
+    stands: tuple[Stand, ...] = records("floor.stands")
+    """Stands: a list of tables {from_m, to_m, height_m, friction}."""
 
 
 class World(Section):

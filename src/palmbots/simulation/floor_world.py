@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An object that stands on the floor, and two palms that the caller drives under it, raises, lowers
-and turns.
+"""An object that stands on the floor or on a stand, and two palms that the caller drives under it,
+raises, lowers and turns.
 
-The world is the exact quasistatic one with the floor as a further surface
+The world is the exact quasistatic one with floor, walls and stands as further surfaces
 (`world/quasistatic_world.hpp`). It has no robots, hence no noise, no sensors and no limit to the
 force with which the palms are driven. Source: docs/theory/contacts.md.
 """
@@ -10,7 +10,9 @@ force with which the palms are driven. Source: docs/theory/contacts.md.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import BySide, Overrides
@@ -25,11 +27,15 @@ from palmbots.mechanics.consistent_modes import (
 from palmbots.mechanics.lifting import check_stands
 from palmbots.scene.scene import SceneLike, load_scene
 from palmbots.scene.spec import to_spec
+from palmbots.scene.surroundings import blocks_of
 
 Point = tuple[float, float]
 
 _MOST_DEG = 80.0
-_SURFACES = ("left palm", "right palm", "floor")
+_PALMS = ("left palm", "right palm")
+_ABSENT_M = 100.0  # how far away a palm is that there is not
+_LONGEST_WAY = 0.005  # of a palm between two looks at walls and stands [m]
+_WHY = {"flush": "would be in a wall or in a stand", "sliding": "slides away"}
 _LONGEST_TURN = math.radians(1.0)  # of a palm that follows the floor, in one piece of a motion
 
 
@@ -42,8 +48,8 @@ class FloorState:
     touched_m: BySide[float | None]
     """Contact coordinate on each palm, outward from its point nearest to the pivot; None: the
     object does not touch this palm."""
-    on_floor: bool
-    """Whether the object touches the floor."""
+    grounds: tuple[str, ...]
+    """Which of ``floor``, ``wall`` and ``stand`` the object touches."""
     com_m: Point
     """The centre of mass."""
     tilt_deg: float
@@ -51,25 +57,33 @@ class FloorState:
     pivots_m: BySide[Point]
     palms_deg: BySide[float]
 
+    @property
+    def on_floor(self) -> bool:
+        """Whether the object touches the floor."""
+        return "floor" in self.grounds
+
 
 class FloorWorld:
-    """Two palms and an object that stands on the floor between them.
+    """Two palms and an object that stands on the floor, or on a stand, between them.
 
-    The object begins on its two contact vertices, with its COM above the origin. The inner end of
-    each palm begins on the floor beside the object.
+    The object begins with its COM above the origin and both contact vertices at one height: on the
+    floor, or on the highest stand under them. The inner end of each palm begins at this height
+    beside the object.
 
     Args:
-        scene: the object, the palms (shape, friction, offset of the pivots) and the slope of the
-            floor; the task and the robots of the scene do not matter.
+        scene: the object, the palms (shape, friction, offset of the pivots), and the floor with its
+            slope, walls and stands (`floor.walls`, `floor.stands`); the task and the robots of the
+            scene do not matter.
         palms_deg: angles of the left and the right palm.
-        gaps_m: horizontal distances of the left and the right palm from the object.
-        floor_friction: friction coefficient between object and floor.
+        gaps_m: horizontal distances of the left and the right palm from the object; None: there is
+            no such palm (it is far away).
+        floor_friction: friction coefficient between object and floor; None: that of the scene.
         overrides: scene keys to set.
 
     Raises:
         SceneError: the scene cannot be read or is not valid.
-        PalmbotsError: an argument is out of range, or the object does not stand on its two contact
-            vertices.
+        PalmbotsError: an argument is out of range, the object does not stand there, or something is
+            in a wall or in a stand.
     """
 
     def __init__(
@@ -77,8 +91,8 @@ class FloorWorld:
         scene: SceneLike = "paper",
         *,
         palms_deg: tuple[float, float] = (15.0, 15.0),
-        gaps_m: tuple[float, float] = (0.01, 0.01),
-        floor_friction: float = 0.3,
+        gaps_m: tuple[float | None, float | None] = (0.01, 0.01),
+        floor_friction: float | None = None,
         overrides: Overrides = None,
     ) -> None:
         chosen = load_scene(scene, overrides)
@@ -91,17 +105,32 @@ class FloorWorld:
             *(("gaps_m", gap) for gap in gaps_m),
             ("floor_friction", floor_friction),
         ):
-            if not 0 <= value < math.inf:
+            if value is not None and not 0 <= value < math.inf:
                 raise PalmbotsError(
                     f"{name}: value is {show(value)}; allowed: a finite number, at least 0"
                 )
         angles = _angles(palms_deg)
         self._end = ""
-        self._world = _core.World(spec, floor_friction)
+        if floor_friction is not None:
+            spec.floor_friction = floor_friction
+        self._blocks = blocks_of(spec)
+        self._world = _core.World(spec, True)
         self._world.set_on_both(False)
         check_stands(spec)
-        pivots, com = _core.standing_start(spec, angles, gaps_m)
+        self._is_there = [gap is not None for gap in gaps_m]
+        left, right = (_ABSENT_M if gap is None else gap for gap in gaps_m)
+        pivots, com = _core.standing_start(spec, angles, (left, right))
         self._world.put(pivots, angles, com, 0.0)
+        if self._blocks and (why := self._world.check()):
+            raise PalmbotsError(
+                f"floor: the object {_WHY.get(why, 'falls over')} where it starts; allowed: walls "
+                "beside it, and stands beside it or under its COM"
+            )
+        self._check_palms(pivots, angles, "at the start")
+
+    def _grounds_near(self) -> list[str]:
+        near = _core.contact_tolerance * self._spec.width
+        return sorted({kind for kind, side, *_ in self._world.touching(near) if side == 2})
 
     def _pivot_height(self, side: int, angle: float) -> float:
         """Height of the pivot of a palm whose inner end is on the floor."""
@@ -142,6 +171,7 @@ class FloorWorld:
         goal = start if palms_deg is None else _angles(palms_deg)
         turn = max(abs(b - a) for a, b in zip(start, goal, strict=True))
         pieces = max(1, math.ceil(turn / _LONGEST_TURN)) if follow_floor else 1
+        motions: list[tuple[Any, tuple[float, float]]] = []
         for k in range(pieces):
             before, after = (
                 [a + (b - a) * (n / pieces) for a, b in zip(start, goal, strict=True)]
@@ -153,10 +183,56 @@ class FloorWorld:
                     heights = (self._pivot_height(side, a[side]) for a in (before, after))
                     rises[side] -= next(heights) - next(heights)
             ways = ((left_m / pieces, rises[0]), (right_m / pieces, rises[1]))
-            self._end = self._world.move(ways, (after[0], after[1]))[0]
+            motions.append((ways, (after[0], after[1])))
+        if self._blocks:
+            for pivots, angles in self._places(motions):
+                self._check_palms(pivots, angles, "on the way")
+        for ways, after in motions:
+            self._end = self._world.move(ways, after)[0]
             if self._end:
                 break
         return self.state
+
+    def _places(
+        self, motions: list[tuple[Any, tuple[float, float]]]
+    ) -> Iterator[tuple[tuple[Point, Point], tuple[float, float]]]:
+        """Where the pivots are, and the angles of the palms, at short distances on the way."""
+        at, angles = self._world.pivots, self._world.palms
+        for ways, goals in motions:
+            longest = max(
+                *(math.hypot(*way) for way in ways),
+                *(
+                    abs(b - a) * palm.length
+                    for a, b, palm in zip(angles, goals, self._spec.palms, strict=True)
+                ),
+            )
+            parts = max(1, math.ceil(longest / _LONGEST_WAY))
+            for k in range(1, parts + 1):
+                share = k / parts
+                left, right = (
+                    (x + share * dx, y + share * dy)
+                    for (x, y), (dx, dy) in zip(at, ways, strict=True)
+                )
+                one, two = (a + share * (b - a) for a, b in zip(angles, goals, strict=True))
+                yield (left, right), (one, two)
+            at, angles = (left, right), goals
+
+    def _check_palms(
+        self, pivots: tuple[Point, Point], angles: tuple[float, float], when: str
+    ) -> None:
+        """Raise `PalmbotsError` if a palm is in a wall or in a stand."""
+        for side, (x, y) in enumerate(pivots):
+            sine, cosine = math.sin(angles[side]), math.cos(angles[side])
+            plate = [
+                (x + (-1, 1)[side] * (u * cosine - v * sine), y + u * sine + v * cosine)
+                for u, v in self._spec.palms[side].section
+            ]
+            for block in self._blocks if self._is_there[side] else ():
+                if block.contains_part_of(plate):
+                    raise PalmbotsError(
+                        f"{block.key}: {when}, the {_PALMS[side]} would be in this "
+                        f"{block.kind}; allowed: places outside it"
+                    )
 
     def contact_modes(
         self,
@@ -169,7 +245,7 @@ class FloorWorld:
     ) -> ConsistentModes:
         """All contact modes that may occur now if the palms move with these velocities.
 
-        The surfaces are called ``left palm``, ``right palm`` and ``floor``.
+        The surfaces are called ``left palm``, ``right palm``, ``floor``, ``wall`` and ``stand``.
 
         Args:
             left_m_s: velocity of the left palm along the floor; positive: to the right.
@@ -189,14 +265,15 @@ class FloorWorld:
         velocities = tuple(zip((left_m_s, right_m_s), up_m_s, strict=True))
         found = []
         near = _core.contact_tolerance * self._spec.width if within_m is None else within_m
-        for _, carrier, _, (_, px, py, nx, ny, friction) in self._world.touching(near):
-            velocity = (0.0, 0.0)
+        for kind, carrier, _, (_, px, py, nx, ny, friction) in self._world.touching(near):
+            name, velocity = kind, (0.0, 0.0)
             if carrier < 2:
+                name = _PALMS[carrier]
                 # A palm whose angle grows turns clockwise on the left.
                 spin = (-1, 1)[carrier] * math.radians(turn_deg_s[carrier])
                 pivot, (vx, vy) = self._world.pivots[carrier], velocities[carrier]
                 velocity = (vx - spin * (y + py - pivot[1]), vy + spin * (x + px - pivot[0]))
-            found.append(SurfaceContact(_SURFACES[carrier], (px, py), (nx, ny), friction, velocity))
+            found.append(SurfaceContact(name, (px, py), (nx, ny), friction, velocity))
         if len(found) > MOST_CONTACTS:
             raise PalmbotsError(f"contact_modes: {len(found)} contacts; allowed: {MOST_CONTACTS}")
         return consistent_modes(found, slope=self._spec.slope)
@@ -210,7 +287,7 @@ class FloorWorld:
             end=self._end,
             touched_m=BySide.of(world.touched),
             # Before the first motion the world knows no contacts: the object stands as put.
-            on_floor=not world.constraints or any(one[0] == 2 for one in world.constraints),
+            grounds=tuple(world.grounds if world.constraints else self._grounds_near()),
             com_m=(x, y),
             tilt_deg=math.degrees(angle),
             pivots_m=BySide.of(world.pivots),

@@ -20,6 +20,7 @@ from palmbots.mechanics.lifting import check_lift
 from palmbots.mechanics.load_limits import check_load
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import refuse_floor, refuse_pipe, to_spec
+from palmbots.scene.surroundings import refuse_surroundings
 from palmbots.simulation.worlds import PRECISIONS, WorldEntry, world_entry, world_names
 
 _CLOCK_FAULTS = (5, 6)  # clock-rate and clock-jump, as the core numbers them
@@ -61,6 +62,7 @@ def prepare(
     check_scene(place, scene)
     spec = to_spec(scene, unrolled=place.supports_curved)
     check_load(scene)
+    refuse_surroundings(scene, spec)
     lifts = check_lift(scene) if spec.uses_floor else ()
     check_palms(spec)
     if not place.supports_references:

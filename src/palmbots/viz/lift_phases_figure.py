@@ -14,12 +14,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
+from matplotlib.patches import Polygon, Rectangle
 
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.scene.placement import Placement, floor_level, placements
 from palmbots.scene.spec import to_spec
+from palmbots.scene.surroundings import drawn_blocks
 from palmbots.viz.style import BACKGROUND, FLOOR, HUE, INK, OBJECT, QUIET, ZERO, styled
 
 if TYPE_CHECKING:
@@ -128,6 +129,10 @@ def _draw_moment(
     left, right = panel.get_xlim()
     panel.axhspan(floor - 0.05, floor, color=FLOOR, lw=0)
     panel.plot((left, right), (floor, floor), color=QUIET, lw=0.8)
+    for low, high, *ends in drawn_blocks(to_spec(carry.scene, unrolled=True)):
+        panel.add_patch(
+            Rectangle((low, ends[0]), high - low, ends[1] - ends[0], fc=FLOOR, ec=QUIET)
+        )
     outline = place.outline[k]
     panel.add_patch(Polygon(outline, fc=OBJECT, ec=INK, lw=0.8))
     panel.plot(*place.com[k], marker="+", color=INK, ms=5, mew=0.9)

@@ -19,6 +19,7 @@ from palmbots.scene.robot_dimensions import (
     BODY_SIZE,
     GROUND_CLEARANCE,
 )
+from palmbots.scene.surroundings import drawn_blocks
 from palmbots.viz import solids
 from palmbots.viz.style import (
     BACKGROUND,
@@ -65,6 +66,7 @@ class WorldView:
     def __init__(self, spec: "Spec", placement: Placement) -> None:
         self.spec, self.placement = spec, placement
         self.floor = floor_level(spec)
+        self.blocks = drawn_blocks(spec)
         self.robots = {side: solids.robot(side, self.floor) for side in SIDES}
         self._measure()
 
@@ -151,6 +153,9 @@ class _Brush:
             self._pixels(left, right, (right[0], floor - 1), (left[0], floor - 1)), FLOOR
         )
         self._draw.line(self._pixels(left, right), QUIET, 3)
+        for low, high, foot, top in self._view.blocks:
+            corners = self._pixels((low, foot), (high, foot), (high, top), (low, top))
+            self._outlined(corners, FLOOR, QUIET, 3)
         notes = []
         for tenth in range(math.floor(left[0] * 10), math.ceil(right[0] * 10) + 1):
             whole = tenth % 5 == 0

@@ -24,6 +24,7 @@ from palmbots.scene.robot_dimensions import (
     WHEEL_RADIUS,
     WHEEL_WIDTH,
 )
+from palmbots.scene.surroundings import drawn_blocks
 from palmbots.viz.style import HUE, INK, OBJECT, PALE, QUIET, RULE, ZERO
 
 if TYPE_CHECKING:
@@ -161,6 +162,9 @@ def solids(scene: "Scene", spec: "Spec") -> list[Solid]:
     ground = Box((end - start, 4 * wide, 0.004), ((start + end) / 2, 0.0, floor - 0.002))
     marks = (Box((0.01, 4 * wide, 0.002), (x, 0.0, floor + 0.001)) for x in (0.0, travel))
     parts = [Solid(WORLD, ground, RULE), *(Solid(WORLD, mark, QUIET) for mark in marks)]
+    for left, right, low, high in drawn_blocks(spec):
+        middle = ((left + right) / 2, 0.0, (low + high) / 2)
+        parts.append(Solid(WORLD, Box((right - left, 2 * wide, high - low), middle), QUIET))
     for side in SIDES:
         parts += [*robot(side, floor), *plate(side, scene.palm_of(side))]
     thing = Prism(tuple(spec.silhouette), scene.object.depth_m)

@@ -156,7 +156,7 @@ void test_neighbourhood_remembers_nothing_wrong() {
 // one height: nothing can move any more.
 void test_object_on_the_floor() {
   Held held;
-  held.model.surroundings = {true, 0.3};
+  held.model.surroundings = Surroundings::on_floor(0.3);
   World<double> world(held.model, configuration_of(held.spec, held.model));
   world.set_on_both(false);
   const double angle = 15 * radians_per_degree<double>;
