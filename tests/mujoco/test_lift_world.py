@@ -115,6 +115,30 @@ def test_the_floor_bears_the_object_and_friction_holds_it() -> None:
     assert abs(moved[15.0]) < 1e-3 and moved[18.5] < -0.02
 
 
+def test_a_wall_stops_the_object_on_a_slope() -> None:
+    """It slides 1 cm down to the wall, which is higher or lower than its COM, and stays there."""
+    for high in ({}, {"height_m": 0.02}):
+        wall = {"at_m": -0.135, "friction": 0.1, **high}
+        at = world({"task.slope_deg": 10.0, "floor.friction": 0.1, "floor.walls": [wall]})
+        for _ in range(100):
+            at.move((0.0, 0.0), STEEP)
+        at.sight()
+        assert at._object_pos[0] - RADIUS_M == pytest.approx(-0.135, abs=3e-4)
+        assert at._object_mat[8] == pytest.approx(1, abs=1e-5)
+
+
+def test_a_stand_bears_the_object_as_long_as_the_com_is_above_it() -> None:
+    for edge, slope, stays in ((0.06, 0.0, True), (0.002, 0.0, True), (-0.002, 0.0, False),
+                               (0.06, 15.0, True), (0.06, 18.5, False)):  # fmt: skip
+        stand = {"from_m": -0.06, "to_m": edge, "height_m": 0.1, "friction": 0.3}
+        at = world({"task.slope_deg": slope, "floor.stands": [stand], "floor.friction": 0.0})
+        for _ in range(60):
+            at.move((0.0, 0.0), STEEP)
+        at.sight()
+        flat = at._object_mat[8] > 1 - 1e-5 and abs(at._object_pos[2] - 0.1 - RADIUS_M) < 3e-4
+        assert (flat and abs(at._floor_state()["moved"]) < 1e-3) == stays, (edge, slope)
+
+
 @pytest.mark.parametrize(
     ("nose_m", "friction"), [(0.0003, 0.3), (0.0006, 0.3), (0.001, 0.3), (0.0003, 0.2)]
 )

@@ -10,9 +10,12 @@ import pytest
 import palmbots as pb
 import palmbots._core as _core
 from palm_scripts import BOX, LEANING, SIX, Drive, things_on_floor
+from palmbots.scene.placement import floor_level
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import FloorState, FloorWorld
+from palmbots.viz.solids import WORLD, Box, solids
+from palmbots.viz.style import QUIET
 
 RADIUS_M = 0.003
 WALL_M = 0.08
@@ -147,7 +150,7 @@ def test_the_mirrored_surroundings_give_the_mirrored_motion_to_the_last_bit(seed
     }
     plain = to_spec(pb.load_scene("paper", keys))
     ends = [x - plain.com_left for x, _ in plain.silhouette]
-    things: dict[str, Any] = {}
+    things, _, palms = things_on_floor(rng, (min(ends), max(ends)))
     while not things:
         things, _, palms = things_on_floor(rng, (min(ends), max(ends)))
     scene = pb.load_scene("paper", keys | things)
@@ -179,3 +182,25 @@ def standing(scene: Scene, palms: list[bool]) -> tuple[_core.World, list[tuple[f
     pivots, com = _core.standing_start(spec, angles, (left, right))
     world.put(pivots, angles, com, 0.0)
     return world, list(pivots)
+
+
+def test_walls_and_stands_are_drawn_where_they_are() -> None:
+    """In logs and viewers, whose origin is halfway between the pivots at the start of a job."""
+    keys = {
+        "palm.left.length_m": 0.1,
+        "floor.walls": [{"at_m": -0.4}, {"at_m": 3.0, "height_m": 0.2}],
+        "floor.stands": [{"from_m": 2.5, "to_m": 2.7, "height_m": 0.1}],
+    }
+    scene = pb.load_scene("lift", keys)
+    spec = to_spec(scene)
+    ((left, _), (right, _)), _ = _core.standing_start(spec)
+    assert left + right > 0.01  # so that the object is not in the middle
+    floor = floor_level(spec)
+    shown = []
+    for one in solids(scene, spec):
+        if isinstance(one.shape, Box) and one.colour == QUIET and one.frame == WORLD:
+            (wide, _, tall), (x, _, z) = one.shape.size, one.shape.centre
+            x += (left + right) / 2
+            shown.append((x - wide / 2, x + wide / 2, z - tall / 2 - floor, z + tall / 2 - floor))
+    for one in ((-0.45, -0.4, 0, 0.5), (3.0, 3.05, 0, 0.2), (2.5, 2.7, 0, 0.1)):
+        assert any(found == pytest.approx(one, abs=1e-9) for found in shown), one

@@ -39,6 +39,7 @@ MORE_BAD = (
     '[radio]\nscript = [{sender = "left", message = 1, effect = "delayed"}]',
     '[radio]\noutages = [{sender = "left", start_s = 2, end_s = 1}]',
     "[mujoco]\nridges = [{at_m = 1, height_m = 0.02, length_m = 0.03}]",
+    "[floor]\nwalls = [{at_m = 1}]", "[floor]\nstands = [{from_m = 1, to_m = 2, height_m = 0.1}]",
     "[object]\nvertices_m = [[0, 0], [9, 0], [9, 9], [0, 9]]",
     "[object]\nvertices_m = [[0, 0.1], [0.1, 0], [0.2, 0.3]]",
     'object = "moon"', "[task]\ndistance_m = 50", "[task]\ntimeout_s = 1300",
@@ -84,6 +85,8 @@ MORE_LINES = (
     "[mujoco]\nridges = [{at_m = 1, height_m = 0.012345678, length_m = 0.02}]",
     "[mujoco]\nridges = [{at_m = 1, height_m = 0.03}]",
     "[mujoco]\nridges = 3",
+    "[floor]\nwalls = [{at_m = 0}]", "[floor]\nwalls = [{at_m = 1}, {at_m = 2, height_m = 1}]",
+    "[floor]\nstands = [{from_m = 2, to_m = 1, height_m = 0.1}]",
 )  # fmt: skip
 
 

@@ -120,10 +120,10 @@ def world_of(
     palms_there = [True, True]
     spec = to_spec(scene)
     ends = [x - spec.com_left for x, _ in spec.silhouette]
-    if on_floor and limits is None:
+    if floor is not None and limits is None:
         things, blocks, palms_there = things_on_floor(rng.spawn(1)[0], (min(ends), max(ends)))
         spec = to_spec(load_scene(scene, {"floor.friction": floor, **things}))
-    elif on_floor:
+    elif floor is not None:
         spec.floor_friction = floor
     if limits is not None:
         robots = spec.robots

@@ -101,7 +101,7 @@ def over_a_floor(at: Any, pivots_m: float) -> Any:
     """The same world with a floor so far below that nothing touches it: there every step looks for
     contacts of any kind."""
     spec = to_spec(at)
-    world, plain = _core.World(spec, 0.3), _core.World(spec)
+    world, plain = _core.World(spec, True), _core.World(spec)
     x, y, angle = plain.pose
     left, right = ((place, height + pivots_m) for place, height in plain.pivots)
     world.put((left, right), plain.palms, (x, y + pivots_m), angle)

@@ -175,10 +175,10 @@ def mjcf(
     }
     _palm_pairs(contact, at, balls, slabs, lips, engine.lifting if lifts(scene) else engine.palm)
     if lifts(scene):
-        touching = [*stands, *(slab.name for slab in slabs)] if blocks else []
-        _standing_pairs(contact, scene, "floor", scene.floor.friction, stands, engine.lifting)
+        _standing_pairs(contact, scene, stands, engine.lifting)
         for name, friction in blocks.items():
-            _standing_pairs(contact, scene, name, friction, touching, engine.lifting)
+            for part in (*stands, *(slab.name for slab in slabs)):
+                _pair(contact, name, part, 3, friction, engine.lifting)
     root.append(actuators)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
@@ -209,13 +209,13 @@ def _ridges(world: ET.Element, scene: Scene) -> list[str]:
 
 
 def _blocks(world: ET.Element, at: Layout) -> dict[str, float]:
-    """Walls and stands as boxes; their friction by their names."""
+    """Walls and stands as boxes, which touch the object only; their friction by their names."""
     dx, dz = at.spec.com_left, at.spec.com_height
     com = at.vertex[0] + dx * math.cos(at.turn) - dz * math.sin(at.turn)
     frictions = {}
     for k, block in enumerate(blocks_of(at.spec)):
         low, high, tall = block.part(1.0, 1.0)
-        frictions[name := f"{block.kind}_{k + 1}"] = block.friction
+        frictions[name := f"block_{k + 1}"] = block.friction
         ET.SubElement(
             world, "geom", {"class": "touch"}, name=name, type="box",
             size=numbers((high - low) / 2, 0.5, tall / 2), group="0", rgba=rgba(QUIET),
@@ -336,22 +336,14 @@ def _floor_pairs(parent: ET.Element, scene: Scene, floors: list[str]) -> None:
             _pair(parent, floor, f"{side}_caster", 1, 0.0, FLOOR)
 
 
-def _standing_pairs(
-    parent: ET.Element,
-    scene: Scene,
-    ground: str,
-    friction: float,
-    parts: list[str],
-    contact: Contact,
-) -> None:
-    """The contact pairs of floor, wall or stand with parts of the object and with the noses, which
-    slide freely."""
-    for part in parts:
-        _pair(parent, ground, part, 3, friction, contact)
+def _standing_pairs(parent: ET.Element, scene: Scene, stands: list[str], contact: Contact) -> None:
+    """The contact pairs of the floor with the object and with the noses, which slide freely."""
+    for stand in stands:
+        _pair(parent, "floor", stand, 3, scene.floor.friction, contact)
     for side in SIDES:
         for name, *_ in undersides(scene.palm_of(side)):
             for end in ("near", "far"):
-                _pair(parent, ground, f"{side}_{name}_{end}", 1, 0.0, contact)
+                _pair(parent, "floor", f"{side}_{name}_{end}", 1, 0.0, contact)
 
 
 def _palm_pairs(

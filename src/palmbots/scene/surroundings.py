@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import palmbots._core as _core
 from palmbots.errors import SceneError
@@ -56,14 +57,13 @@ class Block:
 
     def contains_part_of(self, polygon: Iterable[tuple[float, float]]) -> bool:
         """Whether an edge of a polygon is inside."""
-        corners = list(polygon)
+        corners = [*polygon]
+        corners.append(corners[0])
         box = (
             (self.x_m[0] + _TOUCHES, self.x_m[1] - _TOUCHES),
             (-math.inf, self.height_m - _TOUCHES),
         )
-        return any(
-            _crosses(a, b, box) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)
-        )
+        return any(_crosses(a, b, box) for a, b in pairwise(corners))
 
 
 def blocks_of(spec: _core.Spec) -> tuple[Block, ...]:
@@ -111,8 +111,8 @@ def refuse_surroundings(scene: Scene, spec: _core.Spec) -> None:
             if spec.direction < 0:
                 low, high = -high, -low
             raise SceneError(
-                f"{block.key}: the robots may drive from {low:.2f} to {high:.2f} m in this job, and "
-                f"the {block.kind} is in their way; allowed: {block.kind}s outside, counted "
+                f"{block.key}: the robots may drive from {low:.2f} to {high:.2f} m in this job, "
+                f"and the {block.kind} is in their way; allowed: {block.kind}s outside, counted "
                 "from the COM of the object at its start"
             )
 

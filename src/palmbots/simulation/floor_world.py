@@ -207,15 +207,16 @@ class FloorWorld:
                 ),
             )
             parts = max(1, math.ceil(longest / _LONGEST_WAY))
+            begin, turned = at, angles
             for k in range(1, parts + 1):
                 share = k / parts
                 left, right = (
                     (x + share * dx, y + share * dy)
-                    for (x, y), (dx, dy) in zip(at, ways, strict=True)
+                    for (x, y), (dx, dy) in zip(begin, ways, strict=True)
                 )
-                one, two = (a + share * (b - a) for a, b in zip(angles, goals, strict=True))
-                yield (left, right), (one, two)
-            at, angles = (left, right), goals
+                one, two = (a + share * (b - a) for a, b in zip(turned, goals, strict=True))
+                at, angles = (left, right), (one, two)
+                yield at, angles
 
     def _check_palms(
         self, pivots: tuple[Point, Point], angles: tuple[float, float], when: str

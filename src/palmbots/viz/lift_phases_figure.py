@@ -129,10 +129,8 @@ def _draw_moment(
     left, right = panel.get_xlim()
     panel.axhspan(floor - 0.05, floor, color=FLOOR, lw=0)
     panel.plot((left, right), (floor, floor), color=QUIET, lw=0.8)
-    for low, high, *ends in drawn_blocks(to_spec(carry.scene, unrolled=True)):
-        panel.add_patch(
-            Rectangle((low, ends[0]), high - low, ends[1] - ends[0], fc=FLOOR, ec=QUIET)
-        )
+    for low, high, foot, top in drawn_blocks(to_spec(carry.scene, unrolled=True)):
+        panel.add_patch(Rectangle((low, foot), high - low, top - foot, fc=FLOOR, ec=QUIET))
     outline = place.outline[k]
     panel.add_patch(Polygon(outline, fc=OBJECT, ec=INK, lw=0.8))
     panel.plot(*place.com[k], marker="+", color=INK, ms=5, mew=0.9)
