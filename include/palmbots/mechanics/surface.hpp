@@ -65,7 +65,7 @@ inline constexpr std::size_t max_palm_surfaces = 6;  // with a nose and a heel
 struct Surfaces {
   std::array<Surface, max_surfaces> at{};
   std::size_t count = 0;
-  std::size_t ordered = 0;  // from this one on, they are listed from left to right
+  std::size_t ordered = max_surfaces;  // from this one on, they are listed from left to right
 
   constexpr void add(const Surface& surface) { at[count++] = surface; }
   // The i-th of them if the ordered ones are walked from this side: in the mirror it is the same walk.
