@@ -39,6 +39,7 @@ Run run_lift(const Spec& spec, std::uint64_t seed, bool record, Team team) {
   carry.run();
   Run run = run_of_lift(carry);
   run.ambiguous = carry.world().ambiguous_events();
+  run.falls = carry.falls();
   return run;
 }
 
@@ -148,6 +149,13 @@ nb::list phases(const Run& run) {
     list.append(
         nb::make_tuple(phase.side, name_of(phase.state), phase.start * run.period, phase.moved));
   }
+  return list;
+}
+
+nb::list falls(const Run& run) {
+  nb::list list;
+  for (const LiftFall& fall : run.falls)
+    list.append(nb::make_tuple(fall.tick * run.period, fall.height, fall.com));
   return list;
 }
 
@@ -268,6 +276,9 @@ void bind_carry(nb::module_& m) {
       .def_prop_ro("phases", &phases,
                    "Of a job on the floor: (side, state, start [s], displacement of the COM [m]), "
                    "in the order of their starts.")
+      .def_prop_ro("falls", &falls,
+                   "Of a job on the floor: (time [s], how far a contact vertex fell, and the COM "
+                   "[m]) of each small fall.")
       .def_prop_ro("pivot_heights_m", &pivot_heights)
       .def_prop_ro("moved_m", [](const Run& r) { return r.moved; })
       .def_prop_ro("stalled_s",

@@ -73,6 +73,7 @@ struct Run {
   std::vector<ChoiceRow> choices;
   // Of a job that begins or ends on the floor.
   std::vector<LiftPhase> phases;
+  std::vector<LiftFall> falls;
   std::vector<PerSide<double>> pivot_heights;  // of each row [m]
   double moved = 0;                            // of the COM along the floor [m]
 };

@@ -167,6 +167,35 @@ def test_an_attempt_that_cannot_centre_ends(seed: int, delivers: bool) -> None:
         assert job(carry).failure == "did not centre the contacts on the floor"
 
 
+@pytest.mark.parametrize("floor", [0.3, 0.5])
+def test_small_falls_have_the_height_of_the_closed_form(floor: float) -> None:
+    """The last corner comes down on its nose as long as its contact, which leans by ψ, and the
+    floor under the other corner hold the object: ψ − φ ≤ φ_floor. The rest of the height is a fall.
+
+    An edge radius above the height of the nose is therefore not enough to come down without one.
+    """
+    quiet = {"robot.noise_m_s": 0.0, "floor.friction": floor}
+    spec = to_spec(load_scene("lift"))
+    nose = spec.palms[0].nose * math.cos(spec.palms[0].steep)  # its upper edge above the floor
+    lean = 1 - math.cos(math.atan(spec.palms[0].friction) + math.atan(floor))
+    enough = nose / lean
+    assert enough > 3 * nose
+    for share in (0.8, 0.9, 1.05, 1.5):
+        radius = share * enough
+        found = pb.carry("lift", overrides=quiet | {"object.edge_radius_m": radius}, record=False)
+        assert found.floor_job is not None
+        down = max(one.start_s for one in found.floor_job.phases if one.phase == "empty")
+        falls = [fall for fall in found.floor_job.falls if fall.time_s > down - 0.5]
+        if share > 1:
+            assert falls == []
+            continue
+        (fall,) = falls
+        assert fall.height_m == pytest.approx(nose - radius * lean, abs=0.03 * nose)
+        # The object turns about its other corner: its middle comes down by half of that.
+        weight = found.scene.object.mass_kg * 9.81
+        assert fall.energy_j == pytest.approx(0.5 * weight * fall.height_m, rel=0.03)
+
+
 def test_every_phase_says_what_was_missed() -> None:
     assert set(MISSED) == set(MEANINGS)
 

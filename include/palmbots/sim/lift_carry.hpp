@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "palmbots/sim/lift_robots.hpp"
 #include "palmbots/world/small_fall.hpp"
@@ -44,6 +45,7 @@ class LiftCarry : public LiftRobots<Inner> {
   }
 
   const World<double>& world() const { return world_; }
+  const std::vector<LiftFall>& falls() const { return falls_; }
   // Displacement of the COM since the start [m].
   double moved() const { return world_.pose().at.x - first_.x; }
 
@@ -151,12 +153,16 @@ class LiftCarry : public LiftRobots<Inner> {
     }
     const ContactProblem problem{world_.shapes(), spec_.slope, 0.0, false};
     Pose rests = world_.pose();
-    if (!SmallFall(problem, still.frames(0.0), spec_.fall).run(rests)) return false;
+    const double before = rests.at.y;
+    const auto height = SmallFall(problem, still.frames(0.0), spec_.fall).run(rests);
+    if (!height) return false;
+    falls_.push_back({tick_, *height, before - rests.at.y});
     world_.put(pivots, angles, rests);
     return true;
   }
 
   World<double> world_;
+  std::vector<LiftFall> falls_;
   Vec first_{};  // the COM at the start [m]
 };
 

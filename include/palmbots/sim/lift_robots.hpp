@@ -30,6 +30,13 @@ struct LiftPhase {
 };
 inline constexpr std::size_t most_lift_phases = 128;
 
+// A small fall of the object: how far a contact vertex fell at most, and how far the COM [m].
+struct LiftFall {
+  std::uint32_t tick;
+  double height;
+  double com;
+};
+
 template <class Inner>
 class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   using Base = RobotPair<double, LiftTeam<Inner>>;

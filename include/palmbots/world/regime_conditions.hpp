@@ -11,6 +11,7 @@
 //   gaps      those of pairs near by.
 #pragma once
 
+#include "palmbots/world/contact_shapes.hpp"
 #include "palmbots/world/regime_equations.hpp"
 
 namespace palmbots {
@@ -168,10 +169,15 @@ inline double balance(const Rays<double>& rays, Triple<double> weight) {
   return best;
 }
 
-// Whether a tip that is behind an edge is outside the object: it is if it is nearer to another edge
-// and in front of that.
+// Whether a pair that is behind is apart. A corner below a face is if its edges pass the end of the
+// face. A tip behind an edge is if it is nearer to another edge and in front of that.
 inline bool is_clear(const ContactProblem& problem, const Frames& frames, const Pose& pose,
                      const NearPairs& near, FeaturePair behind, double gap) {
+  if (behind.kind == PairKind::corner_on_face) {
+    const double deep = ContactTolerance::blank * problem.shapes.size;
+    return !is_pierced(problem.shapes.body, pose, frames[problem.carrier(behind)],
+                       problem.surface(behind), deep);
+  }
   for (std::size_t k = 0; k < near.count; ++k) {
     const FeaturePair pair = near.at[k].pair;
     if (pair.surface != behind.surface || pair.kind != PairKind::tip_on_edge) continue;

@@ -11,6 +11,8 @@
 // of a box. It decides between directions only where several of them are possible.
 #pragma once
 
+#include <optional>
+
 #include "palmbots/world/regime_choice.hpp"
 
 namespace palmbots {
@@ -25,8 +27,9 @@ class SmallFall {
         size_(problem.shapes.size),
         closed_(ContactTolerance::closed * problem.shapes.size) {}
 
-  // Moves the pose to where the object rests. False if it has farther to fall.
-  bool run(Pose& pose) const {
+  // Moves the pose to where the object rests. How far a contact vertex falls at most [m]; nothing if
+  // the object has farther to fall.
+  std::optional<double> run(Pose& pose) const {
     const PerSide<double> from = heights(pose);
     Neighbourhood around;
     const std::size_t first = leading_side(pose);
@@ -35,15 +38,16 @@ class SmallFall {
       const ClosedPairs closed = closed_pairs(near, pose);
       if (i > 0 && reason_of(problem_, closed) == DropReason::none) {
         rest(closed, pose);
-        return true;
+        const PerSide<double> now = heights(pose);
+        return larger(from[left] - now[left], from[right] - now[right]);
       }
       const Way way = fastest(closed);
-      if (!way.found) return false;
+      if (!way.found) return std::nullopt;
       follow(way, closed, near, pose);
       const PerSide<double> now = heights(pose);
-      if (from[left] - now[left] > most_ || from[right] - now[right] > most_) return false;
+      if (from[left] - now[left] > most_ || from[right] - now[right] > most_) return std::nullopt;
     }
-    return false;
+    return std::nullopt;
   }
 
  private:

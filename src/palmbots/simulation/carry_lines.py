@@ -77,6 +77,11 @@ def _floor_job(job: "FloorJob") -> Iterator[Item]:
         f"the object moved {job.moved_m:.2f} m, {100 * abs(job.missed_m):.1f} cm {off} than the "
         "distance of the task"
     )
+    if job.falls:
+        highest = max(fall.height_m for fall in job.falls)
+        energy = sum(fall.energy_j for fall in job.falls)
+        times = "once" if len(job.falls) == 1 else f"{len(job.falls)} times"
+        yield f"it fell {times}, by at most {millimetres(highest)}; {1e3 * energy:.2g} mJ in all"
     yield Line("phases", quiet("   begun at"))
     starts: dict[str, dict[str, str]] = {}
     for one in job.phases:

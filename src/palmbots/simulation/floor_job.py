@@ -54,6 +54,18 @@ class JobPhase:
 
 
 @dataclass(frozen=True, slots=True)
+class SmallFall:
+    """The object fell where its contacts no longer held it, for example off a nose. It takes no
+    time. In MuJoCo such falls are part of the motion, so none are listed."""
+
+    time_s: float
+    height_m: float
+    """How far a contact vertex fell at most; `world.fall_m` limits it."""
+    energy_j: float
+    """Weight times the height through which the centre of mass fell."""
+
+
+@dataclass(frozen=True, slots=True)
 class FloorJob:
     """The course and the result of a job that begins or ends on the floor."""
 
@@ -65,6 +77,8 @@ class FloorJob:
     """How far the centre of mass moved in the direction of travel."""
     missed_m: float
     """How much farther that is than the distance of the task; < 0: it fell short."""
+    falls: tuple[SmallFall, ...] = ()
+    """Small falls of the object."""
 
 
 def stages(job: FloorJob, robot: str) -> list[tuple[str, float, float]]:
@@ -92,6 +106,10 @@ def floor_job(scene: Scene, measured: Any) -> FloorJob:
     moved = sense * measured.moved_m
     return FloorJob(
         phases=tuple(phases),
+        falls=tuple(
+            SmallFall(time, height, scene.object.mass_kg * _core.standard_gravity * com)
+            for time, height, com in measured.falls
+        ),
         failure=_failure(measured.outcome, measured.reason, phases),
         moved_m=moved,
         missed_m=moved - scene.task.distance_m,
