@@ -30,5 +30,5 @@ def test_scripts_end_as_in_the_slow_world(part: int, soak_seed: int) -> None:
     first = (soak_seed * PARTS + part) * SCRIPTS
     ends = compare_scripts(range(first, first + COMPARED))
     assert ends.clear_share >= 0.7
-    # Of 1000 scripts, 97 in 100 agreed. The others end too early in the exact world.
-    assert len(ends.faults + ends.missed) <= 0.1 * ends.agreed, ends
+    # Of 1000 scripts, 98 in 100 agreed (docs/theory/contacts.md).
+    assert len(ends.faults + ends.missed) <= 0.06 * ends.agreed, ends

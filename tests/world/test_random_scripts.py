@@ -60,6 +60,13 @@ def test_scripts_end_as_in_the_slow_world() -> None:
     assert ends.clear_share >= 0.7 and ends.agreed > 0.7 * COMPARED
 
 
+def test_what_passes_by_or_leaves_slowly_ends_nothing() -> None:
+    """An acute corner passes beside the end of a palm (88, 111). The tip of a palm leaves the arc
+    that it has pushed along the floor, at first without any speed (222, 544)."""
+    ends = compare_scripts((88, 111, 222, 544))
+    assert (ends.agreed, ends.faults, ends.missed) == (4, [], [])
+
+
 def test_the_slow_world_notices_a_wrong_friction() -> None:
     """With less friction it ends scripts elsewhere, or leaves the object in another pose."""
     ends = compare_scripts(range(6), lambda oracle: slipperier(oracle, 0.9), STEPS[:1])

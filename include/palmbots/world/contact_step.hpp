@@ -180,8 +180,13 @@ class ContactStep : ContactTrial {
 
   // Robots stall only if there is no motion in which both drive, and the object does not fall.
   DropReason choose_among(const ClosedPairs& closed, const Frames& frames, double done) {
-    const Found as_commanded = go_on_with(candidates_at(problem_, frames, pose_, closed), done);
-    if (as_commanded.any) return as_commanded.reason;
+    // A tip that moves along an arc leaves it without a speed: that shows only a little later.
+    constexpr double later = 1e-3;  // of a step
+    for (const double ahead : {0.0, later}) {
+      const Frames then = ahead == 0.0 ? frames : palmbots::moved(frames, ahead);
+      const Found as_commanded = go_on_with(candidates_at(problem_, then, pose_, closed), done);
+      if (as_commanded.any) return as_commanded.reason;
+    }
     const DropReason why = reason_of(problem_, closed);
     if (why != DropReason::none) return why;
     // What has run off its feature holds the object no more.

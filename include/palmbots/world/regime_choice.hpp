@@ -71,7 +71,8 @@ inline bool in_one_direction(const FeatureContact& a, const FeatureContact& b) {
   return magnitude(cross(a.normal, b.normal)) < ContactTolerance::blank;
 }
 
-// Adds the modes of those of the closed pairs that are not left out.
+// Adds the modes of those of the closed pairs that are not left out, as the surfaces move with
+// `frames`.
 inline void add_candidates(const ContactProblem& problem, const Frames& frames, const Pose& pose,
                            const ClosedPairs& closed,
                            const std::array<bool, ClosedPairs::most>& left_out, bool pushed,
@@ -81,7 +82,8 @@ inline void add_candidates(const ContactProblem& problem, const Frames& frames, 
   std::array<std::size_t, max_supports> index{};
   for (std::size_t i = 0; i < closed.count; ++i) {
     if (left_out[i] || supports.count == max_supports) continue;
-    const auto& [pair, c] = closed.at[i];
+    const FeaturePair pair = closed.at[i].pair;
+    const FeatureContact c = problem.contact(frames, pose, pair);
     const Frame& frame = frames[problem.carrier(pair)];
     const Vec v = frame.velocity_at(pose.at + c.point);
     velocities[supports.count] = {v.x, v.y};
