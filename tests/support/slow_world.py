@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
-from feature_pairs import Contact, pairs_of
+from feature_pairs import Contact, CornerOnFace, pairs_of
 from motion_oracle import OUT, Moment, Oracle
 
 _STICK, _UP, _DOWN, _BREAK = range(4)
@@ -118,6 +118,9 @@ class SlowWorld:
         near = math.dist(contacts[i].point, contacts[k].point) < SAME
         return near and self._all[i].carrier == self._all[k].carrier
 
+    def _are_faces(self, i: int, k: int) -> bool:
+        return all(isinstance(self._all[one], CornerOnFace) for one in (i, k))
+
     def _are_same(self, i: int, k: int, contacts: dict[int, Contact]) -> bool:
         alike = math.dist(contacts[i].normal, contacts[k].normal) < ALIKE
         return alike and self._at_one_point(i, k, contacts)
@@ -198,9 +201,13 @@ class SlowWorld:
             a, b, c = rows.n[k] if how == _BREAK else rows.t[k]
             speed = a * x + b * y + c * turn
             if how == _BREAK:
-                # A corner at a corner may leave one edge without being in front of it.
+                # A corner at a corner may leave one edge without being in front of it, but not one
+                # of the two faces between which it is.
                 doubled = any(
-                    i != names[k] and self._at_one_point(i, names[k], contacts) for i in names
+                    i != names[k]
+                    and self._at_one_point(i, names[k], contacts)
+                    and not self._are_faces(i, names[k])
+                    for i in names
                 )
                 if speed < rows.vn[k] - slack and not doubled:
                     return None
