@@ -67,6 +67,12 @@ def test_what_passes_by_or_leaves_slowly_ends_nothing() -> None:
     assert (ends.agreed, ends.faults, ends.missed) == (4, [], [])
 
 
+def test_a_tip_beside_an_arc_does_not_sink_into_it() -> None:
+    found = Found()
+    run(1102676, found)
+    assert found.faults == []
+
+
 def test_the_slow_world_notices_a_wrong_friction() -> None:
     """With less friction it ends scripts elsewhere, or leaves the object in another pose."""
     ends = compare_scripts(range(6), lambda oracle: slipperier(oracle, 0.9), STEPS[:1])

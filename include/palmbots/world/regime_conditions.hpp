@@ -169,11 +169,12 @@ inline double balance(const Rays<double>& rays, Triple<double> weight) {
   return best;
 }
 
-// Whether a pair that is behind is apart. A corner below a face is if its edges pass the end of the
-// face. A tip behind an edge is if it is nearer to another edge and in front of that.
+// Whether a pair that is behind is apart. A sharp corner below a face is if its edges pass the end of
+// the face. A tip behind an edge is if it is nearer to another edge and in front of that.
 inline bool is_clear(const ContactProblem& problem, const Frames& frames, const Pose& pose,
                      const NearPairs& near, FeaturePair behind, double gap) {
   if (behind.kind == PairKind::corner_on_face) {
+    if (problem.shapes.body.corners[behind.feature].radius > 0.0) return false;
     const double deep = ContactTolerance::blank * problem.shapes.size;
     return !is_pierced(problem.shapes.body, pose, frames[problem.carrier(behind)],
                        problem.surface(behind), deep);
