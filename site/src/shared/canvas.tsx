@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A canvas as wide as its place, at the resolution of the screen, drawn anew when a signal changes.
 import { effect } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { palette } from "./theme";
 
 export interface Surface {
@@ -32,7 +32,8 @@ export function Canvas(props: Props) {
   const size = useRef({ width: 0, height: 0 });
   const again = useRef(() => {});
 
-  useEffect(() => {
+  // Before the browser shows the page: it would show a canvas of 150 px first, and move what is below.
+  useLayoutEffect(() => {
     const canvas = place.current!;
     const context = canvas.getContext("2d")!;
     const paint = () => {
@@ -65,7 +66,10 @@ export function Canvas(props: Props) {
       if (size.current.width > 0 && heightFor(size.current.width) !== size.current.height) measure();
       else start();
     };
-    const observer = new ResizeObserver(measure);
+    measure();
+    const observer = new ResizeObserver(() => {
+      if (canvas.clientWidth !== size.current.width) measure();
+    });
     observer.observe(canvas);
     return () => {
       observer.disconnect();
