@@ -76,6 +76,8 @@ def open_page(browser: Browser, address: str) -> Iterator[Open]:
         page.goto(address + place)
         if script:
             page.wait_for_selector("html[data-ready]")
+        if script and not touch:  # the browser may show the page before the window has its size
+            page.wait_for_function("high => innerHeight === high", arg=height)
         return page
 
     yield open_page

@@ -40,6 +40,15 @@ def test_play_is_in_sight_and_stands_still(open_page: Open, width: int, height: 
     assert tops(page, "#play") == before
 
 
+def test_drawings_follow_the_height_of_the_window(open_page: Open) -> None:
+    page = open_page("#carry?t=1", width=1366, height=900)
+    high = page.locator("#stage").bounding_box()["height"]
+    page.set_viewport_size({"width": 1366, "height": 768})
+    expect(page.locator("#play")).to_be_in_viewport(ratio=1)
+    pictures(page, "stage")
+    assert page.locator("#stage").bounding_box()["height"] < high
+
+
 @pytest.mark.parametrize(("width", "height"), SCREENS)
 @pytest.mark.parametrize("number", PARTS)
 def test_play_stands_still_in_a_story(

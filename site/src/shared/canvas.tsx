@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A canvas as wide as its place, at the resolution of the screen, drawn anew when a signal changes.
-import { effect } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { palette } from "./theme";
 
@@ -29,47 +29,30 @@ export function Canvas(props: Props) {
   draw.current = props.draw;
   const height = useRef(props.height);
   height.current = props.height;
-  const size = useRef({ width: 0, height: 0 });
-  const again = useRef(() => {});
+  const rendered = useRef(signal(0));
 
   // Before the browser shows the page: it would show a canvas of 150 px first, and move what is below.
   useLayoutEffect(() => {
     const canvas = place.current!;
     const context = canvas.getContext("2d")!;
-    const paint = () => {
-      const { width, height } = size.current;
-      void palette.value;
-      if (width === 0) return;
-      const ratio = canvas.width / width;
-      context.setTransform(ratio, 0, 0, ratio, 0, 0);
-      context.clearRect(0, 0, width, height);
-      draw.current({ context, width, height });
-    };
-    let stop = () => {};
-    const start = () => {
-      stop();
-      stop = effect(paint);
-    };
-    const heightFor = (width: number) =>
-      typeof height.current === "number" ? height.current : height.current(width);
-    const measure = () => {
-      const width = canvas.clientWidth;
-      const high = heightFor(width);
+    const wide = signal(canvas.clientWidth);
+    const stop = effect(() => {
+      void [rendered.current.value, palette.value];
+      const width = wide.value;
+      const high = typeof height.current === "number" ? height.current : height.current(width);
       const ratio = window.devicePixelRatio || 1;
-      size.current = { width, height: high };
-      canvas.style.height = `${high}px`;
-      canvas.width = Math.round(width * ratio);
-      canvas.height = Math.round(high * ratio);
-      start();
-    };
-    again.current = () => {
-      if (size.current.width > 0 && heightFor(size.current.width) !== size.current.height) measure();
-      else start();
-    };
-    measure();
-    const observer = new ResizeObserver(() => {
-      if (canvas.clientWidth !== size.current.width) measure();
+      const [columns, rows] = [Math.round(width * ratio), Math.round(high * ratio)];
+      if (columns !== canvas.width || rows !== canvas.height) {
+        canvas.style.height = `${high}px`;
+        canvas.width = columns;
+        canvas.height = rows;
+      }
+      if (width === 0) return;
+      context.setTransform(columns / width, 0, 0, columns / width, 0, 0);
+      context.clearRect(0, 0, width, high);
+      draw.current({ context, width, height: high });
     });
+    const observer = new ResizeObserver(() => (wide.value = canvas.clientWidth));
     observer.observe(canvas);
     return () => {
       observer.disconnect();
@@ -77,7 +60,9 @@ export function Canvas(props: Props) {
     };
   }, []);
   // The parent was rendered again: what it draws may depend on more than signals.
-  useEffect(() => again.current());
+  useEffect(() => {
+    rendered.current.value++;
+  });
 
   return (
     <canvas
