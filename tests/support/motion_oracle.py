@@ -210,7 +210,7 @@ class Oracle:
 
     def touches(self, at: Moment, slack: float = 1e-7) -> dict[tuple[Any, ...], Touch]:
         """Pairs of features that are nearest points, by their names; `slack`: how far beyond the
-        end of a face they may be [m]."""
+        end of a face or an edge they may be [m]."""
         circles, edges = self._placed(at)
         found: dict[tuple[Any, ...], Touch] = {}
         for f, (carrier, start, along, length, normal, friction, _) in enumerate(self._faces(at)):
@@ -227,8 +227,9 @@ class Oracle:
         for t, (carrier, tip, friction) in enumerate(self._tips(at)):
             for k, (a, b, out) in enumerate(edges):
                 along = b - a
-                share = float((tip - a) @ along) / float(along @ along)
-                if -1e-6 <= share <= 1 + 1e-6:
+                length = float(np.hypot(*along))
+                place = float((tip - a) @ along) / length
+                if -slack <= place <= length + slack:
                     gap = float((tip - a) @ out)
                     found["tip", t, k] = Touch(carrier, tip, -out, gap, friction)
             for k, (centre, radius) in enumerate(circles):

@@ -73,6 +73,13 @@ def test_a_tip_beside_an_arc_does_not_sink_into_it() -> None:
     assert found.faults == []
 
 
+def test_the_oracle_sees_a_corner_that_turns_on_a_tip() -> None:
+    """Halfway between two poses the tip is 0.2 µm beyond the end of its edge."""
+    found = Found()
+    run(7706180, found)
+    assert found.faults == [] and found.ends["completed"] == 1
+
+
 def test_the_slow_world_notices_a_wrong_friction() -> None:
     """With less friction it ends scripts elsewhere, or leaves the object in another pose."""
     ends = compare_scripts(range(6), lambda oracle: slipperier(oracle, 0.9), STEPS[:1])
