@@ -7,9 +7,10 @@
 //
 // Usually every edge bounds the squeeze from its own side (a w > 0 in mechanics/equilibrium.hpp).
 // Then the ends of I_L and I_R are the squeezes at the edges, and each mode takes one or two
-// comparisons of these four numbers. Any other reachable state has a wedged edge or a bound that is
-// not a number. It gets a tenth bit and is left to the slower `feasible`. Where the object cannot
-// reach, dx is not a number, no comparison holds, and no mode balances, as in `feasible`.
+// comparisons of these four numbers. Any other reachable state has a wedged edge, a palm without
+// friction or a bound that is not a number. It gets a tenth bit and is left to the slower
+// `feasible`. Where the object cannot reach, dx is not a number, no comparison holds, and no mode
+// balances, as in `feasible`.
 //
 // States are processed in blocks that fit into the first-level cache, in short loops without
 // branches. Compilers turn these loops into vector instructions even for the first 64-bit
@@ -236,7 +237,8 @@ void squeeze(const StateBlock states, std::size_t n, BlockColumns<Real>& __restr
     at.low[right][i] = r_down.b / r_down_a;
     at.high[right][i] = r_high;
     const bool plain = (l_up_a > zero) & (l_down_a > zero) & (r_up_a > zero) & (r_down_a > zero) &
-                       (l_high == l_high) & (r_high == r_high);
+                       (l_high == l_high) & (r_high == r_high) & (l.up.lateral > l.down.lateral) &
+                       (r.up.lateral > r.down.lateral);
     const bool reached = dx == dx;
     at.bits[i] = flag<modes, Real>(reached & !plain);
   }

@@ -139,6 +139,11 @@ constexpr Interval<Real> squeeze(const Moments<Real>& moments, std::size_t side,
                                  const FrictionCone<Real>& cone, Real dx, Real dy) {
   const Bound<Real> up = bound(moments, side, cone.up, dx, dy);
   const Bound<Real> down = bound(moments, side, cone.down, dx, dy);
+  // Without friction the cone is one ray, and its two bounds leave the line through it.
+  const bool is_ray = cone.up.lateral == cone.down.lateral;
+  if (is_ray && up.a * moments.moment_arm(side, dx, mirrored(side, dy)) < Real(0)) {
+    return {Real(1), Real(-1)};  // the contact would have to pull
+  }
   return intersect(detail::half_line(up.a * moments.width, up.b),
                    detail::half_line(-down.a * moments.width, -down.b));
 }
