@@ -40,16 +40,17 @@ def times(scripts: int) -> dict[tuple[str, int], list[float]]:
         except SceneError:
             continue
         drive = Drive(rng, on_floor)
-        before = world.constraints
+        before, moved = world.constraints, None
         for k in range(PERIODS):
             motion = drive.next(k, world.palms)
             begun = time.thread_time_ns()
-            reason, *_, pieces = world.move(*motion)
+            reason, _, *modes, pieces = world.move(*motion)
             took = (time.thread_time_ns() - begun) / 1000
             after = world.constraints
-            kind = PERSIST if pieces == 1 and before == after else CHANGE
+            persists = pieces == 1 and before == after and modes == moved
+            kind = PERSIST if persists else CHANGE
             found[kind, max(2, len(before), len(after))].append(took)
-            before = after
+            before, moved = after, modes
             if reason:
                 break
     return found

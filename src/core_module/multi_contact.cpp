@@ -92,9 +92,10 @@ std::vector<std::vector<int>> possible(const std::vector<SupportTuple>& given,
                                        const std::vector<Numbers2>& velocities) {
   const Supports<double> supports = supports_of(given);
   std::vector<std::vector<int>> found;
-  Twists<double>(supports, velocities_of(velocities, supports.count)).each([&](const Motions& m) {
-    found.push_back(listed(m, supports.count));
-  });
+  Twists<double>(supports, velocities_of(velocities, supports.count))
+      .each(
+          0, [](std::uint32_t) { return true; },
+          [&](const Motions& m) { found.push_back(listed(m, supports.count)); });
   return found;
 }
 
@@ -163,7 +164,7 @@ void bind_multi_contact(nb::module_& m) {
          const std::vector<Numbers2>& velocities) {
         const Supports<double> supports = supports_of(given);
         return Twists<double>(supports, velocities_of(velocities, supports.count))
-            .exist(motions_of(motions, supports.count), supports.count);
+            .exist(motions_of(motions, supports.count));
       },
       nb::arg("supports"), nb::arg("motions"), nb::arg("velocities"),
       "Can a rigid body move like this on palms with these velocities?");

@@ -97,15 +97,12 @@ def test_a_contact_that_sticks_rolls(radius: Any) -> None:
     assert compared > 100
 
 
-def over_a_floor(at: Any, pivots_m: float) -> Any:
-    """The same world with a floor so far below that nothing touches it: there every step looks for
-    contacts of any kind."""
-    spec = to_spec(at)
-    world, plain = _core.World(spec, True), _core.World(spec)
-    x, y, angle = plain.pose
-    left, right = ((place, height + pivots_m) for place, height in plain.pivots)
-    world.put((left, right), plain.palms, (x, y + pivots_m), angle)
-    return world
+def put_over_a_floor(other: Any, world: Any, pivots_m: float) -> None:
+    """Makes `other` the same world with a floor so far below that nothing touches it: there every
+    step looks for contacts of any kind."""
+    x, y, angle = world.pose
+    left, right = ((place, height + pivots_m) for place, height in world.pivots)
+    other.put((left, right), world.palms, (x, y + pivots_m), angle)
 
 
 @pytest.mark.parametrize("radius", [0.003, 0.06, [0.03, 0.01, 0.0, 0.0], [0.04, 0.0, 0.0, 0.02]])
@@ -115,21 +112,22 @@ def test_steps_agree_with_those_that_look_for_any_contact(radius: Any) -> None:
     alike = switched = 0
     for _ in range(12):
         at = scene(radius, start__left_m=draw.uniform(-0.03, 0.03))
-        one, other = _core.World(to_spec(at)), over_a_floor(at, 10.0)
+        spec = to_spec(at)
+        one, other = _core.World(spec), _core.World(spec, True)
         for _ in range(60):
+            put_over_a_floor(other, one, 10.0)
             palms = one.palms
             if draw.random() < 0.6:
                 palms = tuple(np.clip(palms + np.radians(draw.uniform(-1, 1, 2)), 0.08, 0.3))
             change, push = draw.uniform(-0.002, 0.002), draw.choice([0.0, 0.01])
             ended, fraction, *_, pieces = one.advance(change, palms, push)
-            ended_there, fraction_there, *_, pieces_there = other.advance(change, palms, push)
-            if pieces_there > 200:
-                break  # contacts that slide in turn: the other world gives up
+            ended_there, fraction_there, *_ = other.advance(change, palms, push)
             assert ended == ended_there and fraction == pytest.approx(fraction_there, abs=1e-9)
             if ended:
                 break
-            assert one.contacts == pytest.approx(other.contacts, abs=1e-9)
-            assert one.pose[2] == pytest.approx(other.pose[2], abs=1e-9)
+            # The other world slides on until a force lacks 1e-10 of the weight.
+            assert one.contacts == pytest.approx(other.contacts, abs=3e-9)
+            assert one.pose[2] == pytest.approx(other.pose[2], abs=3e-9)
             alike += 1
             switched += pieces == 2
     assert alike > 300 and switched > 10, (alike, switched)

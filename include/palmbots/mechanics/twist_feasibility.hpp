@@ -101,8 +101,8 @@ struct TwistSpace {
 template <class Real>
 class HalfSpaces {
  public:
-  // Adds an inequality. It may hold nowhere, everywhere or in a half space; returns false if
-  // nowhere.
+  // Adds an inequality. It may hold nowhere, everywhere or in a half space. Returns false if it holds
+  // nowhere where the earlier ones hold.
   constexpr bool add(const TwistSpace<Real>& space, const Condition<Real>& above) {
     const Real h = above.value - dot(above.row, space.origin);
     Triple<Real> g{};
@@ -112,23 +112,16 @@ class HalfSpaces {
     g.z = n > 2 ? dot(above.row, space.basis[2]) : Real(0);
     const Real part = size(g);
     if (!(part > wrench_tolerance<Real>)) return h < -wrench_tolerance<Real>;
-    sides_[count_++] = {g * (Real(1) / part), h / part};
-    return true;
-  }
-
-  // True if all half spaces have a point in common.
-  constexpr bool meet() const {
+    const Side last{g * (Real(1) / part), h / part};
     for (std::size_t i = 0; i < count_; ++i) {
-      for (std::size_t j = i + 1; j < count_; ++j) {
-        if (contradict(sides_[i], sides_[j])) return false;
-        for (std::size_t k = j + 1; k < count_; ++k) {
-          if (contradict(sides_[i], sides_[j], sides_[k])) return false;
-          for (std::size_t l = k + 1; l < count_; ++l) {
-            if (contradict(sides_[i], sides_[j], sides_[k], sides_[l])) return false;
-          }
-        }
+      if (contradict(sides_[i], last)) return false;
+      for (std::size_t j = i + 1; j < count_ && n > 1; ++j) {
+        if (contradict(sides_[i], sides_[j], last)) return false;
+        for (std::size_t k = j + 1; k < count_ && n > 2; ++k)
+          if (contradict(sides_[i], sides_[j], sides_[k], last)) return false;
       }
     }
+    sides_[count_++] = last;
     return true;
   }
 
@@ -204,22 +197,35 @@ class Twists {
     }
   }
 
-  // True if some twist moves the first `count` contacts in this way.
-  bool exist(const Motions& motions, std::size_t count) const {
-    TwistSpace<Real> space{};
-    for (std::size_t i = 0; i < count; ++i)
-      if (!restrict(space, motions, i)) return false;
-    return is_open(space, motions, count);
+  // True if some twist moves the contacts in this way.
+  bool exist(const Motions& motions) const {
+    Space space{};
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (motions[i] == Motion::leave) continue;
+      if (!space.restrict(normal_[i])) return false;
+      if (motions[i] == Motion::stick && !space.restrict(tangent_[i])) return false;
+    }
+    Open open;
+    return add(open, space, motions, count_, 0);
   }
 
-  // Calls found(motions) for every combination of contact motions that is kinematically possible.
-  template <class Found>
-  void each(Found&& found) const {
+  // Calls found(motions) for every combination of contact motions that is kinematically possible and
+  // not ruled out by the edges of the friction cones on which forces can lie then, two bits for each
+  // contact: may_be(edges) is asked early, too, with both edges of contacts that come later.
+  // Contacts that are left out, as bits, count as not there and get the motion `leave`.
+  template <class MayBe, class Found>
+  void each(std::uint32_t left_out, MayBe may_be, Found found) const {
     Motions motions{};
-    descend(motions, 0, {}, found);
+    std::uint32_t edges = 0;
+    for (std::size_t i = 0; i < count_; ++i)
+      if (!is_in(left_out, i)) edges |= edges_of(Motion::stick) << (2 * i);
+    if (may_be(edges)) descend(motions, 0, left_out, edges, {}, {}, may_be, found);
   }
 
  private:
+  using Space = TwistSpace<Real>;
+  using Open = HalfSpaces<Real>;
+
   static Condition<Real> condition(const Support<Real>& s, Real dx, Real dy, Real reach,
                                    Velocity<Real> palm, Real pace) {
     const Triple<Real> row{dx, dy, (s.x * dy - s.y * dx) / reach};
@@ -227,39 +233,52 @@ class Twists {
     return {row * scale, (dx * palm.x + dy * palm.y) * pace * scale};
   }
 
-  // Adds the equations of a contact. False if they contradict the earlier ones.
-  bool restrict(TwistSpace<Real>& space, const Motions& motions, std::size_t i) const {
-    if (motions[i] == Motion::leave) return true;
-    if (!space.restrict(normal_[i])) return false;
-    return motions[i] != Motion::stick || space.restrict(tangent_[i]);
+  static constexpr bool is_in(std::uint32_t bits, std::size_t i) { return (bits >> i & 1) != 0; }
+
+  // Adds the inequality of a contact. False if no twist of the space satisfies it as well.
+  bool add(Open& open, const Space& space, std::size_t i, Motion motion) const {
+    const Condition<Real>& along = tangent_[i];
+    if (motion == Motion::leave) return open.add(space, normal_[i]);
+    if (motion == Motion::up) return open.add(space, along);
+    return motion == Motion::stick || open.add(space, {along.row * Real(-1), -along.value});
+  }
+  bool add(Open& open, const Space& space, const Motions& motions, std::size_t count,
+           std::uint32_t left_out) const {
+    for (std::size_t i = 0; i < count; ++i)
+      if (!is_in(left_out, i) && !add(open, space, i, motions[i])) return false;
+    return true;
   }
 
-  // Whether some twist of the space satisfies the inequalities of the first `count` contacts.
-  bool is_open(const TwistSpace<Real>& space, const Motions& motions, std::size_t count) const {
-    HalfSpaces<Real> open;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Condition<Real>& along = tangent_[i];
-      if (motions[i] == Motion::leave && !open.add(space, normal_[i])) return false;
-      if (motions[i] == Motion::up && !open.add(space, along)) return false;
-      if (motions[i] == Motion::down && !open.add(space, {along.row * Real(-1), -along.value})) {
-        return false;
-      }
+  // From contact i on. The earlier ones leave this space, in which their inequalities are `open`.
+  template <class MayBe, class Found>
+  void descend(Motions& motions, std::size_t i, std::uint32_t left_out, std::uint32_t edges,
+               const Space& space, const Open& open, MayBe& may_be, Found& found) const {
+    if (i == count_) return found(static_cast<const Motions&>(motions));
+    if (is_in(left_out, i)) {
+      motions[i] = Motion::leave;
+      return descend(motions, i + 1, left_out, edges, space, open, may_be, found);
     }
-    return open.meet();
-  }
-
-  template <class Found>
-  void descend(Motions& motions, std::size_t i, const TwistSpace<Real>& before,
-               Found& found) const {
-    if (i == count_) {
-      found(static_cast<const Motions&>(motions));
-      return;
-    }
+    Space touching = space;
+    const bool may_touch = touching.restrict(normal_[i]);
+    Open open_there;
+    const bool may_slide = may_touch && add(open_there, touching, motions, i, left_out);
     for (const Motion motion : {Motion::stick, Motion::up, Motion::down, Motion::leave}) {
+      const std::uint32_t rest =
+          edges & ~((edges_of(Motion::stick) & ~edges_of(motion)) << (2 * i));
+      if (!may_be(rest)) continue;
       motions[i] = motion;
-      TwistSpace<Real> space = before;
-      if (restrict(space, motions, i) && is_open(space, motions, i + 1))
-        descend(motions, i + 1, space, found);
+      const auto go_on = [&](const Space& in, Open with) {
+        if (add(with, in, i, motion))
+          descend(motions, i + 1, left_out, rest, in, with, may_be, found);
+      };
+      if (motion == Motion::leave) {
+        go_on(space, open);
+      } else if (motion != Motion::stick) {
+        if (may_slide) go_on(touching, open_there);
+      } else if (Space still = touching; may_touch && still.restrict(tangent_[i])) {
+        Open open_still;
+        if (add(open_still, still, motions, i, left_out)) go_on(still, open_still);
+      }
     }
   }
 
@@ -268,14 +287,20 @@ class Twists {
   std::array<Condition<Real>, max_supports> tangent_{};
 };
 
+// Which edges of all friction cones balance the weight.
+template <class Real>
+BalancingRays<Real> balancing_edges(const Supports<Real>& supports, Real slope) {
+  return {rays_of(supports, Motions{}), {slope, Real(1), Real(0)}};
+}
+
 // Calls found(motions) for every combination of contact motions that is possible and balances.
 // There may be none (the body falls or jams) or several.
 template <class Real, class Found>
 void each_outcome(const Supports<Real>& supports, const Velocities<Real>& palms, Real slope,
-                  Found&& found) {
-  Twists<Real>(supports, palms).each([&](const Motions& motions) {
-    if (balances(supports, motions, slope)) found(motions);
-  });
+                  Found found) {
+  const BalancingRays<Real> balancing = balancing_edges(supports, slope);
+  Twists<Real>(supports, palms)
+      .each(0, [&](std::uint32_t edges) { return balancing.any_of(edges); }, found);
 }
 
 }  // namespace palmbots

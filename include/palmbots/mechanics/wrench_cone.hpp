@@ -105,6 +105,12 @@ struct Rays {
   std::size_t count = 0;
 };
 
+// The edges of a contact's friction cone on which its force can lie, as bits: 1 up, 2 down.
+constexpr std::uint32_t edges_of(Motion motion) {
+  constexpr std::array<std::uint32_t, 4> edges{2, 3, 1, 0};
+  return edges[static_cast<std::size_t>(static_cast<int>(motion) + 1)];
+}
+
 // The rays that the supports add to the wrench cone while they move in this way.
 template <class Real>
 constexpr Rays<Real> rays_of(const Supports<Real>& supports, const Motions& motions) {
@@ -255,6 +261,57 @@ constexpr Real distance_from_cone(const Rays<Real>& rays, Triple<Real> wrench) {
   }
   return nearest;
 }
+
+// Which rays balance a wrench, for many selections of the same rays: all least sets of them whose cone
+// contains it. The same answers as by `distance_from_cone`.
+template <class Real>
+class BalancingRays {
+ public:
+  BalancingRays(const Rays<Real>& rays, Triple<Real> wrench) {
+    constexpr Real tolerance = wrench_tolerance<Real>;
+    const auto& ray = rays.ray;
+    const auto bit = [](std::size_t i) { return std::uint32_t{1} << i; };
+    // The volume that two rays span with the wrench; it is no larger than its distance from them.
+    std::array<std::array<Real, n>, n> volume;
+    for (std::size_t i = 0; i < rays.count; ++i) {
+      if (detail::distance_from_pair(ray[i], ray[i], wrench) <= tolerance) add(bit(i));
+      for (std::size_t j = 0; j < i; ++j) {
+        volume[j][i] = dot(wrench, cross(ray[j], ray[i]));
+        if (magnitude(volume[j][i]) > Real(2) * tolerance) continue;
+        const Real distance = smaller(detail::distance_from_pair(ray[i], ray[j], wrench),
+                                      detail::distance_from_pair(ray[j], ray[i], wrench));
+        if (distance <= tolerance) add(bit(i) | bit(j));
+      }
+    }
+    for (std::size_t i = 0; i < rays.count; ++i) {
+      for (std::size_t j = i + 1; j < rays.count; ++j) {
+        for (std::size_t k = j + 1; k < rays.count; ++k) {
+          const Real least = smaller(smaller(volume[i][j], volume[j][k]), -volume[i][k]);
+          const Real most = larger(larger(volume[i][j], volume[j][k]), -volume[i][k]);
+          if (least < Real(0) && most > Real(0)) continue;  // shares of both signs
+          if (detail::in_triple(ray[i], ray[j], ray[k], wrench)) add(bit(i) | bit(j) | bit(k));
+        }
+      }
+    }
+  }
+
+  // Whether rays balance the wrench that are among these, as bits.
+  bool any_of(std::uint32_t rays) const {
+    for (std::size_t i = 0; i < count_; ++i)
+      if ((sets_[i] & ~rays) == 0) return true;
+    return false;
+  }
+
+ private:
+  static constexpr std::size_t n = 2 * max_supports;
+
+  void add(std::uint32_t set) {
+    if (!any_of(set)) sets_[count_++] = set;
+  }
+
+  std::array<std::uint32_t, n*(n - 1) * (n - 2) / 6> sets_;  // up to `count_`
+  std::size_t count_ = 0;
+};
 
 // The least wrench [weights, moment / reach] that would have to be added for balance. It is 0 up to
 // rounding where the contacts in these motions hold the body.

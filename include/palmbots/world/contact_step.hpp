@@ -115,7 +115,7 @@ class ContactStep : ContactTrial {
     const Place start = here();
     for (int i = 0; i < most_events; ++i) {
       const auto worst = [&](const Conditions& at) {
-        if (!at.settled) return -1.0;
+        if (!at.settled) return -std::numeric_limits<double>::infinity();  // bisects
         double least = 1.0;
         for (std::size_t k = 0; k < at.count; ++k) {
           if (!(then.value[k] < 0.0) && then.settled) continue;
@@ -137,7 +137,7 @@ class ContactStep : ContactTrial {
       if (!(when > done)) return done;
       there = start;
       Conditions found = reach(when, there, regime_);
-      if (found.least() >= 0.0 && then.least() == Conditions::behind)
+      if (found.least() >= 0.0 && then.settled && then.least() == Conditions::behind)
         found = passed(done, when, start);
       if (found.least() >= 0.0) {
         go_to(there);

@@ -15,6 +15,9 @@
 // (world/contact_step.hpp): the last two rules may be replaced by a draw.
 #pragma once
 
+#include <algorithm>
+#include <utility>
+
 #include "palmbots/base/few_sorted.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/world/regime_conditions.hpp"
@@ -71,55 +74,35 @@ inline bool in_one_direction(const FeatureContact& a, const FeatureContact& b) {
   return magnitude(cross(a.normal, b.normal)) < ContactTolerance::blank;
 }
 
-// Adds the modes of those of the closed pairs that are not left out, as the surfaces move with
-// `frames`.
-inline void add_candidates(const ContactProblem& problem, const Frames& frames, const Pose& pose,
-                           const ClosedPairs& closed,
-                           const std::array<bool, ClosedPairs::most>& left_out, bool pushed,
-                           RegimeCandidates& found) {
-  Supports<double> supports{};
-  Velocities<double> velocities{};
-  std::array<std::size_t, max_supports> index{};
-  for (std::size_t i = 0; i < closed.count; ++i) {
-    if (left_out[i] || supports.count == max_supports) continue;
-    const FeaturePair pair = closed.at[i].pair;
-    const FeatureContact c = problem.contact(frames, pose, pair);
-    const Frame& frame = frames[problem.carrier(pair)];
-    const Vec v = frame.velocity_at(pose.at + c.point);
-    velocities[supports.count] = {v.x, v.y};
-    index[supports.count] = i;
-    supports.at[supports.count++] = {
-        frame.sense < 0.0 ? left : right, c.point.x, c.point.y, c.normal.x, c.normal.y,
-        problem.surface(pair).friction};
+// Adds a candidate in which the closed pairs move like this.
+inline void add_candidate(const ContactProblem& problem, const ClosedPairs& closed,
+                          const Motions& motions, bool pushed, RegimeCandidates& found) {
+  if (found.count == RegimeCandidates::most) return;
+  RegimeCandidate made;
+  made.regime.pushed = pushed;
+  PerSide<bool> touched{};
+  std::size_t slide = 0;
+  for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
+    if (motions[i] == Motion::leave) continue;
+    const auto& [pair, c] = closed.at[i];
+    const double held = pair.kind == PairKind::tip_on_arc ? 0.0 : c.run;
+    made.regime.active[made.regime.count++] = {pair, motions[i], held, c.on_body};
+    slide += motions[i] != Motion::stick ? 1 : 0;
+    const std::size_t carrier = problem.carrier(pair);
+    if (carrier < 2) touched[carrier] = true;
   }
-  each_outcome(supports, velocities, problem.weight(pushed).x, [&](const Motions& motions) {
-    if (found.count == RegimeCandidates::most) return;
-    RegimeCandidate made;
-    made.regime.pushed = pushed;
-    PerSide<bool> touched{};
-    std::size_t slide = 0;
-    for (std::size_t i = 0; i < supports.count; ++i) {
-      if (motions[i] == Motion::leave) continue;
-      const auto& [pair, c] = closed.at[index[i]];
-      const double held = pair.kind == PairKind::tip_on_arc ? 0.0 : c.run;
-      made.regime.active[made.regime.count++] = {pair, motions[i], held, c.on_body};
-      slide += motions[i] != Motion::stick ? 1 : 0;
-      const std::size_t carrier = problem.carrier(pair);
-      if (carrier < 2) touched[carrier] = true;
-    }
-    const std::size_t second = other_carrier(problem, made.regime);
-    if (second < made.regime.count)
-      made.regime.alike = made.regime.active[0].held - made.regime.active[second].held;
-    made.on_both = touched[left] && touched[right];
-    made.staying = made.regime.count;
-    made.alike = slide == made.staying;
-    // On both palms in one direction: nothing but balance drives the object, which falls off.
-    const auto& active = made.regime.active;
-    if (problem.on_both && made.alike && slide == 2 && active[0].motion != active[1].motion) return;
-    for (std::size_t k = 0; k < found.count; ++k)
-      if (found.at[k].regime.is_like(made.regime)) return;
-    found.at[found.count++] = made;
-  });
+  const std::size_t second = other_carrier(problem, made.regime);
+  if (second < made.regime.count)
+    made.regime.alike = made.regime.active[0].held - made.regime.active[second].held;
+  made.on_both = touched[left] && touched[right];
+  made.staying = made.regime.count;
+  made.alike = slide == made.staying;
+  // On both palms in one direction: nothing but balance drives the object, which falls off.
+  const auto& active = made.regime.active;
+  if (problem.on_both && made.alike && slide == 2 && active[0].motion != active[1].motion) return;
+  for (std::size_t k = 0; k < found.count; ++k)
+    if (found.at[k].regime.is_like(made.regime)) return;
+  found.at[found.count++] = made;
 }
 
 }  // namespace detail
@@ -162,36 +145,52 @@ inline DropReason reason_of(const ContactProblem& problem, const ClosedPairs& cl
 // The regimes that the closed pairs allow, the best first.
 inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frames& frames,
                                       const Pose& pose, const ClosedPairs& closed) {
-  struct Doubled {
-    std::size_t first;
-    std::size_t second;
-    std::size_t ways;  // in which they take part: the first, the second or both
-  };
-  std::array<Doubled, 3> doubled{};
-  std::size_t count = 0;
+  // Each selection of the closed pairs, as bits of those that are left out: of two at one point, the
+  // first, the second or both take part.
+  std::array<std::uint32_t, 27> left_out{};
   std::size_t ways = 1;
+  int doubled = 0;
   for (std::size_t j = 0; j < closed.count; ++j) {
-    for (std::size_t i = 0; i < j && count < doubled.size(); ++i) {
+    for (std::size_t i = 0; i < j && doubled < 3; ++i) {
       const FeatureContact& a = closed.at[i].contact;
       const FeatureContact& b = closed.at[j].contact;
       if (!detail::at_one_point(a, b, problem.shapes.size)) continue;
-      // Where both touch in one direction they are the same contact.
-      doubled[count] = {i, j, detail::in_one_direction(a, b) ? std::size_t{2} : std::size_t{3}};
-      ways *= doubled[count++].ways;
+      ++doubled;
+      const auto before = left_out;
+      const std::size_t count = std::exchange(ways, 0);
+      for (const std::uint32_t out : {1U << j, 1U << i, 0U}) {
+        // Where both touch in one direction they are the same contact.
+        if (out == 0 && detail::in_one_direction(a, b)) continue;
+        for (std::size_t k = 0; k < count; ++k) {
+          const auto end = left_out.begin() + ways;
+          if (std::find(left_out.begin(), end, before[k] | out) == end)
+            left_out[ways++] = before[k] | out;
+        }
+      }
     }
   }
+  Supports<double> supports{};
+  Velocities<double> velocities{};
+  for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
+    const FeaturePair pair = closed.at[i].pair;
+    const FeatureContact c = problem.contact(frames, pose, pair);
+    const Frame& frame = frames[problem.carrier(pair)];
+    const Vec v = frame.velocity_at(pose.at + c.point);
+    velocities[i] = {v.x, v.y};
+    supports.at[supports.count++] = {
+        frame.sense < 0.0 ? left : right, c.point.x, c.point.y, c.normal.x, c.normal.y,
+        problem.surface(pair).friction};
+  }
+  const Twists<double> twists(supports, velocities);
   RegimeCandidates found;
   for (const bool pushed : {true, false}) {
+    const auto balancing = balancing_edges(supports, problem.weight(pushed).x);
     for (std::size_t way = 0; way < ways; ++way) {
-      std::array<bool, ClosedPairs::most> left_out{};
-      std::size_t rest = way;
-      for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t which = rest % doubled[k].ways;
-        rest /= doubled[k].ways;
-        if (which == 0) left_out[doubled[k].second] = true;
-        if (which == 1) left_out[doubled[k].first] = true;
-      }
-      detail::add_candidates(problem, frames, pose, closed, left_out, pushed, found);
+      twists.each(
+          left_out[way], [&](std::uint32_t edges) { return balancing.any_of(edges); },
+          [&](const Motions& motions) {
+            detail::add_candidate(problem, closed, motions, pushed, found);
+          });
     }
     if (found.count > 0 || problem.push == 0.0) break;
   }

@@ -28,7 +28,7 @@ struct ContactTolerance {
   static constexpr double instant = 1e-13;       // of a step
   static constexpr double jump = 1e-6;           // of the size of the object
   static constexpr double rate = 1e-9;           // of the pace
-  static constexpr double balanced_rate = 1e-6;  // the same, where it comes from differences
+  static constexpr double balanced_rate = 1e-6;  // the same, where balance takes part
 };
 
 inline constexpr std::size_t most_near = 64;

@@ -18,11 +18,60 @@ namespace palmbots {
 
 namespace detail {
 
-// How far two forces and the weight are from balance: the volume that they span.
-inline double unbalanced(const ContactProblem& problem, const Regime& regime,
-                         const ActiveContacts& contacts) {
-  const Rays<double> rays = rays_of(problem, regime, contacts);
-  return dot(cross(rays.ray[0], rays.ray[1]), problem.weight(regime.pushed));
+// How far two forces and the weight are from balance: the volume that they span. And how fast that
+// changes while the object moves with a twist and the surfaces with their velocities.
+struct Unbalance {
+  double volume;
+  double rate;
+};
+inline Unbalance unbalanced(const ContactProblem& problem, const Regime& regime,
+                            const ActiveContacts& contacts, const Frames& frames, const Pose& pose,
+                            Vec velocity, double spin) {
+  const double size = problem.shapes.size;
+  const auto turned = [](Vec v) { return Vec{-v.y, v.x}; };
+  std::array<Triple<double>, 2> ray{};
+  std::array<Triple<double>, 2> ray_rate{};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < regime.count; ++i) {
+    const FeatureContact& c = contacts[i];
+    const FeaturePair pair = regime.active[i].pair;
+    const Frame& frame = frames[problem.carrier(pair)];
+    const double radius =
+        pair.kind == PairKind::tip_on_edge ? 0.0 : problem.shapes.body.corners[pair.feature].radius;
+    Vec point_rate{};
+    Vec normal_rate{};
+    if (pair.kind == PairKind::corner_on_face) {
+      normal_rate = turned(c.normal) * (frame.sense * frame.rate);
+      point_rate = turned(c.point + c.normal * radius) * spin - normal_rate * radius;
+    } else {
+      point_rate = frame.velocity_at(pose.at + c.point) - velocity;
+      normal_rate = turned(c.normal) * spin;
+      if (pair.kind == PairKind::tip_on_arc) {
+        const double distance = radius + c.gap;
+        const Vec passing = point_rate - turned(c.point + c.normal * distance) * spin;
+        normal_rate = c.tangent * (-dot(c.tangent, passing) / distance);
+      }
+    }
+    const Vec tangent_rate = tangent_of(frame.sense, normal_rate);
+    const double friction = problem.surface(pair).friction;
+    for (const Motion edge : {Motion::up, Motion::down}) {
+      if (regime.active[i].motion != edge && regime.active[i].motion != Motion::stick) continue;
+      const double along = edge == Motion::up ? -friction : friction;
+      const Vec force = c.normal + c.tangent * along;
+      const Vec force_rate = normal_rate + tangent_rate * along;
+      const Triple<double> wrench = problem.row(c, force);
+      const Triple<double> wrench_rate{
+          force_rate.x, force_rate.y,
+          (cross(point_rate, force) + cross(c.point, force_rate)) / size};
+      const double scale = 1.0 / palmbots::size(wrench);
+      ray[count] = wrench * scale;
+      ray_rate[count] = (wrench_rate - ray[count] * dot(ray[count], wrench_rate)) * scale;
+      ++count;
+    }
+  }
+  const Triple<double> weight = problem.weight(regime.pushed);
+  return {dot(cross(ray[0], ray[1]), weight),
+          dot(cross(ray_rate[0], ray[1]) + cross(ray[0], ray_rate[1]), weight)};
 }
 
 // How far the push of a robot that yields, or its partner's push against it, is above the limit.
@@ -75,53 +124,51 @@ inline RegimeEquations equations(const ContactProblem& problem, const Regime& re
                   by_palm(i, c.tangent));
   }
   if (equations.system.full()) return equations;
-  constexpr double none = 1e-8;  // above the rounding of the differences
-  // Adds that a function of the contacts is 0. False: it does not depend on where the object is.
-  const auto add_level = [&](auto level, double value) {
-    // Central differences: in the mirror they round alike.
-    const double h = 1e-6;
-    const auto rate = [&](auto at) { return (at(h) - at(-h)) / (h + h); };
-    const double size = problem.shapes.size;
-    const auto by = [&](Vec shift, double turn) {
-      return rate([&](double k) {
-        const Pose there = Pose::of(pose.at + shift * k, pose.angle + turn * k);
-        return level(problem, regime, contacts_of(problem, regime, frames, there));
-      });
-    };
-    const auto by_palm_that_yields = [&] {
-      return rate([&](double k) {
-        Frames there = frames;
-        for (const std::size_t side : {left, right})
-          if (regime.drives[side] == Drive::yields) there[side].origin.x += size * k;
-        return level(problem, regime, contacts_of(problem, regime, there, pose));
-      });
-    };
-    const Triple<double> row{by({size, 0.0}, 0.0), by({0.0, size}, 0.0), by({0.0, 0.0}, 1.0)};
-    const double palm = regime.yields() ? by_palm_that_yields() : 0.0;
+  constexpr double none = 1e-8;
+  const double size = problem.shapes.size;
+  // Adds that a quantity is 0; rate(frames, velocity, spin) is how fast it changes while the surfaces
+  // move with the frames' velocities and the object with these. False: it does not depend on where
+  // the object is.
+  const auto add_level = [&](double value, auto rate) {
+    Frames still = frames;
+    for (Frame& frame : still) {
+      frame.velocity = {};
+      frame.rate = 0.0;
+    }
+    const Triple<double> row{rate(still, Vec{size, 0.0}, 0.0), rate(still, Vec{0.0, size}, 0.0),
+                             rate(still, Vec{}, 1.0)};
+    double palm = 0.0;
+    if (regime.yields()) {
+      still[regime.drives[left] == Drive::yields ? left : right].velocity.x = size;
+      palm = rate(still, Vec{}, 0.0);
+    }
     if (!(decltype(equations.system)::largest({row.x, row.y, row.z, palm}) > none)) return false;
     equations.balance = true;
-    if (rates) {
-      const double fastest = pace_of(frames, size);
-      value = 0.0;
-      if (fastest > 0.0) {
-        const double pace = size / fastest;
-        const double drift = rate([&](double k) {
-          const Frames then = moved(frames, k * pace);
-          return level(problem, regime, contacts_of(problem, regime, then, pose));
-        });
-        value = -(drift / pace);
-      }
-    }
-    equations.add(row, value * size, palm);
+    equations.add(row, (rates ? -rate(frames, Vec{}, 0.0) : value) * size, palm);
     return true;
   };
   if (rays == 2) {
-    const double off = unbalanced(problem, regime, contacts);
-    const bool is_added = add_level(unbalanced, off);
+    const auto unbalance = [&](const Frames& moving, Vec velocity, double spin) {
+      return unbalanced(problem, regime, contacts, moving, pose, velocity, spin);
+    };
+    const double off = unbalance(frames, {}, 0.0).volume;
+    const bool is_added = add_level(off, [&](auto... motion) { return unbalance(motion...).rate; });
     if (!regime.yields() && (is_added || magnitude(off) > none)) return equations;
   }
   if (regime.yields()) {
-    if (regime.has_unique_forces()) add_level(above_limit, above_limit(problem, regime, contacts));
+    // Central differences: in the mirror they round alike.
+    const auto rate = [&](const Frames& moving, Vec velocity, double spin) {
+      const double fastest =
+          larger(pace_of(moving, size), length(velocity) + magnitude(spin) * size);
+      if (!(fastest > 0.0)) return 0.0;
+      const double h = 1e-6 * (size / fastest);
+      const auto at = [&](double t) {
+        const Pose there = Pose::of(pose.at + velocity * t, pose.angle + spin * t);
+        return above_limit(problem, regime, contacts_of(problem, regime, moved(moving, t), there));
+      };
+      return (at(h) - at(-h)) / (h + h);
+    };
+    if (regime.has_unique_forces()) add_level(above_limit(problem, regime, contacts), rate);
     return equations;
   }
   // Both sides alike: the run of the first contact of one carrier as that of the other one.
@@ -139,11 +186,12 @@ inline RegimeEquations equations(const ContactProblem& problem, const Regime& re
 
 // True if all gaps are closed and all sticking contacts are where they were: there may be more
 // equations than unknowns.
-inline bool holds(const ContactProblem& problem, const Regime& regime,
+inline bool holds(const ContactProblem& problem, const Regime& regime, const Pose& pose,
                   const ActiveContacts& contacts) {
   // Wider for slip: the place at which a contact sticks was noted before its gap was closed.
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  const double most = 64.0 * epsilon * problem.shapes.size;
+  const double far = magnitude(pose.at.x) + magnitude(pose.at.y);  // coordinates round there
+  const double most = 16.0 * epsilon * (4.0 * problem.shapes.size + far);
   const double most_slip = 2e5 * epsilon * problem.shapes.size;
   for (std::size_t i = 0; i < regime.count; ++i) {
     const double slipped = contacts[i].run - regime.active[i].held;
@@ -157,20 +205,25 @@ inline bool holds(const ContactProblem& problem, const Regime& regime,
 // near.
 inline bool settle(const ContactProblem& problem, const Regime& regime, Frames& frames, Pose& pose,
                    ActiveContacts& contacts) {
-  for (int i = 0; i < 40; ++i) {
+  constexpr double noise = 1e-7;  // of the size: shorter steps may be errors of rounding
+  double before = problem.shapes.size;
+  int grown = 0;  // steps that were longer than the one before: there is no such place
+  for (int i = 0; i < 40 && grown < 2; ++i) {
     contacts = contacts_of(problem, regime, frames, pose);
     const auto made = detail::equations(problem, regime, frames, pose, contacts, false);
     if (!made.system.full()) return false;
     const auto step = made.system.solution();
     const double most = decltype(made.system)::largest(step);
     if (!(most < problem.shapes.size)) return false;
+    if (!(most < before) && most > noise * problem.shapes.size) ++grown;
+    before = most;
     for (const std::size_t side : {left, right})
       if (regime.drives[side] == Drive::yields) frames[side].origin.x -= step[3];
     pose = Pose::of(pose.at - Vec{step[0], step[1]}, pose.angle - step[2] / problem.shapes.size);
     // Convergence is quadratic: after so small a step, the remaining error is far below rounding.
     if (most < 1e-10 * problem.shapes.size) {
       contacts = contacts_of(problem, regime, frames, pose);
-      return holds(problem, regime, contacts);
+      return holds(problem, regime, pose, contacts);
     }
   }
   return false;
