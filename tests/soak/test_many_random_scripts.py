@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """10⁵ random scripts of 500 periods: nothing sinks in, and there are forces for every motion.
 
-One in 100 is made in the slow world, too.
+One in 100 is made in the slow world, too, and the energy of others is accounted for.
 """
 
 import pytest
 
+from energy_oracle import Account, account_for
 from palm_scripts import Found, run
 from script_ends import compare_scripts
 
@@ -32,3 +33,13 @@ def test_scripts_end_as_in_the_slow_world(part: int, soak_seed: int) -> None:
     assert ends.clear_share >= 0.7
     # 99 in 100 agreed (docs/theory/contacts.md).
     assert len(ends.faults + ends.missed) <= 0.04 * ends.agreed, ends
+
+
+@pytest.mark.parametrize("part", range(40))
+def test_work_lifts_the_object_or_becomes_heat(part: int, soak_seed: int) -> None:
+    total = Account()
+    first = (soak_seed * PARTS + part) * SCRIPTS
+    for seed in range(first, first + COMPARED):
+        account_for(seed, total)
+    assert total.faults == []
+    assert total.work == pytest.approx(total.gained + total.heat, rel=1e-4)

@@ -8,6 +8,7 @@ apart follow the contacts that persist and how each of them moved. Forces in the
 of their friction cones must balance the weight, as non-negative least squares decides.
 """
 
+import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -301,3 +302,12 @@ class Oracle:
                 moment = (r[0] * force[1] - r[1] * force[0]) / self.size
                 rays.append((touch.carrier, [*force, moment]))
         return rays
+
+
+def slipperier(oracle: Oracle, by: float) -> Oracle:
+    """The same with this share of the friction."""
+    other = copy.copy(oracle)
+    other.floor = None if oracle.floor is None else by * oracle.floor
+    other.blocks = tuple(one._replace(friction=by * one.friction) for one in oracle.blocks)
+    other.plates = [(*plate[:-1], by * plate[-1]) for plate in oracle.plates]
+    return other

@@ -1,26 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whatever palms do: nothing sinks in, there are forces for every motion, and no end is early."""
 
-import copy
 from dataclasses import replace
 
 import numpy as np
 
-from motion_oracle import Moment, Oracle
+from motion_oracle import Moment, slipperier
 from palm_scripts import BALANCED, SUNK, Drive, Found, run, world_of
 from script_ends import STEPS, compare_scripts
 
 SCRIPTS = 12
 COMPARED = 12
-
-
-def slipperier(oracle: Oracle, by: float) -> Oracle:
-    """The same with this share of the friction."""
-    other = copy.copy(oracle)
-    other.floor = None if oracle.floor is None else by * oracle.floor
-    other.blocks = tuple(one._replace(friction=by * one.friction) for one in oracle.blocks)
-    other.plates = [(*plate[:-1], by * plate[-1]) for plate in oracle.plates]
-    return other
 
 
 def test_nothing_sinks_in_and_forces_balance() -> None:
