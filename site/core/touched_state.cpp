@@ -69,16 +69,15 @@ std::string TouchedState::kinds() const {
 void TouchedState::append(std::vector<double>& out) const {
   out.insert(out.end(), {balances(supports_, {}, slope_) ? 1.0 : 0.0, double(supports_.count)});
   for (std::size_t i = 0; i < supports_.count; ++i) {
-    const Support<double>& s = supports_.at[i];
+    const Support& s = supports_.at[i];
     out.insert(out.end(),
                {double(touched_[i].carrier), touched_[i].place, s.x, s.y, s.nx, s.ny, s.friction});
   }
   out.insert(out.end(), places_.begin(), places_.end());
 }
 
-void TouchedState::append_modes(const PerSide<PalmMotion<double>>& palms,
-                                std::vector<double>& out) const {
-  Velocities<double> velocities{};
+void TouchedState::append_modes(const PerSide<PalmMotion>& palms, std::vector<double>& out) const {
+  Velocities velocities{};
   SurfaceNumbers surfaces{};
   for (std::size_t i = 0; i < supports_.count; ++i) {
     const std::size_t carrier = touched_[i].carrier;

@@ -23,9 +23,9 @@ using Numbers2 = std::pair<double, double>;
 using SupportTuple = std::tuple<std::size_t, double, double, double, double, double>;
 using PalmTuple = std::tuple<double, double, double>;  // vx, vy, spin
 
-Supports<double> supports_of(const std::vector<SupportTuple>& given) {
+Supports supports_of(const std::vector<SupportTuple>& given) {
   if (given.size() > max_supports) throw std::invalid_argument("at most 8 supports");
-  Supports<double> supports{};
+  Supports supports{};
   for (const auto& [side, x, y, nx, ny, friction] : given) {
     if (side > 1) throw std::out_of_range("side is 0 or 1");
     supports.at[supports.count++] = {side, x, y, nx, ny, friction};
@@ -43,9 +43,9 @@ Motions motions_of(const std::vector<int>& given, std::size_t count) {
   return motions;
 }
 
-Velocities<double> velocities_of(const std::vector<Numbers2>& given, std::size_t count) {
+Velocities velocities_of(const std::vector<Numbers2>& given, std::size_t count) {
   if (given.size() != count) throw std::invalid_argument("one velocity for each support");
-  Velocities<double> velocities{};
+  Velocities velocities{};
   for (std::size_t i = 0; i < count; ++i) velocities[i] = {given[i].first, given[i].second};
   return velocities;
 }
@@ -61,7 +61,7 @@ nb::tuple contacts_of(const Spec& spec, Numbers2 angles, Numbers2 places) {
       contacts_of_state(spec, {angles.first, angles.second}, {places.first, places.second});
   std::vector<std::tuple<std::string, std::size_t, double, double, double, SupportTuple>> points;
   for (const StateContact& t : found.touched) {
-    const Support<double>& s = t.support;
+    const Support& s = t.support;
     points.emplace_back(t.kind, t.carrier, t.place, t.point.x, t.point.y,
                         SupportTuple{s.side, s.x, s.y, s.nx, s.ny, s.friction});
   }
@@ -75,14 +75,13 @@ nb::tuple contacts_of(const Spec& spec, Numbers2 angles, Numbers2 places) {
 std::vector<Numbers2> palm_velocities(const std::vector<SupportTuple>& given,
                                       std::pair<Numbers2, Numbers2> pivots,
                                       std::pair<PalmTuple, PalmTuple> palms) {
-  const Supports<double> supports = supports_of(given);
+  const Supports supports = supports_of(given);
   std::vector<Numbers2> found;
   for (std::size_t i = 0; i < supports.count; ++i) {
-    const Support<double>& s = supports.at[i];
+    const Support& s = supports.at[i];
     const Numbers2 pivot = s.side == left ? pivots.first : pivots.second;
     const auto [vx, vy, spin] = s.side == left ? palms.first : palms.second;
-    const Velocity<double> v =
-        velocity_at<double>({vx, vy, spin}, s.x - pivot.first, s.y - pivot.second);
+    const Vec v = velocity_at({vx, vy, spin}, s.x - pivot.first, s.y - pivot.second);
     found.emplace_back(v.x, v.y);
   }
   return found;
@@ -90,9 +89,9 @@ std::vector<Numbers2> palm_velocities(const std::vector<SupportTuple>& given,
 
 std::vector<std::vector<int>> possible(const std::vector<SupportTuple>& given,
                                        const std::vector<Numbers2>& velocities) {
-  const Supports<double> supports = supports_of(given);
+  const Supports supports = supports_of(given);
   std::vector<std::vector<int>> found;
-  Twists<double>(supports, velocities_of(velocities, supports.count))
+  Twists(supports, velocities_of(velocities, supports.count))
       .each(
           0, [](std::uint32_t) { return true; },
           [&](const Motions& m) { found.push_back(listed(m, supports.count)); });
@@ -101,7 +100,7 @@ std::vector<std::vector<int>> possible(const std::vector<SupportTuple>& given,
 
 std::vector<std::vector<int>> outcomes(const std::vector<SupportTuple>& given,
                                        const std::vector<Numbers2>& velocities, double slope) {
-  const Supports<double> supports = supports_of(given);
+  const Supports supports = supports_of(given);
   std::vector<std::vector<int>> found;
   each_outcome(supports, velocities_of(velocities, supports.count), slope,
                [&](const Motions& m) { found.push_back(listed(m, supports.count)); });
@@ -113,7 +112,7 @@ using Ends = std::pair<double, double>;
 std::tuple<std::vector<std::pair<Ends, Ends>>, double, std::optional<std::vector<int>>> mode_forces(
     const std::vector<SupportTuple>& given, const std::vector<int>& codes, double slope,
     const std::vector<std::size_t>& surfaces) {
-  const Supports<double> supports = supports_of(given);
+  const Supports supports = supports_of(given);
   const Motions motions = motions_of(codes, supports.count);
   if (surfaces.size() != supports.count)
     throw std::invalid_argument("one surface for each support");
@@ -141,7 +140,7 @@ std::tuple<std::vector<std::pair<Ends, Ends>>, double, std::optional<std::vector
 void bind_multi_contact(nb::module_& m) {
   m.attr("contact_kinds") = names_to(ContactKind::tip);
   m.attr("contact_tolerance") = contact_tolerance<double>;
-  m.attr("wrench_tolerance") = wrench_tolerance<double>;
+  m.attr("wrench_tolerance") = wrench_tolerance;
   m.def(
       "contacts", &contacts_of, nb::arg("spec"), nb::arg("angles"), nb::arg("places"),
       "All contacts as (kind, palm, place, object x, object y, support), the palm that lies in the "
@@ -151,23 +150,13 @@ void bind_multi_contact(nb::module_& m) {
   m.def(
       "imbalance",
       [](const std::vector<SupportTuple>& given, const std::vector<int>& motions, double slope) {
-        const Supports<double> supports = supports_of(given);
+        const Supports supports = supports_of(given);
         return imbalance(supports, motions_of(motions, supports.count), slope);
       },
       nb::arg("supports"), nb::arg("motions"), nb::arg("slope") = 0.0,
       "What these contacts lack for balance, in weights; 0 but for rounding: they hold. A motion "
       "is "
       "0 stick, 1 up, -1 down, 2 leave.");
-  m.def(
-      "twist_exists",
-      [](const std::vector<SupportTuple>& given, const std::vector<int>& motions,
-         const std::vector<Numbers2>& velocities) {
-        const Supports<double> supports = supports_of(given);
-        return Twists<double>(supports, velocities_of(velocities, supports.count))
-            .exist(motions_of(motions, supports.count));
-      },
-      nb::arg("supports"), nb::arg("motions"), nb::arg("velocities"),
-      "Can a rigid body move like this on palms with these velocities?");
   m.def("possible_motions", &possible, nb::arg("supports"), nb::arg("velocities"),
         "Every way in which a rigid body can move on palms with these velocities.");
   m.def("outcomes", &outcomes, nb::arg("supports"), nb::arg("velocities"), nb::arg("slope") = 0.0,

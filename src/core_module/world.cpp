@@ -40,7 +40,7 @@ std::vector<std::tuple<std::string, std::size_t, double, SupportTuple>> touching
     const World<double>& w, double within) {
   std::vector<std::tuple<std::string, std::size_t, double, SupportTuple>> found;
   for (const Touched& one : touched_in(w, within)) {
-    const Support<double>& s = one.support;
+    const Support& s = one.support;
     found.emplace_back(one.kind, one.carrier, one.place,
                        SupportTuple{s.side, s.x, s.y, s.nx, s.ny, s.friction});
   }

@@ -33,7 +33,7 @@ struct ModeMargin {
   // The mode stays consistent as long as the friction angle of each surface changes by less, each
   // in its own direction [rad]; infinite: no change ends it.
   double angle;
-  Supports<double> supports;  // with the friction at its end
+  Supports supports;  // with the friction at its end
 };
 
 // The surface of each contact, as a number below 32: contacts of one surface have one friction.
@@ -46,11 +46,10 @@ using Shares = std::array<double, 2 * max_supports>;  // of the edges
 // The shares of the edges that balance the weight.
 class EdgeShares {
  public:
-  EdgeShares(const Supports<double>& supports, const Motions& motions, double slope)
-      : load_{slope, 1.0, 0.0} {
+  EdgeShares(const Supports& supports, const Motions& motions, double slope) {
     const double reach = supports.reach();
     for (std::size_t i = 0; i < supports.count; ++i) {
-      const Support<double>& s = supports.at[i];
+      const Support& s = supports.at[i];
       const double up = s.side == left ? 1.0 : -1.0;  // whether that is to the left
       for (const Motion edge : {Motion::up, Motion::down}) {
         if (motions[i] != edge && motions[i] != Motion::stick) continue;
@@ -62,6 +61,7 @@ class EdgeShares {
         along_[count_++] = along;
       }
     }
+    wrench_[count_] = {-slope, -1.0, 0.0};
   }
 
   std::size_t count() const { return count_; }
@@ -72,33 +72,14 @@ class EdgeShares {
   // triple of nearly dependent edges magnifies.
   std::vector<Shares> corners() const {
     for (const double tolerance : {1e-8, 1e-6, 1e-4, 1e-2}) {
-      std::vector<Shares> found;
-      for (std::size_t i = 0; i < count_; ++i) {
-        add_corner<1>({i}, tolerance, found);
-        for (std::size_t j = i + 1; j < count_; ++j) {
-          add_corner<2>({i, j}, tolerance, found);
-          for (std::size_t k = j + 1; k < count_; ++k) add_corner<3>({i, j, k}, tolerance, found);
-        }
-      }
+      std::vector<Shares> found = cancelling(tolerance, true);
       if (!found.empty()) return found;
     }
     return {Shares{}};
   }
 
   // The directions in which the polyhedron is endless.
-  std::vector<Shares> directions() const {
-    std::vector<Shares> found;
-    for (std::size_t i = 0; i < count_; ++i) {
-      for (std::size_t j = i + 1; j < count_; ++j) {
-        add_direction<2>({i, j}, found);
-        for (std::size_t k = j + 1; k < count_; ++k) {
-          add_direction<3>({i, j, k}, found);
-          for (std::size_t l = k + 1; l < count_; ++l) add_direction<4>({i, j, k, l}, found);
-        }
-      }
-    }
-    return found;
-  }
+  std::vector<Shares> directions() const { return cancelling(independent, false); }
 
  private:
   static constexpr double independent = 1e-9;  // least distance of an edge from the span of others
@@ -106,120 +87,82 @@ class EdgeShares {
   template <std::size_t n>
   using Edges = std::array<std::size_t, n>;
 
-  // The shares of independent edges whose sum is nearest to the load. False: they are dependent.
-  template <std::size_t n>
-  bool solve(const Edges<n>& edges, std::array<double, n>& shares) const {
-    const Triple<double>& a = wrench_[edges[0]];
-    if constexpr (n == 1) {
-      shares[0] = dot(a, load_) / dot(a, a);
-      return size(a) > independent;
-    } else if constexpr (n == 2) {
-      const Triple<double>& b = wrench_[edges[1]];
-      const Triple<double> normal = cross(a, b);
-      const double area = dot(normal, normal);
-      if (!(std::sqrt(area) > independent * larger(size(a), size(b)))) return false;
-      shares = {dot(cross(load_, b), normal) / area, dot(cross(a, load_), normal) / area};
-      return true;
-    } else {
-      const Triple<double>& b = wrench_[edges[1]];
-      const Triple<double>& c = wrench_[edges[2]];
-      const Triple<double> bc = cross(b, c);
-      const Triple<double> ca = cross(c, a);
-      const Triple<double> ab = cross(a, b);
-      const double volume = dot(a, bc);
-      const double widest = larger(size(bc), larger(size(ca), size(ab)));
-      if (!(magnitude(volume) > independent * widest)) return false;
-      shares = {dot(load_, bc) / volume, dot(load_, ca) / volume, dot(load_, ab) / volume};
-      return true;
+  // The shares ≥ 0 of as few edges as possible that cancel: with the load, or by themselves. The last
+  // column is the load, reversed.
+  std::vector<Shares> cancelling(double tolerance, bool with_load) const {
+    std::vector<Shares> found;
+    const auto try_these = [&]<std::size_t n>(const Edges<n>& edges) {
+      std::array<double, n> shares{};
+      if ((edges.back() == count_) != with_load || !null_of(edges, tolerance, shares)) return;
+      double size = 0.0;
+      for (const double share : shares) size += share * share;
+      size = std::sqrt(size);
+      const double whole = with_load ? shares.back() : 0.0;
+      if (with_load && !(magnitude(whole) > independent * size)) return;
+      double sum = 0.0;
+      for (const double share : shares) sum += share;
+      const double scale = with_load ? 1.0 / whole : (sum > 0.0 ? 1.0 : -1.0) / size;
+      Shares all{};
+      for (std::size_t k = 0; k < n; ++k) {
+        if (!(shares[k] * scale >= -tolerance)) return;
+        if (edges[k] < count_) all[edges[k]] = larger(shares[k] * scale, 0.0);
+      }
+      found.push_back(all);
+    };
+    for (std::size_t i = 0; i <= count_; ++i) {
+      for (std::size_t j = i + 1; j <= count_; ++j) {
+        try_these(Edges<2>{i, j});
+        for (std::size_t k = j + 1; k <= count_; ++k) {
+          try_these(Edges<3>{i, j, k});
+          for (std::size_t l = k + 1; l <= count_; ++l) try_these(Edges<4>{i, j, k, l});
+        }
+      }
     }
-  }
-
-  template <std::size_t n>
-  void add_corner(const Edges<n>& edges, double tolerance, std::vector<Shares>& found) const {
-    std::array<double, n> shares{};
-    if (!solve(edges, shares)) return;
-    Triple<double> off = load_ * -1.0;
-    double least = 0.0;
-    double most = 0.0;
-    for (std::size_t k = 0; k < n; ++k) {
-      off = off + wrench_[edges[k]] * shares[k];
-      least = smaller(least, shares[k]);
-      most = larger(most, magnitude(shares[k]));
-    }
-    const double missing = larger(magnitude(off.x), larger(magnitude(off.y), magnitude(off.z)));
-    if (!(missing <= tolerance * (1.0 + most) && least >= -tolerance)) return;
-    put(edges, shares, found);
+    return found;
   }
 
   // The shares with which edges of one dimension too many add up to nothing. False: they have other
   // dimensions.
-  bool null_of(const Edges<2>& edges, std::array<double, 2>& shares) const {
-    const Triple<double>& a = wrench_[edges[0]];
-    const Triple<double>& b = wrench_[edges[1]];
+  bool null_of(const Edges<2>& edges, double tolerance, std::array<double, 2>& shares) const {
+    const Triple& a = wrench_[edges[0]];
+    const Triple& b = wrench_[edges[1]];
     shares = {size(b), dot(a, b) < 0.0 ? size(a) : -size(a)};
-    return size(cross(a, b)) <= independent * larger(size(a), size(b));
+    return size(cross(a, b)) <= tolerance * larger(size(a), size(b));
   }
-  bool null_of(const Edges<3>& edges, std::array<double, 3>& shares) const {
-    const Triple<double> bc = cross(wrench_[edges[1]], wrench_[edges[2]]);
-    const Triple<double> ca = cross(wrench_[edges[2]], wrench_[edges[0]]);
-    const Triple<double> ab = cross(wrench_[edges[0]], wrench_[edges[1]]);
+  bool null_of(const Edges<3>& edges, double tolerance, std::array<double, 3>& shares) const {
+    const Triple bc = cross(wrench_[edges[1]], wrench_[edges[2]]);
+    const Triple ca = cross(wrench_[edges[2]], wrench_[edges[0]]);
+    const Triple ab = cross(wrench_[edges[0]], wrench_[edges[1]]);
     const double bc_size = size(bc);
     const double widest = larger(bc_size, larger(size(ca), size(ab)));
     if (!(widest > independent)) return false;
-    if (magnitude(dot(wrench_[edges[0]], bc)) > independent * widest) return false;
-    const Triple<double>& plane = bc_size == widest ? bc : size(ca) == widest ? ca : ab;
+    if (magnitude(dot(wrench_[edges[0]], bc)) > tolerance * widest) return false;
+    const Triple& plane = bc_size == widest ? bc : size(ca) == widest ? ca : ab;
     shares = {dot(bc, plane), dot(ca, plane), dot(ab, plane)};
     return true;
   }
-  bool null_of(const Edges<4>& edges, std::array<double, 4>& shares) const {
-    const Triple<double>& a = wrench_[edges[0]];
-    const Triple<double>& b = wrench_[edges[1]];
-    const Triple<double>& c = wrench_[edges[2]];
-    const Triple<double>& d = wrench_[edges[3]];
+  bool null_of(const Edges<4>& edges, double, std::array<double, 4>& shares) const {
+    const Triple& a = wrench_[edges[0]];
+    const Triple& b = wrench_[edges[1]];
+    const Triple& c = wrench_[edges[2]];
+    const Triple& d = wrench_[edges[3]];
     shares = {dot(b, cross(c, d)), -dot(a, cross(c, d)), dot(a, cross(b, d)), -dot(a, cross(b, c))};
     double most = 0.0;
     for (const double share : shares) most = larger(most, magnitude(share));
     return most > independent;
   }
 
-  template <std::size_t n>
-  void add_direction(const Edges<n>& edges, std::vector<Shares>& found) const {
-    std::array<double, n> shares{};
-    if (!null_of(edges, shares)) return;
-    double sum = 0.0;
-    double square = 0.0;
-    for (const double share : shares) {
-      sum += share;
-      square += share * share;
-    }
-    const double scale = (sum > 0.0 ? 1.0 : -1.0) / std::sqrt(square);
-    for (double& share : shares) {
-      share *= scale;
-      if (!(share >= -independent)) return;
-    }
-    put(edges, shares, found);
-  }
-
-  template <std::size_t n>
-  static void put(const Edges<n>& edges, const std::array<double, n>& shares,
-                  std::vector<Shares>& found) {
-    Shares all{};
-    for (std::size_t k = 0; k < n; ++k) all[edges[k]] = larger(shares[k], 0.0);
-    found.push_back(all);
-  }
-
-  Triple<double> load_;
-  std::array<Triple<double>, 2 * max_supports> wrench_{};  // per unit of normal force
+  std::array<Triple, 2 * max_supports + 1> wrench_{};  // per unit of normal force, and the load
   std::array<std::size_t, 2 * max_supports> contact_{};
   std::array<double, 2 * max_supports> along_{};  // friction force, likewise
   std::size_t count_ = 0;
 };
 
 // The supports with other friction angles, kept from 0° to 89°.
-inline Supports<double> at_friction_angles(const Supports<double>& supports,
-                                           const std::array<double, max_supports>& changes) {
+inline Supports at_friction_angles(const Supports& supports,
+                                   const std::array<double, max_supports>& changes) {
   constexpr double steepest = 89.0 * radians_per_degree<double>;
-  Supports<double> changed = supports;
+  Supports changed = supports;
   for (std::size_t i = 0; i < supports.count; ++i) {
     const double own = std::atan(supports.at[i].friction);
     changed.at[i].friction = std::tan(clamp(own + changes[i], 0.0, larger(steepest, own)));
@@ -250,7 +193,7 @@ double first_end(Holds holds, double most) {
 }  // namespace detail
 
 // The ranges of the forces in a contact mode that is in balance.
-inline std::array<ContactForce, max_supports> contact_forces(const Supports<double>& supports,
+inline std::array<ContactForce, max_supports> contact_forces(const Supports& supports,
                                                              const Motions& motions, double slope) {
   const detail::EdgeShares edges(supports, motions, slope);
   const auto corners = edges.corners();
@@ -282,7 +225,7 @@ inline std::array<ContactForce, max_supports> contact_forces(const Supports<doub
 }
 
 // The margin of a contact mode.
-inline ModeMargin margin_of(const Supports<double>& supports, const Motions& motions, double slope,
+inline ModeMargin margin_of(const Supports& supports, const Motions& motions, double slope,
                             const SurfaceNumbers& surfaces) {
   constexpr double most = 89.0 * radians_per_degree<double>;
   // More friction permits all forces that less of it does, so where all contacts of a surface stick,
@@ -314,8 +257,7 @@ inline ModeMargin margin_of(const Supports<double>& supports, const Motions& mot
 
 // How each contact can be loaded: as its motion would be if its force lies on one edge, and as if
 // it left if it carries nothing.
-inline Motions loaded_edges(const Supports<double>& supports, const Motions& motions,
-                            double slope) {
+inline Motions loaded_edges(const Supports& supports, const Motions& motions, double slope) {
   constexpr double carries = 1e-5;  // weights; a contact with less carries nothing
   const detail::EdgeShares edges(supports, motions, slope);
   const auto corners = edges.corners();

@@ -15,65 +15,54 @@
 // sufficient to test pairs, triples and quadruples.
 #pragma once
 
+#include "palmbots/base/vec.hpp"
 #include "palmbots/mechanics/wrench_cone.hpp"
 
 namespace palmbots {
 
 // How a palm moves: the velocity of its pivot and its angular velocity, anticlockwise.
-template <class Real>
 struct PalmMotion {
-  Real vx;  // [m/s]
-  Real vy;
-  Real spin;  // [rad/s]
-};
-
-// A velocity [m/s].
-template <class Real>
-struct Velocity {
-  Real x;
-  Real y;
+  double vx;  // [m/s]
+  double vy;
+  double spin;  // [rad/s]
 };
 
 // The velocities of the palms at the contacts.
-template <class Real>
-using Velocities = std::array<Velocity<Real>, max_supports>;
+using Velocities = std::array<Vec, max_supports>;
 
 // The velocity of the point of a palm at (x, y) from its pivot [m].
-template <class Real>
-constexpr Velocity<Real> velocity_at(const PalmMotion<Real>& palm, Real x, Real y) {
+constexpr Vec velocity_at(const PalmMotion& palm, double x, double y) {
   return {palm.vx - palm.spin * y, palm.vy + palm.spin * x};
 }
 
 // A condition row · twist = value, or row · twist > value. The row has unit size.
-template <class Real>
 struct Condition {
-  Triple<Real> row;
-  Real value;
+  Triple row;
+  double value;
 };
 
 // The twists that satisfy a set of equations: origin + Σ z_k basis_k.
-template <class Real>
 struct TwistSpace {
-  Triple<Real> origin{};
-  std::array<Triple<Real>, 3> basis{{{Real(1), 0, 0}, {0, Real(1), 0}, {0, 0, Real(1)}}};
+  Triple origin{};
+  std::array<Triple, 3> basis{{{1.0, 0, 0}, {0, 1.0, 0}, {0, 0, 1.0}}};
   std::size_t dimension = 3;
 
   // Adds an equation. Returns false if it contradicts the earlier ones.
-  constexpr bool restrict(const Condition<Real>& to) {
-    const Real missing = to.value - dot(to.row, origin);
-    Triple<Real> within{};
+  bool restrict(const Condition& to) {
+    const double missing = to.value - dot(to.row, origin);
+    Triple within{};
     for (std::size_t k = 0; k < dimension; ++k) {
       within = within + basis[k] * dot(to.row, basis[k]);
     }
-    const Real part = size(within);
-    if (!(part > wrench_tolerance<Real>)) {
+    const double part = size(within);
+    if (!(part > wrench_tolerance)) {
       // Wider than what an inequality must be met by (HalfSpaces): a contact that comes to rest, or
       // begins to slide, is within one of the two at every instant, in whichever order and scale
       // its conditions are added.
-      const Real within_rounding = Real(4) * wrench_tolerance<Real>;
+      const double within_rounding = 4.0 * wrench_tolerance;
       return missing <= within_rounding && -missing <= within_rounding;
     }
-    const Triple<Real> unit = within * (Real(1) / part);
+    const Triple unit = within * (1.0 / part);
     origin = origin + unit * (missing / part);
     leave_out(unit);
     return true;
@@ -81,16 +70,16 @@ struct TwistSpace {
 
  private:
   // Removes a unit vector's direction from the space, by Gram–Schmidt on the longest remainders.
-  constexpr void leave_out(Triple<Real> unit) {
-    std::array<Triple<Real>, 3> rest = basis;
-    std::array<Triple<Real>, 3> found{};
+  void leave_out(Triple unit) {
+    std::array<Triple, 3> rest = basis;
+    std::array<Triple, 3> found{};
     for (std::size_t n = 0; n + 1 < dimension; ++n) {
-      Triple<Real> longest{};
+      Triple longest{};
       for (std::size_t k = 0; k < dimension; ++k) {
         rest[k] = rest[k] - unit * dot(rest[k], unit);
         if (dot(rest[k], rest[k]) > dot(longest, longest)) longest = rest[k];
       }
-      unit = found[n] = longest * (Real(1) / size(longest));
+      unit = found[n] = longest * (1.0 / size(longest));
     }
     basis = found;
     --dimension;
@@ -98,21 +87,20 @@ struct TwistSpace {
 };
 
 // Strict inequalities in a twist space, as half spaces g · z > h with |g| = 1.
-template <class Real>
 class HalfSpaces {
  public:
   // Adds an inequality. It may hold nowhere, everywhere or in a half space. Returns false if it holds
   // nowhere where the earlier ones hold.
-  constexpr bool add(const TwistSpace<Real>& space, const Condition<Real>& above) {
-    const Real h = above.value - dot(above.row, space.origin);
-    Triple<Real> g{};
+  bool add(const TwistSpace& space, const Condition& above) {
+    const double h = above.value - dot(above.row, space.origin);
+    Triple g{};
     const std::size_t n = space.dimension;
-    g.x = n > 0 ? dot(above.row, space.basis[0]) : Real(0);
-    g.y = n > 1 ? dot(above.row, space.basis[1]) : Real(0);
-    g.z = n > 2 ? dot(above.row, space.basis[2]) : Real(0);
-    const Real part = size(g);
-    if (!(part > wrench_tolerance<Real>)) return h < -wrench_tolerance<Real>;
-    const Side last{g * (Real(1) / part), h / part};
+    g.x = n > 0 ? dot(above.row, space.basis[0]) : 0.0;
+    g.y = n > 1 ? dot(above.row, space.basis[1]) : 0.0;
+    g.z = n > 2 ? dot(above.row, space.basis[2]) : 0.0;
+    const double part = size(g);
+    if (!(part > wrench_tolerance)) return h < -wrench_tolerance;
+    const Side last{g * (1.0 / part), h / part};
     for (std::size_t i = 0; i < count_; ++i) {
       if (contradict(sides_[i], last)) return false;
       for (std::size_t j = i + 1; j < count_ && n > 1; ++j) {
@@ -126,26 +114,26 @@ class HalfSpaces {
   }
 
  private:
-  using Side = Condition<Real>;
+  using Side = Condition;
 
   // True if Σ share h ≥ 0 up to rounding, for shares ≥ 0 that sum to `total`.
-  static constexpr bool nothing_left(Real value, Real sizes, Real total) {
-    return value >= -wrench_tolerance<Real> * (total + sizes);
+  static constexpr bool nothing_left(double value, double sizes, double total) {
+    return value >= -wrench_tolerance * (total + sizes);
   }
 
-  static constexpr bool contradict(const Side& a, const Side& b) {
-    if (!(size(a.row + b.row) <= wrench_tolerance<Real>)) return false;
-    return nothing_left(a.value + b.value, magnitude(a.value) + magnitude(b.value), Real(2));
+  static bool contradict(const Side& a, const Side& b) {
+    if (!(size(a.row + b.row) <= wrench_tolerance)) return false;
+    return nothing_left(a.value + b.value, magnitude(a.value) + magnitude(b.value), 2.0);
   }
 
   // Three inequalities in a plane: by Lami's theorem each share is the sine of the angle between
   // the other two.
-  static constexpr bool contradict(const Side& a, const Side& b, const Side& c) {
-    const Real p = size(cross(b.row, c.row));
-    const Real q = size(cross(c.row, a.row));
-    const Real r = size(cross(a.row, b.row));
-    const Real total = p + q + r;
-    const Real least = wrench_tolerance<Real> * total;
+  static bool contradict(const Side& a, const Side& b, const Side& c) {
+    const double p = size(cross(b.row, c.row));
+    const double q = size(cross(c.row, a.row));
+    const double r = size(cross(a.row, b.row));
+    const double total = p + q + r;
+    const double least = wrench_tolerance * total;
     if (!(p > least && q > least && r > least)) return false;
     if (!(size((a.row * p + b.row * q) + c.row * r) <= least)) return false;
     return nothing_left(p * a.value + q * b.value + r * c.value,
@@ -154,19 +142,19 @@ class HalfSpaces {
   }
 
   // Four inequalities in space: each share is the volume spanned by the other three.
-  static constexpr bool contradict(const Side& a, const Side& b, const Side& c, const Side& d) {
-    const Real shares[4] = {dot(b.row, cross(c.row, d.row)), -dot(a.row, cross(c.row, d.row)),
-                            dot(a.row, cross(b.row, d.row)), -dot(a.row, cross(b.row, c.row))};
-    const Real values[4] = {a.value, b.value, c.value, d.value};
-    const Real sign = shares[0] < Real(0) ? Real(-1) : Real(1);
-    Real total = Real(0);
-    for (const Real share : shares) total = total + sign * share;
-    Real value = Real(0);
-    Real sizes = Real(0);
+  static bool contradict(const Side& a, const Side& b, const Side& c, const Side& d) {
+    const double shares[4] = {dot(b.row, cross(c.row, d.row)), -dot(a.row, cross(c.row, d.row)),
+                              dot(a.row, cross(b.row, d.row)), -dot(a.row, cross(b.row, c.row))};
+    const double values[4] = {a.value, b.value, c.value, d.value};
+    const double sign = shares[0] < 0.0 ? -1.0 : 1.0;
+    double total = 0.0;
+    for (const double share : shares) total = total + sign * share;
+    double value = 0.0;
+    double sizes = 0.0;
     for (std::size_t k = 0; k < 4; ++k) {
-      const Real share = sign * shares[k];
+      const double share = sign * shares[k];
       // If one share is (almost) zero, the other three inequalities decide.
-      if (!(share > wrench_tolerance<Real> * total) || !(share > Real(0))) return false;
+      if (!(share > wrench_tolerance * total) || !(share > 0.0)) return false;
       value = value + share * values[k];
       sizes = sizes + share * magnitude(values[k]);
     }
@@ -178,35 +166,22 @@ class HalfSpaces {
 };
 
 // The body's possible twists, built up contact by contact.
-template <class Real>
 class Twists {
  public:
-  Twists(const Supports<Real>& supports, const Velocities<Real>& palms) : count_(supports.count) {
-    const Real reach = supports.reach();
-    Real fastest = Real(0);
+  Twists(const Supports& supports, const Velocities& palms) : count_(supports.count) {
+    const double reach = supports.reach();
+    double fastest = 0.0;
     for (std::size_t i = 0; i < count_; ++i) {
-      const Real square = palms[i].x * palms[i].x + palms[i].y * palms[i].y;
+      const double square = palms[i].x * palms[i].x + palms[i].y * palms[i].y;
       if (square > fastest) fastest = square;
     }
     // Rates have no scale of their own. Only which of them are zero or positive matters.
-    const Real pace = fastest > Real(0) ? Real(1) / std::sqrt(fastest) : Real(1);
+    const double pace = fastest > 0.0 ? 1.0 / square_root(fastest) : 1.0;
     for (std::size_t i = 0; i < count_; ++i) {
-      const Support<Real>& s = supports.at[i];
+      const Support& s = supports.at[i];
       normal_[i] = condition(s, s.nx, s.ny, reach, palms[i], pace);
       tangent_[i] = condition(s, s.tx(), s.ty(), reach, palms[i], pace);
     }
-  }
-
-  // True if some twist moves the contacts in this way.
-  bool exist(const Motions& motions) const {
-    Space space{};
-    for (std::size_t i = 0; i < count_; ++i) {
-      if (motions[i] == Motion::leave) continue;
-      if (!space.restrict(normal_[i])) return false;
-      if (motions[i] == Motion::stick && !space.restrict(tangent_[i])) return false;
-    }
-    Open open;
-    return add(open, space, motions, count_, 0);
   }
 
   // Calls found(motions) for every combination of contact motions that is kinematically possible and
@@ -223,13 +198,13 @@ class Twists {
   }
 
  private:
-  using Space = TwistSpace<Real>;
-  using Open = HalfSpaces<Real>;
+  using Space = TwistSpace;
+  using Open = HalfSpaces;
 
-  static Condition<Real> condition(const Support<Real>& s, Real dx, Real dy, Real reach,
-                                   Velocity<Real> palm, Real pace) {
-    const Triple<Real> row{dx, dy, (s.x * dy - s.y * dx) / reach};
-    const Real scale = Real(1) / size(row);
+  static Condition condition(const Support& s, double dx, double dy, double reach, Vec palm,
+                             double pace) {
+    const Triple row{dx, dy, (s.x * dy - s.y * dx) / reach};
+    const double scale = 1.0 / size(row);
     return {row * scale, (dx * palm.x + dy * palm.y) * pace * scale};
   }
 
@@ -237,10 +212,10 @@ class Twists {
 
   // Adds the inequality of a contact. False if no twist of the space satisfies it as well.
   bool add(Open& open, const Space& space, std::size_t i, Motion motion) const {
-    const Condition<Real>& along = tangent_[i];
+    const Condition& along = tangent_[i];
     if (motion == Motion::leave) return open.add(space, normal_[i]);
     if (motion == Motion::up) return open.add(space, along);
-    return motion == Motion::stick || open.add(space, {along.row * Real(-1), -along.value});
+    return motion == Motion::stick || open.add(space, {along.row * -1.0, -along.value});
   }
   bool add(Open& open, const Space& space, const Motions& motions, std::size_t count,
            std::uint32_t left_out) const {
@@ -283,23 +258,21 @@ class Twists {
   }
 
   std::size_t count_;
-  std::array<Condition<Real>, max_supports> normal_{};
-  std::array<Condition<Real>, max_supports> tangent_{};
+  std::array<Condition, max_supports> normal_{};
+  std::array<Condition, max_supports> tangent_{};
 };
 
 // Which edges of all friction cones balance the weight.
-template <class Real>
-BalancingRays<Real> balancing_edges(const Supports<Real>& supports, Real slope) {
-  return {rays_of(supports, Motions{}), {slope, Real(1), Real(0)}};
+inline BalancingRays balancing_edges(const Supports& supports, double slope) {
+  return {rays_of(supports, Motions{}), {slope, 1.0, 0.0}};
 }
 
 // Calls found(motions) for every combination of contact motions that is possible and balances.
 // There may be none (the body falls or jams) or several.
-template <class Real, class Found>
-void each_outcome(const Supports<Real>& supports, const Velocities<Real>& palms, Real slope,
-                  Found found) {
-  const BalancingRays<Real> balancing = balancing_edges(supports, slope);
-  Twists<Real>(supports, palms)
+template <class Found>
+void each_outcome(const Supports& supports, const Velocities& palms, double slope, Found found) {
+  const BalancingRays balancing = balancing_edges(supports, slope);
+  Twists(supports, palms)
       .each(0, [&](std::uint32_t edges) { return balancing.any_of(edges); }, found);
 }
 

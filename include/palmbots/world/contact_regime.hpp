@@ -101,21 +101,21 @@ struct ContactProblem {
     return shapes.reach[side] - from - 4e-10 * shapes.size;
   }
   // The weight that the contacts carry, with the push of an acceleration or without it.
-  Triple<double> weight(bool pushed) const { return {slope + (pushed ? push : 0.0), 1.0, 0.0}; }
+  Triple weight(bool pushed) const { return {slope + (pushed ? push : 0.0), 1.0, 0.0}; }
   // The velocity that the surface of a pair gives to the contact in a direction.
   double given(const Frames& frames, const Pose& pose, FeaturePair pair, const FeatureContact& c,
                Vec direction) const {
     return dot(direction, frames[carrier(pair)].velocity_at(pose.at + c.point));
   }
-  Triple<double> row(const FeatureContact& c, Vec direction) const {
+  Triple row(const FeatureContact& c, Vec direction) const {
     return {direction.x, direction.y, cross(c.point, direction) / shapes.size};
   }
   // The forces of a contact that moves in this way, as rays of unit size (mechanics/wrench_cone.hpp).
-  void add_rays(Rays<double>& rays, const FeatureContact& c, double friction, Motion motion) const {
+  void add_rays(Rays& rays, const FeatureContact& c, double friction, Motion motion) const {
     for (const Motion edge : {Motion::up, Motion::down}) {
       if (motion != edge && motion != Motion::stick) continue;
       const double along = edge == Motion::up ? -friction : friction;
-      const Triple<double> wrench = row(c, c.normal + c.tangent * along);
+      const Triple wrench = row(c, c.normal + c.tangent * along);
       rays.ray[rays.count++] = wrench * (1.0 / palmbots::size(wrench));
     }
   }
@@ -141,9 +141,9 @@ inline ActiveContacts contacts_of(const ContactProblem& problem, const Regime& r
   return found;
 }
 
-inline Rays<double> rays_of(const ContactProblem& problem, const Regime& regime,
-                            const ActiveContacts& contacts) {
-  Rays<double> rays{};
+inline Rays rays_of(const ContactProblem& problem, const Regime& regime,
+                    const ActiveContacts& contacts) {
+  Rays rays{};
   for (std::size_t i = 0; i < regime.count; ++i) {
     problem.add_rays(rays, contacts[i], problem.surface(regime.active[i].pair).friction,
                      regime.active[i].motion);

@@ -2,6 +2,8 @@
 // The object and the palms of a model, as shapes that can touch anywhere.
 #pragma once
 
+#include <optional>
+
 #include "palmbots/mechanics/model.hpp"
 #include "palmbots/world/contact_regime.hpp"
 
@@ -116,16 +118,15 @@ inline bool is_pierced(const RoundedBody& body, const Pose& pose, const Frame& f
   return pierced || is_inside;
 }
 
-// Whether a face, moved by `deep` into its carrier, lies in the object anywhere.
-inline bool is_pierced(const ContactShapes& shapes, const Pose& pose, const Frames& frames,
-                       double deep) {
+// The carrier of a face that, moved by `deep` into it, lies in the object anywhere; palms come first.
+inline std::optional<std::size_t> pierced_carrier(const ContactShapes& shapes, const Pose& pose,
+                                                  const Frames& frames, double deep) {
   for (std::size_t i = 0; i < shapes.surfaces.count; ++i) {
     const Surface& face = shapes.surfaces.at[i];
-    if (face.tip) continue;
-    const Frame& frame = frames[static_cast<std::size_t>(face.carrier)];
-    if (is_pierced(shapes.body, pose, frame, face, deep)) return true;
+    const auto carrier = static_cast<std::size_t>(face.carrier);
+    if (!face.tip && is_pierced(shapes.body, pose, frames[carrier], face, deep)) return carrier;
   }
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace palmbots

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <span>
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/root_finding.hpp"
@@ -272,7 +271,7 @@ class ContactStep : ContactTrial {
       const std::size_t carrier = problem_.carrier(pair);
       if (carrier != side && carrier != partner) continue;
       for (const Vec direction : {c.normal, c.tangent}) {
-        const Triple<double> row = problem_.row(c, direction);
+        const Triple row = problem_.row(c, direction);
         system.add({row.x, row.y, row.z, carrier == side ? -direction.x : 0.0},
                    problem_.given(frames, pose_, pair, c, direction));
       }
@@ -324,8 +323,7 @@ class ContactStep : ContactTrial {
     const auto first = std::find_if(found.at.begin(), found.at.begin() + found.count, is_instant);
     if (first == found.at.begin() + found.count) return false;
     const Regime& instant = first->regime;
-    std::size_t ways = 1;
-    for (std::size_t i = 0; i < instant.count; ++i) ways *= continuations(instant.active[i]).size();
+    const std::size_t ways = std::size_t{1} << (2 * instant.count);
     for (const double ahead : {1e-3, 1e-5}) {
       const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
       for (std::size_t leaving = 0; leaving < instant.count; ++leaving) {
@@ -342,27 +340,22 @@ class ContactStep : ContactTrial {
     return false;
   }
 
-  // What a contact may do next: it goes on, or leaves; one that sticks may also slide.
-  static std::span<const Motion> continuations(const ActivePair& contact) {
-    static constexpr std::array<Motion, 4> sticking{Motion::stick, Motion::up, Motion::down,
-                                                    Motion::leave};
-    static constexpr std::array<Motion, 2> up{Motion::up, Motion::leave};
-    static constexpr std::array<Motion, 2> down{Motion::down, Motion::leave};
-    if (contact.motion == Motion::stick) return sticking;
-    return contact.motion == Motion::up ? up : down;
-  }
-
-  // A regime in which each contact continues as a digit of `way` says.
+  // A regime in which each contact does what two bits of `way` say: it goes on, leaves or, if it
+  // sticks, slides. Without contacts if it cannot.
   Regime varied(const Regime& instant, std::size_t way) const {
+    constexpr std::array<Motion, 4> next{Motion::stick, Motion::up, Motion::down, Motion::leave};
     Regime regime = instant;
     regime.count = 0;
     PerSide<bool> touched{};
-    for (std::size_t i = 0; i < instant.count; ++i) {
+    for (std::size_t i = 0; i < instant.count; ++i, way >>= 2) {
       ActivePair contact = instant.active[i];
-      const std::span<const Motion> motions = continuations(contact);
-      contact.motion = motions[way % motions.size()];
-      way /= motions.size();
-      if (contact.motion == Motion::leave) continue;
+      const Motion motion = next[way & 3];
+      if (motion == Motion::leave) continue;
+      if (contact.motion == Motion::stick) {
+        contact.motion = motion;
+      } else if (motion != Motion::stick) {
+        return {};
+      }
       regime.active[regime.count++] = contact;
       const std::size_t carrier = problem_.carrier(contact.pair);
       if (carrier < 2) touched[carrier] = true;

@@ -23,15 +23,15 @@ class BalancedForces {
   BalancedForces(const ContactProblem& problem, const Regime& regime,
                  const ActiveContacts& contacts, double slack)
       : limit_(problem.limit) {
-    const Rays<double> rays = rays_of(problem, regime, contacts);
-    const Triple<double> weight = problem.weight(regime.pushed);
+    const Rays rays = rays_of(problem, regime, contacts);
+    const Triple weight = problem.weight(regime.pushed);
     std::array<std::size_t, 2 * max_supports> carrier{};
     std::size_t ray = 0;
     for (std::size_t i = 0; i < regime.count; ++i) {
       const std::size_t n = regime.active[i].motion == Motion::stick ? 2 : 1;
       for (std::size_t k = 0; k < n; ++k) carrier[ray++] = problem.carrier(regime.active[i].pair);
     }
-    for_each_combination(rays, weight, [&](const RayShares<double>& shares) {
+    for_each_combination(rays, weight, [&](const RayShares& shares) {
       if (count_ == capacity || shares.least() < -slack) return;
       RobotForces force{};
       for (std::size_t k = 0; k < shares.count; ++k) {

@@ -39,10 +39,7 @@ struct GeneralStep {
   PerSide<PalmAngle<Real>> turned{at_its_goal(left), at_its_goal(right)};
   Moments<Real> pushed = moments_under(model.object, world.push);
 
-  struct State {
-    Configuration<Real> configuration;
-    ContactVector<Real> contact_vector;
-  };
+  using State = Kinematics<Real>;
 
   static constexpr int max_reversals = 16;  // per step: limits the work
 
@@ -52,7 +49,7 @@ struct GeneralStep {
 
   [[gnu::noinline]] Advance<Real> run() {
     Advance<Real> result;
-    State now{world.configuration, world.contact_vector};
+    State now = world;
     Real done = Real(0);
     Real look = max_event_interval();
     SlipDirection direction = SlipDirection::stick;
@@ -273,8 +270,7 @@ struct GeneralStep {
 
   Advance<Real> finish(Advance<Real> result, const State& s, Real done, SlidingContact slider,
                        SlipDirection direction) const {
-    world.configuration = s.configuration;
-    world.contact_vector = s.contact_vector;
+    static_cast<State&>(world) = s;
     result.fraction = done;
     if (slider == SlidingContact::on_left || slider == SlidingContact::both)
       result.motion[left] = direction;

@@ -140,6 +140,10 @@ class World {
     }
     return found;
   }
+  // The carrier whose faces, moved by `deep` into it, still lie in the object; palms come first.
+  std::optional<std::size_t> pierced(double deep) const {
+    return pierced_carrier(shapes(), pose(), here(), deep);
+  }
   // Whether the object rests on anything but its two contact vertices.
   bool rests_elsewhere() const { return !rests_on_vertices(); }
 
@@ -247,10 +251,8 @@ class World {
     // Smaller than the gap of a closed contact: a corner penetrates a palm deeper than the palm
     // penetrates the corner.
     const Real deep = closed / Real(64);
-    const Pose pose = this->pose();
-    const Frames frames = here();
-    if (is_pierced(shapes(), pose, frames, double(deep))) return DropReason::flush;
-    return off_palm(problem(), frames, pose, double(closed))
+    if (pierced(double(deep))) return DropReason::flush;
+    return off_palm(problem(), here(), pose(), double(closed))
                ? DropReason::off_palm
                : reason_of(problem(), touching(double(closed)));
   }

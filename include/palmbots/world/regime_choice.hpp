@@ -26,12 +26,11 @@ namespace palmbots {
 
 struct RegimeCandidate {
   Regime regime;
-  bool on_both;         // palms
-  std::size_t staying;  // contacts
-  bool alike;           // all of them slide
+  bool on_both;  // palms
+  bool alike;    // all contacts slide
 
   constexpr bool is_as_good_as(const RegimeCandidate& other) const {
-    return on_both == other.on_both && staying == other.staying;
+    return on_both == other.on_both && regime.count == other.regime.count;
   }
 };
 
@@ -95,8 +94,7 @@ inline void add_candidate(const ContactProblem& problem, const ClosedPairs& clos
   if (second < made.regime.count)
     made.regime.alike = made.regime.active[0].held - made.regime.active[second].held;
   made.on_both = touched[left] && touched[right];
-  made.staying = made.regime.count;
-  made.alike = slide == made.staying;
+  made.alike = slide == made.regime.count;
   // On both palms in one direction: nothing but balance drives the object, which falls off.
   const auto& active = made.regime.active;
   if (problem.on_both && made.alike && slide == 2 && active[0].motion != active[1].motion) return;
@@ -125,7 +123,7 @@ inline bool off_palm(const ContactProblem& problem, const Frames& frames, const 
 inline DropReason reason_of(const ContactProblem& problem, const ClosedPairs& closed) {
   PerSide<bool> touched{};
   PerSide<bool> beside{true, true};  // of the line of gravity: all contacts
-  Rays<double> rays{};
+  Rays rays{};
   for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
     const auto& [pair, c] = closed.at[i];
     const std::size_t carrier = problem.carrier(pair);
@@ -169,19 +167,18 @@ inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frame
       }
     }
   }
-  Supports<double> supports{};
-  Velocities<double> velocities{};
+  Supports supports{};
+  Velocities velocities{};
   for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
     const FeaturePair pair = closed.at[i].pair;
     const FeatureContact c = problem.contact(frames, pose, pair);
     const Frame& frame = frames[problem.carrier(pair)];
-    const Vec v = frame.velocity_at(pose.at + c.point);
-    velocities[i] = {v.x, v.y};
+    velocities[i] = frame.velocity_at(pose.at + c.point);
     supports.at[supports.count++] = {
         frame.sense < 0.0 ? left : right, c.point.x, c.point.y, c.normal.x, c.normal.y,
         problem.surface(pair).friction};
   }
-  const Twists<double> twists(supports, velocities);
+  const Twists twists(supports, velocities);
   RegimeCandidates found;
   for (const bool pushed : {true, false}) {
     const auto balancing = balancing_edges(supports, problem.weight(pushed).x);
@@ -196,7 +193,7 @@ inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frame
   }
   sort_few(found.at.data(), found.count, [](const RegimeCandidate& a, const RegimeCandidate& b) {
     if (a.on_both != b.on_both) return a.on_both;
-    if (a.staying != b.staying) return a.staying > b.staying;
+    if (a.regime.count != b.regime.count) return a.regime.count > b.regime.count;
     return a.alike && !b.alike;
   });
   return found;

@@ -162,10 +162,10 @@ struct Conditions {
 };
 
 // ≥ 0 iff the rays contain the weight: the best, over all combinations, of the least share of a ray.
-inline double balance(const Rays<double>& rays, Triple<double> weight) {
+inline double balance(const Rays& rays, Triple weight) {
   double best = -1.0;
-  for_each_combination(
-      rays, weight, [&](const RayShares<double>& shares) { best = larger(best, shares.least()); });
+  for_each_combination(rays, weight,
+                       [&](const RayShares& shares) { best = larger(best, shares.least()); });
   return best;
 }
 

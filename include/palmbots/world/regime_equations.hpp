@@ -29,8 +29,8 @@ inline Unbalance unbalanced(const ContactProblem& problem, const Regime& regime,
                             Vec velocity, double spin) {
   const double size = problem.shapes.size;
   const auto turned = [](Vec v) { return Vec{-v.y, v.x}; };
-  std::array<Triple<double>, 2> ray{};
-  std::array<Triple<double>, 2> ray_rate{};
+  std::array<Triple, 2> ray{};
+  std::array<Triple, 2> ray_rate{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < regime.count; ++i) {
     const FeatureContact& c = contacts[i];
@@ -59,17 +59,16 @@ inline Unbalance unbalanced(const ContactProblem& problem, const Regime& regime,
       const double along = edge == Motion::up ? -friction : friction;
       const Vec force = c.normal + c.tangent * along;
       const Vec force_rate = normal_rate + tangent_rate * along;
-      const Triple<double> wrench = problem.row(c, force);
-      const Triple<double> wrench_rate{
-          force_rate.x, force_rate.y,
-          (cross(point_rate, force) + cross(c.point, force_rate)) / size};
+      const Triple wrench = problem.row(c, force);
+      const Triple wrench_rate{force_rate.x, force_rate.y,
+                               (cross(point_rate, force) + cross(c.point, force_rate)) / size};
       const double scale = 1.0 / palmbots::size(wrench);
       ray[count] = wrench * scale;
       ray_rate[count] = (wrench_rate - ray[count] * dot(ray[count], wrench_rate)) * scale;
       ++count;
     }
   }
-  const Triple<double> weight = problem.weight(regime.pushed);
+  const Triple weight = problem.weight(regime.pushed);
   return {dot(cross(ray[0], ray[1]), weight),
           dot(cross(ray_rate[0], ray[1]) + cross(ray[0], ray_rate[1]), weight)};
 }
@@ -91,7 +90,7 @@ struct RegimeEquations {
   bool balance = false;  // one of them is about forces
   bool spare = false;    // some depend on others
 
-  void add(Triple<double> row, double value, double palm = 0.0) {
+  void add(Triple row, double value, double palm = 0.0) {
     if (!system.add({row.x, row.y, row.z, palm}, value)) spare = true;
   }
 };
@@ -135,8 +134,8 @@ inline RegimeEquations equations(const ContactProblem& problem, const Regime& re
       frame.velocity = {};
       frame.rate = 0.0;
     }
-    const Triple<double> row{rate(still, Vec{size, 0.0}, 0.0), rate(still, Vec{0.0, size}, 0.0),
-                             rate(still, Vec{}, 1.0)};
+    const Triple row{rate(still, Vec{size, 0.0}, 0.0), rate(still, Vec{0.0, size}, 0.0),
+                     rate(still, Vec{}, 1.0)};
     double palm = 0.0;
     if (regime.yields()) {
       still[regime.drives[left] == Drive::yields ? left : right].velocity.x = size;

@@ -56,8 +56,7 @@ class SmallFall {
   static constexpr int most_steps = 5000;
   static constexpr double slack = 1e-9;  // of an acceleration, in those of gravity
 
-  static constexpr std::size_t most_rows = 4;  // of two contacts; more than two leave no direction
-  using Rows = std::array<Triple<double>, most_rows>;
+  using Rows = std::array<Triple, 2>;  // more leave no direction
   using Solver = EchelonForm<double, 2>;
 
   // A contact that takes part: it slides, or both of its rows belong to one that sticks.
@@ -68,13 +67,13 @@ class SmallFall {
   // A direction in which the object begins to move.
   struct Way {
     bool found = false;
-    Triple<double> by{};  // x, y, turn × size
+    Triple by{};  // x, y, turn × size
     std::array<Bond, 2> bonds{};
     std::size_t count = 0;
   };
 
   // M⁻¹ of a wrench (its third part divided by the size).
-  Triple<double> moved_by(Triple<double> wrench) const {
+  Triple moved_by(Triple wrench) const {
     return {wrench.x, wrench.y, wrench.z / (gyration * gyration)};
   }
 
@@ -140,7 +139,7 @@ class SmallFall {
 
   Way tried(const ClosedPairs& closed, std::array<Bond, 2> bonds, std::size_t count,
             bool rough) const {
-    const Triple<double> weight = problem_.weight(false) * -1.0;
+    const Triple weight = problem_.weight(false) * -1.0;
     // Directions in which nothing moves, and the forces that see to it.
     Rows fixed{};
     Rows forces{};
@@ -158,12 +157,10 @@ class SmallFall {
     }
     std::array<double, 2> sizes{};
     if (!solve(fixed, forces, rows,
-               {-dot(fixed[0], moved_by(weight)), -dot(fixed[1], moved_by(weight)), 0.0, 0.0},
-               sizes))
+               {-dot(fixed[0], moved_by(weight)), -dot(fixed[1], moved_by(weight))}, sizes))
       return {};
     Way way{true, moved_by(weight), bonds, count};
-    for (std::size_t r = 0; r < rows && r < 2; ++r)
-      way.by = way.by + moved_by(forces[r]) * sizes[r];
+    for (std::size_t r = 0; r < rows; ++r) way.by = way.by + moved_by(forces[r]) * sizes[r];
     std::array<bool, ClosedPairs::most> bound{};
     for (std::size_t k = 0; k < count; ++k) {
       const auto& [pair, c] = closed.at[bonds[k].closed];
@@ -189,8 +186,7 @@ class SmallFall {
 
   // The sizes of forces with which M⁻¹ of their sum has given parts along fixed directions.
   bool solve(const Rows& fixed, const Rows& forces, std::size_t rows,
-             const std::array<double, most_rows>& parts, std::array<double, 2>& sizes) const {
-    if (rows > 2) return false;
+             const std::array<double, 2>& parts, std::array<double, 2>& sizes) const {
     Solver system;
     for (std::size_t r = 0; r < 2; ++r) {
       Solver::Row row{};
@@ -222,7 +218,7 @@ class SmallFall {
     }
   }
 
-  Pose advanced(const Pose& pose, Triple<double> by, double t) const {
+  Pose advanced(const Pose& pose, Triple by, double t) const {
     return Pose::of(pose.at + Vec{by.x * t, by.y * t}, pose.angle + by.z * t / size_);
   }
 
@@ -230,7 +226,7 @@ class SmallFall {
   bool keep(const Way& way, const ClosedPairs& closed, Pose& pose) const {
     for (int i = 0; way.count > 0 && i < 20; ++i) {
       Rows fixed{};
-      std::array<double, most_rows> off{};
+      std::array<double, 2> off{};
       std::size_t rows = 0;
       for (std::size_t k = 0; k < way.count; ++k) {
         const auto& [pair, before] = closed.at[way.bonds[k].closed];
@@ -244,8 +240,8 @@ class SmallFall {
       }
       std::array<double, 2> sizes{};
       if (!solve(fixed, fixed, rows, off, sizes)) return false;
-      Triple<double> by{};
-      for (std::size_t r = 0; r < rows && r < 2; ++r) by = by + moved_by(fixed[r]) * sizes[r];
+      Triple by{};
+      for (std::size_t r = 0; r < rows; ++r) by = by + moved_by(fixed[r]) * sizes[r];
       pose = advanced(pose, by, 1.0);
       if (EchelonForm<double, 3>::largest({by.x, by.y, by.z}) < 1e-14 * size_) break;
     }
@@ -271,7 +267,7 @@ class SmallFall {
       EchelonForm<double, 3> system;
       for (std::size_t k = 0; k < closed.count && !system.full(); ++k) {
         const FeatureContact c = problem_.contact(frames_, pose, closed.at[k].pair);
-        const Triple<double> row = problem_.row(c, c.normal);
+        const Triple row = problem_.row(c, c.normal);
         system.add({row.x, row.y, row.z}, -c.gap);
       }
       for (std::size_t k = 0; k < 3 && !system.full(); ++k)

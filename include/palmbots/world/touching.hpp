@@ -17,7 +17,7 @@ struct Touched {
   const char* kind;
   std::size_t carrier;  // as in Carrier
   double place;         // on the surface [m]
-  Support<double> support;
+  Support support;
 };
 
 inline const char* name_of(const Surface& surface) {
@@ -93,20 +93,8 @@ inline std::vector<Touched> touched_in(const World<double>& world, double within
 
 // The palm whose faces, moved by `deep` into it, still lie in the object.
 inline std::optional<std::size_t> pierced_palm(const World<double>& world, double deep) {
-  Travel still{};
-  for (const std::size_t side : {left, right}) {
-    const double angle = world.configuration().palms[side].angle;
-    still.palms[side] = {world.pivot(side), {}, angle, 0.0, angle};
-  }
-  const Frames frames = still.frames(0.0);
-  const Surfaces& surfaces = world.shapes().surfaces;
-  for (std::size_t i = 0; i < surfaces.count; ++i) {
-    const Surface& face = surfaces.at[i];
-    const auto carrier = static_cast<std::size_t>(face.carrier);
-    if (face.tip || carrier > right) continue;
-    if (is_pierced(world.shapes().body, world.pose(), frames[carrier], face, deep)) return carrier;
-  }
-  return std::nullopt;
+  const std::optional<std::size_t> carrier = world.pierced(deep);
+  return carrier == std::size_t(Carrier::ground) ? std::nullopt : carrier;
 }
 
 }  // namespace palmbots
