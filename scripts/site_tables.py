@@ -33,7 +33,7 @@ from palmbots.scene.overrides import SUPERSEDES
 from palmbots.scene.robot_dimensions import PIVOT_HEIGHT
 from palmbots.scene.scene import load_scene
 from palmbots.scene.scene_schema import worded_schema
-from palmbots.simulation.reason_words import REASONS
+from palmbots.simulation.carry_ends import ends
 from palmbots.simulation.single import carry
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
@@ -254,7 +254,11 @@ def tables() -> dict[str, Any]:
         "problems": PROBLEMS,
         "longestValue": LONGEST_VALUE,
         "outcomes": list(_core.carry_outcomes),
-        "dropReasons": [["none", ""], *([name, REASONS[name]] for name in _core.drop_reasons[1:])],
+        "phases": ends().phases,
+        "ends": [
+            {"name": end.name, "meaning": end.meaning, "follows": end.follows}
+            for end in ends().ends
+        ],
         "contactModes": ["-".join(mode) for mode in CONTACT_MODES],
         "requiredContactModes": {str(number): required_mode(number) for number in SLIDING_EDGES},
         "motionCodes": [{str(k): code for k, code in codes.items()} for codes in CODE_OF],

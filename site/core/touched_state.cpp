@@ -13,17 +13,27 @@ namespace {
 // Distance between the object and the inner ends at the start (palmbots.simulation.FloorWorld) [m].
 constexpr double floor_gap = 0.01;
 
+// Where the pivots are at one height, a pipe touches the right palm here [m].
+double place_on_right(const Spec& spec, const Configuration<double>& at) {
+  const PerSide<double> offset = model_of<double>(spec).offset;
+  return at.contacts[right] - contact_vector(at, offset).dy / at.palms[right].sin;
+}
+
 }  // namespace
 
 TouchedState TouchedState::on_palms(const Spec& spec, const PerSide<double>& theta,
                                     const PerSide<double>& p) {
   TouchedState here(spec);
-  here.problem_ = pipe_refusal(spec);
-  if (!here.problem_.empty()) return here;
-  const StateContacts found = contacts_of_state(spec, theta, p);
+  Configuration<double> at{
+      0.0, {PalmAngle<double>::at(theta[left]), PalmAngle<double>::at(theta[right])}, p};
+  if (spec.width == 0) at.contacts[right] = place_on_right(spec, at);
+  const StateContacts found = contacts_of_state(spec, theta, at.contacts);
   here.problem_ = refusal_of(found, spec, theta);
   for (const StateContact& one : found.touched) here.add(one);
   here.pivots_ = found.pivots;
+  at.separation = found.pivots[right].x - found.pivots[left].x;
+  here.places_ = {0.0, 0.0};
+  if (spec.width == 0) append_places(spec, {at, 0.0, {1.0, 0.0}}, here.places_);
   return here;
 }
 
@@ -36,7 +46,7 @@ TouchedState TouchedState::on_floor(const Spec& spec, const FloorState& state) {
   model.limit = no_limits<double>;
   model.surroundings = Surroundings::on_floor(state.friction);
   World<double> world(model, configuration_of(spec, model));
-  world.set_on_both(false);
+  world.set_phase(CarryPhase::by_hand, spec.fall);
   const StandingStart start = StandingStart::of(spec, state.theta, {floor_gap, floor_gap});
   world.put(start.pivots, state.theta, Pose::of(start.com, 0.0));
   const auto move = [&](const PerSide<Vec>& by) {

@@ -25,7 +25,7 @@ class TouchedState {
  public:
   TouchedState() = default;
 
-  // At palm angles [rad] and contact coordinates [m].
+  // At palm angles [rad] and contact coordinates [m]; the right one of a pipe follows from the others.
   static TouchedState on_palms(const Spec& spec, const PerSide<double>& theta,
                                const PerSide<double>& p);
   static TouchedState on_floor(const Spec& spec, const FloorState& state);
@@ -39,7 +39,7 @@ class TouchedState {
 
   // Appends: whether the contacts hold the object if all stick, and their number; of each contact its
   // carrier, place, point from the COM, normal into the object, friction; then x of the pivots before
-  // the palms drive, and the places, if the palms are on a floor.
+  // the palms drive and, of palms on a floor and of a pipe, the places.
   void append(std::vector<double>& out) const;
 
   // Appends each contact mode that may occur while the palms move like this: the motion of each

@@ -7,6 +7,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <limits>
+#include <span>
 
 #include "given_team.hpp"
 #include "palmbots/optimum/linear_team.hpp"
@@ -155,8 +156,30 @@ nb::list phases(const Run& run) {
 nb::list falls(const Run& run) {
   nb::list list;
   for (const LiftFall& fall : run.falls)
-    list.append(nb::make_tuple(fall.tick * run.period, fall.height, fall.com));
+    list.append(nb::make_tuple(fall.tick * run.period, fall.fall.height, fall.fall.com));
   return list;
+}
+
+nb::dict carry_phases_of() {
+  nb::dict phases;
+  for (const auto& [name, meaning] : carry_phase_words) phases[name] = meaning;
+  return phases;
+}
+
+// By what happens: its meaning, its meaning in MuJoCo and, by phase, (what follows, the reason of a
+// carry that ends).
+nb::dict carry_ends_of() {
+  nb::dict ends;
+  for (const EndRow& end : std::span(carry_ends).subspan(1)) {
+    nb::dict by_phase;
+    for (std::size_t k = 0; k < carry_phases; ++k) {
+      const Consequence& then = end.by_phase[k];
+      by_phase[carry_phase_words[k][0]] = nb::make_tuple(name_of(then.then), name_of(then.reason));
+    }
+    ends[end.name] = nb::make_tuple(end.meaning, end.in_mujoco ? end.in_mujoco : end.meaning,
+                                    by_phase);
+  }
+  return ends;
 }
 
 nb::list corrections(const Run& run) {
@@ -232,10 +255,20 @@ std::string hex(std::uint64_t value) {
 
 void bind_carry(nb::module_& m) {
   m.attr("carry_outcomes") = names_to(Outcome::stalled);
-  m.attr("drop_reasons") = names_to(DropReason::robot_tipped);
+  m.attr("drop_reasons") = names_to(DropReason::toppled);
+  m.attr("carry_phases") = carry_phases_of();
+  m.attr("carry_ends") = carry_ends_of();
   nb::dict states;
   for (const StateMeaning& state : Lifting::meanings) states[state.name] = state.meaning;
   m.attr("lift_states") = states;
+  nb::dict phases_of_states;
+  for (int i = 0; i < Lifting::states; ++i) {
+    const bool low = Lifting::role(static_cast<Lifting::State>(i)).arm == ArmMove::follow;
+    const CarryPhase phase = low ? CarryPhase::low : CarryPhase::held;
+    phases_of_states[Lifting::meanings[i].name] =
+        carry_phase_words[static_cast<std::size_t>(phase)][0];
+  }
+  m.attr("phases_of_lift_states") = phases_of_states;
   nb::class_<Run>(m, "Run", "A finished carry.")
       .def_prop_ro("outcome", [](const Run& r) { return name_of(r.metrics.outcome); })
       .def_prop_ro("reason",

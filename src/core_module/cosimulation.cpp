@@ -97,9 +97,8 @@ struct CoSimulationHandle {
 };
 
 DropReason reason_of(const std::string& name) {
-  for (int i = 0; i <= static_cast<int>(DropReason::robot_tipped); ++i) {
-    const auto reason = static_cast<DropReason>(i);
-    if (name == name_of(reason)) return reason;
+  for (std::size_t i = 0; i < drop_reasons; ++i) {
+    if (name == carry_ends[i].name) return static_cast<DropReason>(i);
   }
   throw std::invalid_argument("reason: no such reason");
 }

@@ -157,8 +157,26 @@ void bind_world(nb::module_& m) {
           "Which of floor, wall and stand are among the contacts.")
       .def("pierced", &pierced_palm, nb::arg("deep"),
            "The palm that is in the object by more than this [m]; None: neither is.")
-      .def("set_on_both", &W::set_on_both, nb::arg("on_both"),
-           "Whether a step ends when the object leaves one palm.")
+      .def(
+          "set_phase",
+          [](W& w, const std::string& name, double most_fall) {
+            for (std::size_t k = 0; k < carry_phases; ++k) {
+              if (name == carry_phase_words[k][0])
+                return w.set_phase(static_cast<CarryPhase>(k), most_fall);
+            }
+            throw std::invalid_argument("phase: no such phase");
+          },
+          nb::arg("phase"), nb::arg("most_fall") = 0.0,
+          "The phase of the task, which decides what ends a step, and how far a contact vertex may "
+          "fall [m].")
+      .def_prop_ro(
+          "falls",
+          [](const W& w) {
+            std::vector<Numbers2> falls;
+            for (const Fall& fall : w.falls()) falls.emplace_back(fall.height, fall.com);
+            return falls;
+          },
+          "Falls in the last step: how far a contact vertex fell, and the COM [m].")
       .def_prop_ro(
           "pose",
           [](const W& w) {

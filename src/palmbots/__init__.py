@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from palmbots.scene.scene import Scene as Scene
     from palmbots.scene.scene import load_scene as load_scene
     from palmbots.shapes.importing import import_object as import_object
+    from palmbots.simulation.carry_ends import ends as ends
     from palmbots.simulation.final_place import final_place as final_place
     from palmbots.simulation.noise_limit import noise_limit as noise_limit
     from palmbots.simulation.rare_events import estimate_drop_rate as estimate_drop_rate

@@ -217,7 +217,7 @@ def test_an_object_that_turns_over_ends_the_job() -> None:
     at.data.qpos[joint + 3 : joint + 7] = (math.cos(0.6), 0.0, math.sin(0.6), 0.0)
     at.move((0.0, 0.0), STEEP)
     at.sight()
-    assert at.end == "tipping"
+    assert at.end == "toppled"
 
 
 @pytest.mark.slow

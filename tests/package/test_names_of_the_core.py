@@ -16,7 +16,7 @@ from palmbots.derivation import contact_motion, global_policy
 from palmbots.learn import rendering, spaces
 from palmbots.mechanics import consistent_modes, contact_points
 from palmbots.mujoco import contact_events
-from palmbots.simulation import batch, reason_words, result
+from palmbots.simulation import batch, result
 from palmbots.stability import clearance, first_contact
 from palmbots.studies import variables
 from palmbots.viz import timeline
@@ -59,7 +59,6 @@ def test_type_of_names_on_the_wire_is_that_of_the_core(name: str) -> None:
     ("table", "names"),
     [
         (timeline._MARKERS, (*MESSAGES, "Hello")),
-        (reason_words.REASONS, _core.drop_reasons[1:]),
         (rendering._MOVE_TEXTS, MOVES),
         (first_contact.MOTION_NAMES, consistent_modes.MOTION_CODES),
     ],
@@ -74,7 +73,7 @@ def test_numbers_are_those_of_the_core() -> None:
     assert {name: batch.OUTCOMES.index(name) for name in outcomes} == outcomes
     reasons = (
         "none", "off-palm", "sliding", "flush", "tip", "tipping", "jammed", "lifting",
-        "robot tipped",
+        "robot tipped", "fell", "toppled",
     )  # fmt: skip
     codes = {name: code for code, name in enumerate(reasons)}
     stored = [{"not carried": 0} | outcomes | {"missing": 255}, codes | {"missing": 255}]

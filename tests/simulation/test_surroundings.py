@@ -115,7 +115,7 @@ def test_a_box_tips_at_the_edge_of_a_stand(friction: float, side: int) -> None:
     way, little = 0.01 + edge + past, 1e-7
     for push, tips in ((way - little, False), (2 * little, True)):
         state = world.move(*((push, 0) if side == 0 else (0, -push)))
-        assert (state.end == "tipping" or abs(state.tilt_deg) > 1e-7) == tips
+        assert (state.end == "toppled" or abs(state.tilt_deg) > 1e-7) == tips
         assert tips or abs(state.com_m[0]) == pytest.approx(edge + past - little, abs=1e-9)
 
 
@@ -156,7 +156,7 @@ def test_the_mirrored_surroundings_give_the_mirrored_motion_to_the_last_bit(seed
     scene = pb.load_scene("paper", keys | things)
     there, pivots = standing(scene, palms)
     back = _core.World(to_spec(scene.mirrored()), True)
-    back.set_on_both(False)
+    back.set_phase("by_hand")
     (x, y), (other_x, other_y) = pivots
     back.put(((-other_x, other_y), (-x, y)), there.palms, there.pose[:2], 0.0)
     drive = Drive(rng, on_floor=True)
@@ -176,7 +176,7 @@ def standing(scene: Scene, palms: list[bool]) -> tuple[_core.World, list[tuple[f
     """An object on the floor or on its stand; the noses are 5 mm beside it. Also the pivots."""
     spec = to_spec(scene)
     world = _core.World(spec, True)
-    world.set_on_both(False)
+    world.set_phase("by_hand")
     angles = math.radians(12), math.radians(12)
     left, right = (0.005 if is_there else 100.0 for is_there in palms)
     pivots, com = _core.standing_start(spec, angles, (left, right))

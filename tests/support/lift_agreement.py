@@ -40,6 +40,8 @@ _FIXED = {
     "task.distance_m": 0.1,
     "task.timeout_s": 60.0,
 }
+# The worlds notice at different instants that an object falls.
+_KINDS = {"off-palm": "fell", "sliding": "fell", "lifting": "fell", "tipping": "toppled"}
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,9 @@ class Pair:
 
 
 def end_of(scene: Scene, measured: Any) -> str:
-    return floor_job(scene, measured).failure or "delivered"
+    """``delivered``, or what happened and what was not achieved."""
+    missed = floor_job(scene, measured).failure or "delivered"
+    return f"{_KINDS.get(measured.reason, measured.reason)}: {missed}" if measured.reason else missed
 
 
 def exact_end(keys: dict[str, Any], seed: int) -> str:

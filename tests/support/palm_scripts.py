@@ -131,8 +131,8 @@ def world_of(
             robot.motor_limit = limit
         spec.robots = robots
     world = _core.World(spec, on_floor)
-    world.set_on_both(not on_floor)
     if on_floor:
+        world.set_phase("by_hand")
         angles = np.radians(rng.uniform(2, 30, 2)).tolist()
         level = max(
             (b.height for b in blocks if b.low < spec.com_right and b.high > -spec.com_left),

@@ -26,7 +26,7 @@ STEPS = (3e-4, 3e-5, 1e-5)
 WHEN, WHERE = 0.1, 1e-4
 AFTER = 3  # periods for which the slow world may go on after the end of the exact one
 # Which of these it is depends on rounding where the object is held only just.
-STUCK = {"sliding", "tipping", "jammed"}
+STUCK = {"sliding", "tipping", "jammed", "fell", "toppled"}
 
 
 Move = tuple[tuple[tuple[float, float], tuple[float, float]], tuple[float, float]]

@@ -262,9 +262,11 @@ class SlowWorld:
         points = [contacts[i].point for i in names]
         beside = [px - x - self._oracle.slope * (py - y) for px, py in points]
         if all(b < UNBALANCED for b in beside) or all(b > -UNBALANCED for b in beside):
-            return "tipping"
+            return "toppled" if self._reach is None else "tipping"
         rays = self._rays(names, stuck, self._rows(names, contacts, self.at))
-        return "jammed" if self._is_balanced(rays, UNBALANCED) else "sliding"
+        if self._is_balanced(rays, UNBALANCED):
+            return "jammed"
+        return "fell" if self._reach is None else "sliding"
 
     def _modes(self, names: Names, contacts: dict[int, Contact]) -> Iterator[tuple[Mode, Any]]:
         """Those that are possible and in balance, the best ones first."""

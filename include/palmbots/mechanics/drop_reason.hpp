@@ -5,35 +5,10 @@
 // Source: docs/theory/contacts.md.
 #pragma once
 
-#include <cstdint>
-
+#include "palmbots/mechanics/carry_ends.hpp"
 #include "palmbots/mechanics/model.hpp"
 
 namespace palmbots {
-
-// Why a carry ended with a drop.
-enum class DropReason : std::uint8_t {
-  none,
-  off_palm,      // a contact passed an end of the usable part of its palm
-  sliding,       // no squeeze balances the object: it slides on both palms
-  flush,         // an edge of the object came to lie on a palm
-  tip,           // a palm's end met an edge of the object
-  tipping,       // the COM passed a contact
-  jammed,        // no motion balances, and the robots still drive
-  lifting,       // the object lifted off one palm and rests on the other alone
-  robot_tipped,  // a robot lost its balance; only worlds with mass know it
-};
-
-constexpr const char* name_of(DropReason reason) {
-  constexpr const char* names[] = {"",        "off-palm", "sliding", "flush",       "tip",
-                                   "tipping", "jammed",   "lifting", "robot tipped"};
-  return names[static_cast<int>(reason)];
-}
-
-// True if a further contact closed. A world with more than two contacts can carry on from there.
-constexpr bool adds_contact(DropReason reason) {
-  return reason == DropReason::flush || reason == DropReason::tip;
-}
 
 // The friction cones at one pair of palm angles.
 template <class Real>

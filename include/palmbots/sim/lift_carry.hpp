@@ -2,9 +2,8 @@
 // A job that begins or ends on the floor, in the exact world: robots with arms (sim/lift_robots.hpp),
 // and the floor in the world.
 //
-// WHEELS. As long as a nose is on the floor, a motion that mechanics do not allow stops the wheels for
-// the rest of the tick, as wheels that stall. No robot notices that. In the air it ends the job, as in
-// a carry. The odometry of wheels that spin counts on.
+// WHEELS. Wheels that stall (mechanics/carry_ends.hpp) stand for the rest of the tick. No robot
+// notices that. The odometry of wheels that spin counts on.
 #pragma once
 
 #include <cmath>
@@ -12,7 +11,6 @@
 #include <vector>
 
 #include "palmbots/sim/lift_robots.hpp"
-#include "palmbots/world/small_fall.hpp"
 
 namespace palmbots {
 
@@ -29,7 +27,7 @@ class LiftCarry : public LiftRobots<Inner> {
     world_ = world_of(spec, model, seed);
     spec.begins_on == StandsOn::floor ? stand() : hold();
     first_ = world_.pose().at;
-    world_.set_on_both(spec.begins_on != StandsOn::floor);
+    set_phase(spec.begins_on != StandsOn::floor);
     note_phases(0.0);
   }
 
@@ -113,7 +111,6 @@ class LiftCarry : public LiftRobots<Inner> {
     if (notice(sensed)) think([&](const SentMessage& p) { recorder_.message(p); });
     note_phases(moved());
     if (tick_ % block_ticks == 0) collect();
-    const bool airborne = is_airborne();
     this->add_statistics();
     change_biases();
     this->let_palms_fall();
@@ -123,42 +120,22 @@ class LiftCarry : public LiftRobots<Inner> {
       by[side] = {robots_.speeds[side] * spec_.period, this->rise(side, act.angles[side])};
     recorder_.before(*this, sensed);
     this->record(height_);
-    world_.set_on_both(airborne);
+    set_phase(is_airborne());
     const Advance<double>& step = world_.advance(by, act.angles, act.push);
-    const bool stalls = !airborne && step.reason == DropReason::jammed;
     for (const std::size_t side : {left, right}) {
       height_[side] += step.fraction * by[side].y;
       const double way = step.fraction * by[side].x + step.lag[side];
       this->count_travel(side, spec_.robots[side].spins() ? by[side].x : way);
-      if (stalls && by[side].x != 0) metrics_.stalled_ticks[side] += 1 - step.fraction;
     }
     robots_.midpoint += step.fraction * act.travel + metrics_.note_stalls(step);
     recorder_.after(*this);
-    const bool goes_on =
-        step.reason == DropReason::none || stalls || (!airborne && falls_a_little());
+    for (const Fall& fall : world_.falls()) falls_.push_back({tick_, fall});
     const bool stands = !world_.is_touched(left) && !world_.is_touched(right);
-    this->end_tick(goes_on ? DropReason::none : step.reason, step.fraction, stands);
+    this->end_tick(step.reason, step.fraction, stands);
   }
 
-  // Lets an object that its contacts no longer hold fall to where it rests while the palms stand
-  // still. False, and nothing changes, if it has farther to fall.
-  bool falls_a_little() {
-    PerSide<Vec> pivots{};
-    PerSide<double> angles{};
-    Travel still{};
-    for (const std::size_t side : {left, right}) {
-      pivots[side] = world_.pivot(side);
-      angles[side] = world_.configuration().palms[side].angle;
-      still.palms[side] = {pivots[side], {}, angles[side], 0.0, angles[side]};
-    }
-    const ContactProblem problem{world_.shapes(), spec_.slope, 0.0, false};
-    Pose rests = world_.pose();
-    const double before = rests.at.y;
-    const auto height = SmallFall(problem, still.frames(0.0), spec_.fall).run(rests);
-    if (!height) return false;
-    falls_.push_back({tick_, *height, before - rests.at.y});
-    world_.put(pivots, angles, rests);
-    return true;
+  void set_phase(bool airborne) {
+    world_.set_phase(airborne ? CarryPhase::held : CarryPhase::low, spec_.fall);
   }
 
   World<double> world_;

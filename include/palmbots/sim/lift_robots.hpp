@@ -30,11 +30,10 @@ struct LiftPhase {
 };
 inline constexpr std::size_t most_lift_phases = 128;
 
-// A small fall of the object: how far a contact vertex fell at most, and how far the COM [m].
+// A small fall of the object.
 struct LiftFall {
   std::uint32_t tick;
-  double height;
-  double com;
+  Fall fall;
 };
 
 template <class Inner>

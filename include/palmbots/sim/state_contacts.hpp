@@ -48,13 +48,18 @@ inline bool is_enclosed(const StateContact& one, const std::vector<StateContact>
 
 }  // namespace detail
 
+// The distance of the contact vertices, or the diameter of a pipe, which has no such distance [m].
+inline double size_of_object(const Spec& spec) {
+  return spec.width > 0 ? spec.width : 2 * spec.outline.vertices[0].radius;
+}
+
 // All contacts of the object of a spec, at palm angles [rad] and contact coordinates [m] at which it
 // reaches from palm to palm.
 inline StateContacts contacts_of_state(const Spec& spec, const PerSide<double>& angles,
                                        const PerSide<double>& places) {
   const Model<double> model = model_of<double>(spec);
   const PerSide<double> radius = contact_radii(spec.outline);
-  const double near = contact_tolerance<double> * spec.width;
+  const double near = contact_tolerance<double> * size_of_object(spec);
   Configuration<double> at{
       0.0, {PalmAngle<double>::at(angles[left]), PalmAngle<double>::at(angles[right])}, places};
   at.separation = closing_separation(at, model.offset, model.object.width);
@@ -115,7 +120,7 @@ inline std::string refusal_of(const StateContacts& found, const Spec& spec,
         "theta_{}_deg: value is {}, which puts the {} palm inside the object's outline; allowed: "
         "angles and contacts at which they overlap by at most {} mm",
         {name, short_text(angles[*found.pierced] / radians_per_degree<double>), name,
-         short_text(1e3 * contact_tolerance<double> * spec.width, 2)});
+         short_text(1e3 * contact_tolerance<double> * size_of_object(spec), 2)});
   }
   const std::size_t count = found.touched.size();
   if (count <= max_supports) return "";

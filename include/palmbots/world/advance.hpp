@@ -5,13 +5,13 @@
 #include <cstdint>
 
 #include "palmbots/mechanics/contact_modes.hpp"
-#include "palmbots/mechanics/drop_reason.hpp"
+#include "palmbots/mechanics/carry_ends.hpp"
 
 namespace palmbots {
 
 template <class Real>
 struct Advance {
-  DropReason reason = DropReason::none;
+  DropReason reason = DropReason::none;  // why it ended
   Real fraction = Real(1);    // of the step that was done
   ContactMode motion{};       // of its last piece
   std::int32_t segments = 1;  // regimes passed through
@@ -19,6 +19,12 @@ struct Advance {
   // them [m], and in which part of the step each robot stalled.
   PerSide<Real> lag{};
   PerSide<double> stalled{};
+};
+
+// A small fall: how far a contact vertex fell at most, and how far the COM [m].
+struct Fall {
+  double height;
+  double com;
 };
 
 // Times at which the object rested on a further contact, and the latest: what it was, and when it

@@ -24,6 +24,7 @@
 #include "palmbots/world/contact_step.hpp"
 #include "palmbots/world/general_step.hpp"
 #include "palmbots/world/rolling_step.hpp"
+#include "palmbots/world/small_fall.hpp"
 #include "palmbots/world/vertex_pose.hpp"
 
 namespace palmbots {
@@ -65,9 +66,12 @@ class World {
     state_.multi_contact = Real(1);
     place(travel({}, angles).frames(0.0));
   }
-  // When a step ends: as soon as the object leaves either palm (true), or only when nothing
-  // holds the object any more (false).
-  void set_on_both(bool on_both) { on_both_ = on_both; }
+  // The phase of the task, which decides what ends a step (mechanics/carry_ends.hpp). Where the
+  // object may fall, a contact vertex falls by at most `most_fall` [m].
+  void set_phase(CarryPhase phase, double most_fall = 0.0) {
+    phase_ = phase;
+    most_fall_ = most_fall;
+  }
 
   // The angle of the object, whose contacts are `width` apart [rad]. For people and pictures only: no
   // motion depends on it, so libm may serve.
@@ -111,6 +115,8 @@ class World {
     return places;
   }
   const Advance<Real>& last() const { return last_; }
+  // Falls in the last step that was not fast.
+  const std::vector<Fall>& falls() const { return falls_; }
   // Whether robots may stall: the ways of both then matter, and not only their difference.
   bool is_limited() const { return model_.limit != no_limits<double>; }
 
@@ -148,17 +154,7 @@ class World {
   bool rests_elsewhere() const { return !rests_on_vertices(); }
 
   // Why the object is not held in its present position, or `none`.
-  DropReason check() const {
-    const Configuration<Real>& here = state_.configuration;
-    if (posed_ || rolls_ || is_general()) return check_all();
-    const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
-    const DropReason reason =
-        drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
-    if (reason == DropReason::off_palm && may_leave_reach()) return check_all();
-    if (!adds_contact(reason)) return reason;
-    const DropReason found = check_all();
-    return adds_contact(found) ? reason : found;
-  }
+  DropReason check() const { return ends_as(checked(), CarryPhase::placed); }
 
   // Shifts the contacts suddenly, by `by` [m]. The robots are displaced so that the loop stays
   // closed.
@@ -226,7 +222,15 @@ class World {
   }
 
   const Advance<Real>& take_apart(const PerSide<Vec>& by, const PerSide<Real>& angles) {
+    choices_.clear();
+    falls_.clear();
     last_ = go(by, angles);
+    while (falls_after(last_.reason)) go_on(by, angles);
+    if (consequence(last_.reason, phase_).then == Then::stalls) {
+      for (const std::size_t side : {left, right})
+        if (by[side].x != 0) last_.stalled[side] += 1 - double(last_.fraction);
+    }
+    last_.reason = ends_as(last_.reason, phase_);
     state_.multi_contact = Real(posed_ || takes_single_steps(model_) ? 1 : 0);
     return last_;
   }
@@ -245,6 +249,23 @@ class World {
              within(places[right], model_.reach[right]));
   }
 
+  // Whether this is a further contact, with which the object moves on.
+  static bool goes_on(DropReason event) {
+    return consequence(event, CarryPhase::held).then == Then::goes_on;
+  }
+
+  DropReason checked() const {
+    const Configuration<Real>& here = state_.configuration;
+    if (posed_ || rolls_ || is_general()) return check_all();
+    const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
+    const DropReason reason =
+        drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
+    if (reason == DropReason::off_palm && may_leave_reach()) return check_all();
+    if (!goes_on(reason)) return reason;
+    const DropReason found = check_all();
+    return goes_on(found) ? reason : found;
+  }
+
   // Why all contacts together do not hold the object.
   DropReason check_all() const {
     const Real closed = closed_tolerance<Real> * Real(shapes().size);
@@ -258,7 +279,8 @@ class World {
   }
 
   ContactProblem problem() const {
-    return {shapes(), double(model_.object.slope), double(state_.push), on_both_, model_.limit};
+    return {shapes(), double(model_.object.slope), double(state_.push), needs_both_palms(phase_),
+            model_.limit};
   }
 
   PerSide<Real> angles() const {
@@ -281,6 +303,32 @@ class World {
     return posed_ ? separation_ : double(state_.configuration.separation);
   }
 
+  // Whether the object, which its contacts no longer hold, has fallen to where it rests. Otherwise
+  // nothing changes.
+  bool falls_after(DropReason event) {
+    if (consequence(event, phase_).then != Then::falls || falls_.size() == most_falls) return false;
+    const ContactProblem problem{shapes(), double(model_.object.slope), 0.0, false};
+    Pose rests = pose();
+    const double before = rests.at.y;
+    const auto height = SmallFall(problem, here(), most_fall_).run(rests);
+    if (!height) return false;
+    falls_.push_back({*height, before - rests.at.y});
+    put({pivot(left), pivot(right)}, angles(), rests);
+    return true;
+  }
+  // The rest of a step, after a fall.
+  void go_on(const PerSide<Vec>& by, const PerSide<Real>& goals) {
+    const Advance<Real> done = last_;
+    const double rest = 1.0 - double(done.fraction);
+    last_ = go({by[left] * rest, by[right] * rest}, goals);
+    last_.fraction = done.fraction + Real(rest) * last_.fraction;
+    last_.segments += done.segments;
+    for (const std::size_t side : {left, right}) {
+      last_.lag[side] += done.lag[side];
+      last_.stalled[side] = done.stalled[side] + rest * last_.stalled[side];
+    }
+  }
+
   // A whole step: on the two vertices alone and, from a further contact on, on any contacts.
   [[gnu::noinline]] Advance<Real> go(const PerSide<Vec>& by, const PerSide<Real>& goals) {
     Travel step = travel(by, goals);
@@ -291,9 +339,9 @@ class World {
       const bool alone =
           model_.surroundings.none() && by[left].y == by[right].y && !rolls_ && !is_general();
       if (alone) total = GeneralStep<Real>{model_, state_, Real(widens), goals}.run();
-      const bool goes_on =
-          adds_contact(total.reason) || (total.reason == DropReason::off_palm && may_leave_reach());
-      if (alone && !goes_on) {
+      const bool continues =
+          goes_on(total.reason) || (total.reason == DropReason::off_palm && may_leave_reach());
+      if (alone && !continues) {
         carry_on(by, double(total.fraction));
         return total;
       }
@@ -304,7 +352,6 @@ class World {
     ContactProblem problem = this->problem();
     problem.commanded = {by[left].x, by[right].x};
     const double rounding = double(Real(64) * std::numeric_limits<Real>::epsilon()) * shapes().size;
-    choices_.clear();
     std::uint32_t seen = ambiguous_.count;
     const auto note = [&](const Frames& frames, double t) {
       if (ambiguous_.count != seen) choices_.push_back({t, regime_});
@@ -380,7 +427,10 @@ class World {
   Model<Real> model_{};
   bool rolls_ = false;  // a contact vertex is rounded
   mutable std::optional<ContactShapes> shapes_;
-  bool on_both_ = true;
+  CarryPhase phase_ = CarryPhase::held;
+  double most_fall_ = 0.0;  // [m]
+  std::vector<Fall> falls_;
+  static constexpr std::size_t most_falls = 16;  // in a step
   double middle_ = 0.0;       // of the pivots, along the floor [m]
   PerSide<double> height_{};  // of the pivots [m]
   bool posed_ = false;        // whether the object may rest on more than its two contact vertices

@@ -20,7 +20,7 @@ export interface TouchedState {
   held: boolean; // whether the contacts hold the object if all stick
   contacts: Touched[];
   starts: Xy; // x of the pivots before the palms drive [m]; on a floor
-  places: Float64Array; // PLACES, on a floor
+  places: Float64Array; // PLACES, on a floor and of a pipe
 }
 
 export type Range = [number, number];

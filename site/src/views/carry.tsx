@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import {
   AtHome, ControllerChoice, Disturbances, Field, ResetButton, SceneChoice, caseWords, presentRun, setController,
 } from "./parts";
+import { Ends } from "./ends";
 import { PlayerBar, usePlayerKeys } from "./player_bar";
 import { saveFilm, savePicture } from "./save";
 import { Charts } from "./sequence";
@@ -23,7 +24,7 @@ const UNTIL_SWITCHED_ON_S = 1000; // longer than any carry
 
 export function outcomeText(run: Recorded): string {
   const name = tables.outcomes[run.outcome]!;
-  if (name === "dropped") return `dropped after ${run.time.toFixed(1)} s: ${tables.dropReasons[run.reason]![1]}`;
+  if (name === "dropped") return `dropped after ${run.time.toFixed(1)} s: ${tables.ends[run.reason - 1]!.meaning}`;
   if (name === "stalled") return `stalled: time limit reached at ${run.time.toFixed(1)} s`;
   return `delivered: ${run.distance.toFixed(2)} m in ${run.time.toFixed(1)} s`;
 }
@@ -230,6 +231,7 @@ export function CarryView() {
         </div>
         <Charts />
       </section>
+      <Ends reason={run?.reason ?? 0} />
       <AtHome runs={presentRun()} />
       <p class="row save">
         <button type="button" id="save-picture" onClick={() => savePicture("stage")}>

@@ -2,6 +2,7 @@
 // Mechanics: one state to take apart. Figures 3 to 6 of the paper, alive.
 import { batch } from "@preact/signals";
 import { analyzeLines, anglesWords, drawCom } from "./com_map";
+import { Ends } from "./ends";
 import { Handles } from "./handles";
 import { ShapeFields, StateSliders } from "./mechanics_controls";
 import { drawState, handles, mechanicsHeight } from "./mechanics_picture";
@@ -50,11 +51,11 @@ function Examples() {
 function Status() {
   const f = onFloor.value ? null : found.value;
   const here = touched.value;
-  const reason = (name: string) => `${name}: ${tables.dropReasons.find(([known]) => known === name)![1]}`;
+  const reason = (at: number) => `${tables.ends[at]!.name}: ${tables.ends[at]!.meaning}`;
   const words = refused.value || here?.problem
-    || (here?.end && `the palms stop here: ${reason(here.end)}`)
+    || (here?.end && `the palms stop here: ${reason(tables.ends.findIndex((end) => end.name === here.end))}`)
     || (f && !f.reaches && "The object does not reach from palm to palm.")
-    || (f && f.reason > 0 && !isGeneral.value && reason(tables.dropReasons[f.reason]![0]));
+    || (f && f.reason > 0 && !isGeneral.value && reason(f.reason - 1));
   return words ? <p class="status refusal" role="status">{words}</p> : null;
 }
 
@@ -157,6 +158,7 @@ export function MechanicsView() {
           </section>
         </>
       )}
+      <Ends reason={0} />
       <AtHome
         lines={onFloor.value
           ? floorLines(base.value, overrides.value, {

@@ -2,7 +2,7 @@
 // The sliders and fields of the view Mechanics: palm angles, contacts or the floor, friction, shapes.
 import { SHAPES, setShape, shape } from "./mechanics_shape";
 import {
-  MOST_DRIVEN, MOST_RAISED, contact, driven, floorFriction, half, onFloor, raised, setContact, setDriven, setRaised,
+  MOST_DRIVEN, MOST_RAISED, contact, driven, floorFriction, half, isPipe, onFloor, raised, setContact, setDriven, setRaised,
   setTheta, theta,
 } from "./mechanics_state";
 import { setExtra, setExtraFlag, setForAll, valuesOf } from "../shared/state";
@@ -29,7 +29,7 @@ export function StateSliders() {
       {slider("θ_L", "theta-left", theta.value[0], least, 50, 0.5, "°", (v) => setTheta(0, v))}
       {slider("θ_R", "theta-right", theta.value[1], least, 50, 0.5, "°", (v) => setTheta(1, v))}
       {!onFloor.value && slider("p_L", "p-left", contact.value[0], -1000 * half(0), 1000 * half(0), 0.5, "mm", (v) => setContact(0, v))}
-      {!onFloor.value && slider("p_R", "p-right", contact.value[1], -1000 * half(1), 1000 * half(1), 0.5, "mm", (v) => setContact(1, v))}
+      {!onFloor.value && !isPipe.value && slider("p_R", "p-right", contact.value[1], -1000 * half(1), 1000 * half(1), 0.5, "mm", (v) => setContact(1, v))}
       {onFloor.value && slider("left drives in", "driven-left", driven.value[0], 0, MOST_DRIVEN, 0.1, "mm", (v) => setDriven(0, v))}
       {onFloor.value && slider("right drives in", "driven-right", driven.value[1], 0, MOST_DRIVEN, 0.1, "mm", (v) => setDriven(1, v))}
       {onFloor.value && slider("both rise", "raised", raised.value, 0, MOST_RAISED, 0.1, "mm", setRaised)}

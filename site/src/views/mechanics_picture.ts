@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import type { Handle } from "./handles";
 import { setIfAllowed, shape } from "./mechanics_shape";
 import {
-  DEGREE, chosenMode, found, isGeneral, onFloor as isOnFloor, setContact, setTheta, theta, touched,
+  DEGREE, chosenMode, found, isGeneral, isPipe, onFloor as isOnFloor, setContact, setTheta, theta, touched,
 } from "./mechanics_state";
 import { driveHandles, palmHandles, radiusHandle } from "./shape_handles";
 import { zeroZone } from "./stage";
@@ -43,7 +43,7 @@ export function mechanicsHeight(width: number): number {
 
 // What the view shows: places of palms and object; null: there is nothing to show.
 function placesShown(): Float64Array | null {
-  if (isOnFloor.value) return touched.value?.problem === "" ? touched.value.places : null;
+  if (isOnFloor.value || isPipe.value) return touched.value?.problem === "" ? touched.value.places : null;
   return found.value?.reaches ? found.value.places : null;
 }
 
@@ -125,7 +125,7 @@ export function handles(): Handle[] {
     const [x, y] = frame.toWorld(vertex);
     return [at.x(x), at.y(y)];
   });
-  corners.forEach(([x, y], k) => {
+  if (!isPipe.value) corners.forEach(([x, y], k) => {
     list.push({
       id: `corner-${k}`, label: `corner ${k + 1} of the object`, kind: "corner", x, y,
       move: (px, py) => {
@@ -155,7 +155,7 @@ export function handles(): Handle[] {
         setTheta(side, Math.atan2(wy - middle[1], out * (wx - middle[0])) / DEGREE);
       },
     });
-    if (isOnFloor.value) continue;
+    if (isOnFloor.value || (isPipe.value && side === 1)) continue;
     const [cx, cy] = point(PLACES.contact);
     list.push({
       id: `contact-${SIDES[side]}`, label: `contact on the ${SIDES[side]} palm`, kind: "contact",

@@ -21,10 +21,13 @@ export const contact = computed<[number, number]>(() => [extraNumber("pl", -20),
 export const hovered = signal<[number, number] | null>(null);
 export const half = (side: 0 | 1) => ofSide(scene.value, "palm", SIDES[side], "length_m") / 2;
 
+// A pipe has one coordinate of its own: p of the right contact follows from that of the left one.
+export const isPipe = computed(() => core.value?.facts(scene.value).isPipe ?? false);
+
 function staticsAt([pLeft, pRight]: [number, number]): Statics | null {
   const machine = core.value;
   if (!machine) return null;
-  if (machine.facts(scene.value).isPipe) return null;
+  if (isPipe.value) return null;
   return machine.statics(
     [theta.value[0] * DEGREE, theta.value[1] * DEGREE], [pLeft / 1000, pRight / 1000],
   );
@@ -117,7 +120,7 @@ export const touched = computed<TouchedState | null>(() => {
 });
 
 // Whether the nine contact modes of two contacts do not describe the state.
-export const isGeneral = computed(() => onFloor.value || (touched.value?.contacts.length ?? 0) > 2);
+export const isGeneral = computed(() => onFloor.value || isPipe.value || (touched.value?.contacts.length ?? 0) > 2);
 
 // The motions of the palms for which the view lists contact modes.
 export const MOTIONS: { id: string; name: string; palms: PalmMotions; needsFloor?: boolean }[] = [

@@ -18,12 +18,14 @@ from palmbots._types import SIDES
 from palmbots.mujoco.contact_forces import PalmLoads
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.robot_mjcf import STRONGEST_N, arm_weight
-from palmbots.mujoco.world import HEADING, TURNED, MujocoWorld
+from palmbots.mujoco.world import HEADING, MujocoWorld
 from palmbots.scene.scene import Scene
+from palmbots.simulation.carry_ends import ends_in
 
 _PRESS_N = 2.0  # by which an arm presses its nose on the floor, at most; assumed
 _SLOW = 0.5  # of the commanded speed
 _MOVES_M_S = 0.005  # a robot that is commanded to move more slowly stands
+_ENDS_LOW = ends_in("low")
 _STALLS_S = 0.05  # wheels of a robot that is too slow for longer stall
 
 Pair = tuple[float, float]
@@ -129,11 +131,6 @@ class LiftWorld(MujocoWorld):
             )
         ]
 
-    def _end(self, p: Pair, loaded: tuple[bool, bool]) -> str:
-        """With a nose on the floor the object may be anywhere, but not turned over."""
-        if not any(self.arms[1]):
-            return super()._end(p, loaded)
-        self._unloaded_s = [0.0, 0.0]
-        if max(map(abs, self._pitches())) > self._tipped:
-            return "robot tipped"
-        return "tipping" if float(self._object_mat[8]) < math.cos(TURNED) else ""
+    @property
+    def _ends(self) -> dict[str, str]:
+        return _ENDS_LOW if any(self.arms[1]) else super()._ends

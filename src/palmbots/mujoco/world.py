@@ -7,6 +7,7 @@ foot of the pivot, outward [m]. The tactile sensor reports where contact forces 
 """
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from palmbots.mujoco.trace_columns import Measured
 from palmbots.scene.chassis import axle_out, chassis
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import contact_radii
+from palmbots.simulation.carry_ends import ends_in
 
 SLACK = math.radians(0.25)  # a wrist this close to its target has reached it; assumed
 _SETTLE_S = 0.3  # before the carry, until motors and contacts carry the weights
@@ -33,6 +35,7 @@ _STICKS = 5e-4  # m/s; a contact that moves more slowly along its palm sticks
 _LET_GO_S = 0.25  # without load on a palm for this long, the object is no longer held
 _PITCHED = math.radians(10)  # a robot that pitches by more than the floor and this has tipped
 TURNED = math.radians(60)  # an object turned further has tipped over
+_ENDS = ends_in("held")
 _OUT = (-1.0, 1.0)
 
 
@@ -411,17 +414,28 @@ class MujocoWorld:
         """What may close switches, by palm: forces [N] and their moments [N m]."""
         return loads.sums
 
+    @property
+    def _ends(self) -> dict[str, str]:
+        """What ends the carry in this phase of the task, and the reason then."""
+        return _ENDS
+
     def _end(self, p: tuple[float, float], loaded: tuple[bool, bool]) -> str:
-        """Why the object is no longer held; empty if it is held. `loaded`: each palm carries some
-        of its weight."""
-        if max(map(abs, self._pitches())) > self._tipped:
-            return "robot tipped"
-        if any(not -low <= at <= high for at, (low, high) in zip(p, self._reach, strict=True)):
-            return "off-palm"
-        if any(abs(y) > half for y, half in zip(self.lateral, self._half_width, strict=True)):
-            return "off-palm"
-        if self._width > 0 and float(self._object_mat[8]) < math.cos(TURNED):
-            return "tipping"
+        """Why the carry ends; empty if it goes on. `loaded`: each palm carries some of the weight
+        of the object."""
+        ends = self._ends
         for k in (0, 1):
-            self._unloaded_s[k] = 0.0 if loaded[k] else self._unloaded_s[k] + self._period
-        return "lifting" if max(self._unloaded_s) > _LET_GO_S else ""
+            is_held = loaded[k] or "lifting" not in ends
+            self._unloaded_s[k] = 0.0 if is_held else self._unloaded_s[k] + self._period
+        return next((ends[event] for event in self._happens(p) if event in ends), "")
+
+    def _happens(self, p: tuple[float, float]) -> Iterator[str]:
+        if max(map(abs, self._pitches())) > self._tipped:
+            yield "robot tipped"
+        if any(not -low <= at <= high for at, (low, high) in zip(p, self._reach, strict=True)):
+            yield "off-palm"
+        if any(abs(y) > half for y, half in zip(self.lateral, self._half_width, strict=True)):
+            yield "off-palm"
+        if self._width > 0 and float(self._object_mat[8]) < math.cos(TURNED):
+            yield "tipping"
+        if max(self._unloaded_s) > _LET_GO_S:
+            yield "lifting"

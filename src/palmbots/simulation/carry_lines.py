@@ -9,7 +9,7 @@ from palmbots._types import SIDES
 from palmbots._util.report import Item, Line, Table, bold, quiet, verdict, warning
 from palmbots._util.text import millimetres, plural
 from palmbots.control.registry import describe
-from palmbots.simulation.reason_words import reason_text
+from palmbots.simulation.carry_ends import reason_text
 
 if TYPE_CHECKING:
     from palmbots.control.resilient_timing import Bounds

@@ -35,8 +35,6 @@ STAGES = {
     for phase in phases
 }
 """The stage to which a phase belongs, dock, centre, raise, carry, lower, leave or held."""
-_ENDS = {"tipping": "toppled", "jammed": "jammed", "robot tipped": "a robot tipped"}
-"""What happened, by the reason of a drop; otherwise the object fell."""
 _RETRIES = ("back_off", "stand_back", "failed")  # after an attempt that failed
 
 
@@ -54,15 +52,21 @@ class JobPhase:
 
 
 @dataclass(frozen=True, slots=True)
-class SmallFall:
+class Fall:
     """The object fell where its contacts no longer held it, for example off a nose. It takes no
-    time. In MuJoCo such falls are part of the motion, so none are listed."""
+    time."""
 
-    time_s: float
     height_m: float
     """How far a contact vertex fell at most; `world.fall_m` limits it."""
     energy_j: float
     """Weight times the height through which the centre of mass fell."""
+
+
+@dataclass(frozen=True, slots=True)
+class SmallFall(Fall):
+    """A fall in a job. In MuJoCo falls are part of the motion, so none are listed."""
+
+    time_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +82,7 @@ class FloorJob:
     missed_m: float
     """How much farther that is than the distance of the task; < 0: it fell short."""
     falls: tuple[SmallFall, ...] = ()
-    """Small falls of the object."""
+    """The falls of the object."""
 
 
 def stages(job: FloorJob, robot: str) -> list[tuple[str, float, float]]:
@@ -107,20 +111,17 @@ def floor_job(scene: Scene, measured: Any) -> FloorJob:
     return FloorJob(
         phases=tuple(phases),
         falls=tuple(
-            SmallFall(time, height, scene.object.mass_kg * _core.standard_gravity * com)
+            SmallFall(height, scene.object.mass_kg * _core.standard_gravity * com, time)
             for time, height, com in measured.falls
         ),
-        failure=_failure(measured.outcome, measured.reason, phases),
+        failure=None if measured.outcome == "delivered" else _missed(phases),
         moved_m=moved,
         missed_m=moved - scene.task.distance_m,
     )
 
 
-def _failure(outcome: str, reason: str | None, phases: list[JobPhase]) -> str | None:
-    """In words: from the last phase, of an attempt, of the robot that is less far."""
-    if outcome == "delivered":
-        return None
+def _missed(phases: list[JobPhase]) -> str:
+    """What was not achieved, from the last phase, of an attempt, of the robot that is less far."""
     last = {phase.robot: phase.phase for phase in phases if phase.phase not in _RETRIES}
     order = list(MISSED)
-    behind = min(last.values(), key=order.index)
-    return (f"{_ENDS.get(reason or '', 'fell')}: " if outcome == "dropped" else "") + MISSED[behind]
+    return MISSED[min(last.values(), key=order.index)]

@@ -28,6 +28,7 @@ from palmbots.mechanics.lifting import check_stands
 from palmbots.scene.scene import SceneLike, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.scene.surroundings import blocks_of
+from palmbots.simulation.floor_job import Fall
 
 Point = tuple[float, float]
 
@@ -44,7 +45,8 @@ class FloorState:
     """Where palms and object are. Positions are (along the floor, above it) in metres."""
 
     end: str
-    """Why the last motion ended early, for example ``jammed``; empty: it was completed."""
+    """Why the last motion ended early: ``jammed``, ``fell`` or ``toppled``; empty: it was
+    completed."""
     touched_m: BySide[float | None]
     """Contact coordinate on each palm, outward from its point nearest to the pivot; None: the
     object does not touch this palm."""
@@ -56,6 +58,8 @@ class FloorState:
     """The angle of the object, anticlockwise."""
     pivots_m: BySide[Point]
     palms_deg: BySide[float]
+    falls: tuple[Fall, ...] = ()
+    """Falls of the object in the last motion."""
 
     @property
     def on_floor(self) -> bool:
@@ -111,11 +115,13 @@ class FloorWorld:
                 )
         angles = _angles(palms_deg)
         self._end = ""
+        self._falls: tuple[Fall, ...] = ()
+        self._weight = chosen.object.mass_kg * _core.standard_gravity
         if floor_friction is not None:
             spec.floor_friction = floor_friction
         self._blocks = blocks_of(spec)
         self._world = _core.World(spec, True)
-        self._world.set_on_both(False)
+        self._world.set_phase("by_hand", spec.fall)
         check_stands(spec)
         self._is_there = [gap is not None for gap in gaps_m]
         left, right = (_ABSENT_M if gap is None else gap for gap in gaps_m)
@@ -187,8 +193,10 @@ class FloorWorld:
         if self._blocks:
             for pivots, angles in self._places(motions):
                 self._check_palms(pivots, angles, "on the way")
+        self._falls = ()
         for ways, after in motions:
             self._end = self._world.move(ways, after)[0]
+            self._falls += tuple(Fall(high, self._weight * com) for high, com in self._world.falls)
             if self._end:
                 break
         return self.state
@@ -293,6 +301,7 @@ class FloorWorld:
             tilt_deg=math.degrees(angle),
             pivots_m=BySide.of(world.pivots),
             palms_deg=BySide.of(map(math.degrees, world.palms)),
+            falls=self._falls,
         )
 
 

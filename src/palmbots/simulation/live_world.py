@@ -22,7 +22,7 @@ from palmbots.links.local_connection import Connection, ConnectionLost
 from palmbots.scene.scene import Scene
 from palmbots.simulation.entrance import Entrance
 from palmbots.simulation.imperfections import Imperfections
-from palmbots.simulation.reason_words import reason_text
+from palmbots.simulation.carry_ends import reason_text
 from palmbots.simulation.unavoidable_drops import left_palm_unavoidably
 from palmbots.simulation.world_stage import ImperfectStage, PerfectStage, Stage
 

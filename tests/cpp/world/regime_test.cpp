@@ -153,12 +153,12 @@ void test_neighbourhood_remembers_nothing_wrong() {
 }
 
 // Two palms approach an object on the floor, 1 mm in each step. After 2.5 mm both tips touch it, at
-// one height: nothing can move any more.
-void test_object_on_the_floor() {
+// one height: nothing can move any more. Robots stall there for the rest of the step.
+void test_object_on_the_floor(CarryPhase phase) {
   Held held;
   held.model.surroundings = Surroundings::on_floor(0.3);
   World<double> world(held.model, configuration_of(held.spec, held.model));
-  world.set_on_both(false);
+  world.set_phase(phase);
   const double angle = 15 * radians_per_degree<double>;
   const double inner = held.model.half_length[left];
   const double high = inner * std::sin(angle) + 0.005;  // the tips are 5 mm above the floor
@@ -167,11 +167,41 @@ void test_object_on_the_floor() {
   CHECK(world.check() == DropReason::none || world.check() == DropReason::lifting);
   for (int step = 1; step <= 3; ++step) {
     const auto& done = world.advance({Vec{0.001, 0.0}, Vec{-0.001, 0.0}}, {angle, angle});
-    CHECK(done.reason == (step < 3 ? DropReason::none : DropReason::jammed));
+    const bool jams = step == 3;
+    const bool ends = jams && phase == CarryPhase::by_hand;
+    CHECK(done.reason == (ends ? DropReason::jammed : DropReason::none));
+    for (const double stalled : {done.stalled[left], done.stalled[right]})
+      CHECK(std::abs(stalled - (jams && !ends ? 0.5 : 0.0)) < 1e-6);
     CHECK(std::abs(done.fraction - (step < 3 ? 1.0 : 0.5)) < 1e-6);
     CHECK(done.segments <= 2);
     CHECK(!world.is_touched(left) && !world.is_touched(right) && world.rests_elsewhere());
   }
+}
+
+// An object 2 mm above the floor, which nothing holds: it falls if it may, and the step goes on.
+void test_fall() {
+  Held held;
+  held.model.surroundings = Surroundings::on_floor(0.3);
+  const auto end_in = [&](CarryPhase phase, double most_fall) {
+    World<double> world(held.model, configuration_of(held.spec, held.model));
+    world.set_phase(phase, most_fall);
+    const double away = held.model.object.com_left + 0.3;
+    world.put({Vec{-away, 0.3}, Vec{away, 0.3}}, {0.1, 0.1}, Pose::of({0.0, 0.042}, 0.0));
+    const Advance<double> done = world.advance({Vec{0.001, 0.0}, Vec{-0.001, 0.0}}, {0.1, 0.1});
+    const bool fell = world.falls().size() == 1;
+    CHECK(fell == (done.reason == DropReason::none) && fell == (done.fraction == 1.0));
+    if (fell) {
+      CHECK(std::abs(world.falls()[0].height - 0.002) < 1e-6);
+      CHECK(std::abs(world.falls()[0].com - 0.002) < 1e-6);
+      CHECK(std::abs(world.pose().at.y - 0.04) < 1e-9);
+    }
+    return done.reason;
+  };
+  for (const CarryPhase phase : {CarryPhase::low, CarryPhase::by_hand}) {
+    CHECK(end_in(phase, 0.003) == DropReason::none);
+    CHECK(end_in(phase, 0.001) == DropReason::toppled);
+  }
+  CHECK(end_in(CarryPhase::held, 0.003) == DropReason::lifting);
 }
 
 // What rests on its two contact vertices rests nowhere else, however it came there.
@@ -215,5 +245,7 @@ int main() {
   test_two_vertices_after_a_placement();
   test_depth_of_a_flush_palm();
   test_neighbourhood_remembers_nothing_wrong();
-  test_object_on_the_floor();
+  test_object_on_the_floor(CarryPhase::low);
+  test_object_on_the_floor(CarryPhase::by_hand);
+  test_fall();
 }
