@@ -254,9 +254,9 @@ def tables() -> dict[str, Any]:
         "problems": PROBLEMS,
         "longestValue": LONGEST_VALUE,
         "outcomes": list(_core.carry_outcomes),
-        "phases": ends().phases,
+        "phases": list(ends().phases.items()),
         "ends": [
-            {"name": end.name, "meaning": end.meaning, "follows": end.follows}
+            {"name": end.name, "meaning": end.meaning, "follows": [*end.follows.values()]}
             for end in ends().ends
         ],
         "contactModes": ["-".join(mode) for mode in CONTACT_MODES],

@@ -2,13 +2,15 @@
 """The phases of a job that begins or ends on the floor, and what ends a carry, as tables."""
 
 from palmbots.simulation.carry_ends import ends
-from palmbots.simulation.floor_job import MEANINGS
+from palmbots.simulation.floor_job import MEANINGS, TASK_PHASES
 
 
 def blocks() -> dict[str, str]:
     """The generated parts of the docs by name."""
-    rows = ["| phase | what the robot does |", "|---|---|"]
-    rows += [f"| `{name}` | {meaning} |" for name, meaning in MEANINGS.items()]
+    rows = ["| phase | what the robot does | phase of the task |", "|---|---|---|"]
+    rows += [
+        f"| `{name}` | {meaning} | `{TASK_PHASES[name]}` |" for name, meaning in MEANINGS.items()
+    ]
     return {"phases of a job": "\n".join(rows), "ends": ends_table()}
 
 

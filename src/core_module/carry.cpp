@@ -176,8 +176,8 @@ nb::dict carry_ends_of() {
       const Consequence& then = end.by_phase[k];
       by_phase[carry_phase_words[k][0]] = nb::make_tuple(name_of(then.then), name_of(then.reason));
     }
-    ends[end.name] = nb::make_tuple(end.meaning, end.in_mujoco ? end.in_mujoco : end.meaning,
-                                    by_phase);
+    ends[end.name] =
+        nb::make_tuple(end.meaning, end.in_mujoco ? end.in_mujoco : end.meaning, by_phase);
   }
   return ends;
 }

@@ -424,3 +424,18 @@ def test_a_slope_is_drawn(open_page: Open, direction: str) -> None:
     after = com.bounding_box()
     assert after["x"] - before["x"] == pytest.approx(10, abs=2)
     assert after["y"] - before["y"] == pytest.approx(0, abs=2)
+
+
+def test_the_table_of_what_ends_a_carry_marks_the_reason(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {"controller": "none", "seed": 0}, robot__noise_m_s=0.1))
+    page.locator("#ends summary").click()
+    table = pb.ends()
+    assert page.locator("#ends tbody th").all_inner_texts() == [
+        f"{end.name}: {end.meaning}" for end in table.ends
+    ]
+    for k, end in enumerate(table.ends):
+        row = page.locator("#ends tbody tr").nth(k)
+        assert row.locator("td").all_inner_texts() == list(end.follows.values())
+    carry = pb.carry("paper", "none", seed=0, overrides={"robot.noise_m_s": 0.1}, record=False)
+    assert carry.reason is not None
+    expect(page.locator("#ends tr[aria-current] th")).to_contain_text(f"{carry.reason}: ")

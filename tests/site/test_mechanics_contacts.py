@@ -14,6 +14,7 @@ from playwright.sync_api import Page, expect
 
 import palmbots as pb
 from palmbots._types import SIDES
+from palmbots.mechanics import SurfaceContact
 from palmbots.mechanics.contact_mode_words import SENTENCES
 from palmbots.mechanics.contact_points import touching
 from palmbots.mechanics.mode_forces import ConsistentMode
@@ -330,12 +331,47 @@ def test_a_dragged_corner_keeps_the_radius(open_page: Open) -> None:
     assert re.search(r"edge_radius_m%3D0\.02", page.evaluate("location.hash")) is not None
 
 
-@pytest.mark.parametrize("floor", [False, True])
-def test_a_pipe_is_refused_in_the_words_of_the_package(open_page: Open, floor: bool) -> None:
-    """Its two contacts move together; the view opens all the same, and its controls work."""
-    page = open_page(hash_of("mechanics", {"scene": "pipe", "v.floor": int(floor)}))
+@pytest.mark.parametrize(
+    ("theta_deg", "p_mm", "slope_deg"), [((45, 50), 4, 0), ((50, 50), 0, 2), ((30, 55), -10, 0)]
+)
+def test_a_pipe_has_two_contacts_that_move_together(
+    open_page: Open, theta_deg: tuple[float, float], p_mm: float, slope_deg: float
+) -> None:
+    """Both are at one distance from the point where the palms meet, and the pivots at one height:
+    p_R sin θ_R = p_L sin θ_L + R (cos θ_L − cos θ_R)."""
+    place = {"scene": "pipe", "v.tl": theta_deg[0], "v.tr": theta_deg[1], "v.pl": p_mm}
+    page = open_page(hash_of("mechanics", place, task__slope_deg=slope_deg))
+    kinds = page.locator(".forces tbody .count").all_inner_texts()
+    assert kinds == ["vertex", "vertex"] and page.locator("#p-right").count() == 0
+    lists: list[Sequence[SurfaceContact]] = []
+    found = []
+    words = shlex.split(home(page).split("\npalmbots")[0])
+    assert words[:2] == ["python", "-c"]
+    exec(words[2], {"print": found.append})
+    names: dict[str, Any] = {"print": lambda *_: lists.append(names["contacts"])}
+    exec(words[2], names)
+    theta = [math.radians(angle) for angle in theta_deg]
+    radius = 0.08
+    for k, contact in enumerate(lists[0]):
+        out = (-1, 1)[k]
+        normal = (-out * math.sin(theta[k]), math.cos(theta[k]))
+        assert contact.normal == pytest.approx(normal, abs=1e-12)
+        # From its centre, which is the COM.
+        assert contact.point_m == pytest.approx([-radius * n for n in normal], abs=1e-12)
+    for motion, one in zip(("closing", "opening"), found, strict=True):
+        assert_modes(page, motion, one.modes)
+        assert one.modes
+    before = pictures(page, "state-picture")
+    drag(page, "contact-left", -12, 0)
+    assert float(page.locator("#p-left").input_value()) > p_mm
+    assert pictures(page, "state-picture") != before
+
+
+def test_a_pipe_on_a_floor_is_refused_in_the_words_of_the_package(open_page: Open) -> None:
+    """It rolls away; the view opens all the same, and its controls work."""
+    page = open_page(hash_of("mechanics", {"scene": "pipe", "v.floor": 1}))
     with pytest.raises(pb.SceneError) as refused:
-        FloorWorld("pipe") if floor else pb.contact_modes("pipe")
+        FloorWorld("pipe")
     expect(page.locator(".over .refusal")).to_have_text(str(refused.value))
     page.locator("#edge-radius").fill("10")
     page.locator("#edge-radius").press("Enter")

@@ -62,7 +62,9 @@ class Pair:
 def end_of(scene: Scene, measured: Any) -> str:
     """``delivered``, or what happened and what was not achieved."""
     missed = floor_job(scene, measured).failure or "delivered"
-    return f"{_KINDS.get(measured.reason, measured.reason)}: {missed}" if measured.reason else missed
+    return (
+        f"{_KINDS.get(measured.reason, measured.reason)}: {missed}" if measured.reason else missed
+    )
 
 
 def exact_end(keys: dict[str, Any], seed: int) -> str:

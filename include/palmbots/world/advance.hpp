@@ -4,17 +4,17 @@
 
 #include <cstdint>
 
-#include "palmbots/mechanics/contact_modes.hpp"
 #include "palmbots/mechanics/carry_ends.hpp"
+#include "palmbots/mechanics/contact_modes.hpp"
 
 namespace palmbots {
 
 template <class Real>
 struct Advance {
   DropReason reason = DropReason::none;  // why it ended
-  Real fraction = Real(1);    // of the step that was done
-  ContactMode motion{};       // of its last piece
-  std::int32_t segments = 1;  // regimes passed through
+  Real fraction = Real(1);               // of the step that was done
+  ContactMode motion{};                  // of its last piece
+  std::int32_t segments = 1;             // regimes passed through
   // Of robots that stalled: how far the pivots are along x from where the step should have brought
   // them [m], and in which part of the step each robot stalled.
   PerSide<Real> lag{};

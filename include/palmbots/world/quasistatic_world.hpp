@@ -431,11 +431,11 @@ class World {
   double most_fall_ = 0.0;  // [m]
   std::vector<Fall> falls_;
   static constexpr std::size_t most_falls = 16;  // in a step
-  double middle_ = 0.0;       // of the pivots, along the floor [m]
-  PerSide<double> height_{};  // of the pivots [m]
-  bool posed_ = false;        // whether the object may rest on more than its two contact vertices
-  Regime regime_;             // valid if `posed_`
-  Pose pose_{};               // valid if `posed_`
+  double middle_ = 0.0;                          // of the pivots, along the floor [m]
+  PerSide<double> height_{};                     // of the pivots [m]
+  bool posed_ = false;  // whether the object may rest on more than its two contact vertices
+  Regime regime_;       // valid if `posed_`
+  Pose pose_{};         // valid if `posed_`
   Neighbourhood around_;
   AmbiguousEvents ambiguous_{};
   std::vector<AmbiguousChoice> choices_;

@@ -5,6 +5,7 @@ import type { Overrides } from "./scene_values";
 import { OWN_ROWS, SIGN_PAIRS } from "./state";
 import type { Json } from "./tables";
 import { tomlValue } from "./toml";
+import type { Touched } from "./touched";
 
 export const POLICY_FILE = "rows.toml";
 export const SCENE_FILE = "scene.toml";
@@ -71,6 +72,24 @@ export function floorLines(base: string, overrides: Overrides, at: {
     `world.move(${metres(at.driven[0])}, ${-metres(at.driven[1])})`,
     ...(up > 0 ? [`world.move(up_m=(${up}, ${up}))`] : []),
     ...["0.01, -0.01", "-0.01, 0.01"].map((way) => `print(world.contact_modes(${way}))`),
+  ];
+  return `python -c ${quoted(program.join("\n"))}`.split("\n");
+}
+
+// The contact modes of these contacts on two palms that close, and open.
+export function contactLines(contacts: Touched[], slope: number): string[] {
+  const of = ({ carrier, at, normal, friction }: Touched) => {
+    const numbers = [`(${at.join(", ")})`, `(${normal.join(", ")})`, friction, `(${carrier === 0 ? "" : "-"}v, 0)`];
+    return `    SurfaceContact("${carrier === 0 ? "left" : "right"} palm", ${numbers.join(", ")}),`;
+  };
+  const program = [
+    "from palmbots import consistent_modes",
+    "from palmbots.mechanics import SurfaceContact",
+    "for v in (0.01, -0.01):",
+    "  contacts = [",
+    ...contacts.map(of),
+    "  ]",
+    `  print(consistent_modes(contacts${slope === 0 ? "" : `, slope=${slope}`}))`,
   ];
   return `python -c ${quoted(program.join("\n"))}`.split("\n");
 }

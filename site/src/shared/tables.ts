@@ -53,8 +53,8 @@ interface Tables {
   problems: Record<string, string>; // of values, with names in braces for what is filled in
   longestValue: number; // characters of a value that a message quotes
   outcomes: string[];
-  phases: Record<string, string>; // of a task that differ in what ends it, with their meanings
-  ends: { name: string; meaning: string; follows: Record<string, string> }[]; // by reason − 1
+  phases: [string, string][]; // of a task that differ in what ends it, with their meanings
+  ends: { name: string; meaning: string; follows: string[] }[]; // by reason − 1, and by phase
   contactModes: string[];
   requiredContactModes: Record<string, string>; // by property, with the left palm shallow
   motionCodes: Record<string, string>[]; // by side, of a motion as the core numbers it

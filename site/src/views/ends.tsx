@@ -4,7 +4,7 @@ import { tables } from "../shared/tables";
 
 // `reason`: number of what ended the carry that is shown; 0: nothing did.
 export function Ends(props: { reason: number }) {
-  const phases = Object.keys(tables.phases);
+  const phases = tables.phases.map(([name, meaning]) => [name.replace("_", " "), meaning.replaceAll("`", "")]);
   return (
     <details id="ends">
       <summary>What ends a carry?</summary>
@@ -13,22 +13,20 @@ export function Ends(props: { reason: number }) {
           <thead>
             <tr>
               <th scope="col">what happens</th>
-              {phases.map((phase) => <th scope="col" title={tables.phases[phase]}>{phase.replace("_", " ")}</th>)}
+              {phases.map(([name, meaning]) => <th scope="col" title={meaning}>{name}</th>)}
             </tr>
           </thead>
           <tbody>
             {tables.ends.map((end, k) => (
               <tr aria-current={k + 1 === props.reason ? "true" : undefined}>
                 <th scope="row">{end.name}: {end.meaning}</th>
-                {phases.map((phase) => <td>{end.follows[phase]}</td>)}
+                {end.follows.map((words) => <td>{words}</td>)}
               </tr>
             ))}
           </tbody>
         </table>
       </div>
-      <p class="note">
-        {phases.map((phase) => `${phase.replace("_", " ")}: ${tables.phases[phase]}`).join("; ").replaceAll("`", "")}.
-      </p>
+      <p class="note">{phases.map((both) => both.join(": ")).join("; ")}.</p>
     </details>
   );
 }

@@ -8,15 +8,15 @@ import { ShapeFields, StateSliders } from "./mechanics_controls";
 import { drawState, handles, mechanicsHeight } from "./mechanics_picture";
 import { NineModes, Squeezes } from "./mechanics_report";
 import { refused } from "./mechanics_shape";
-import { contact, driven, floorFriction, found, inMm, isGeneral, onFloor, raised, shown, theta, touched } from "./mechanics_state";
+import { contact, driven, floorFriction, found, inMm, isGeneral, isPipe, onFloor, raised, shown, theta, touched } from "./mechanics_state";
 import { TouchedReport } from "./touched_report";
 import { ContactModeMap } from "./contact_mode_map_figure";
 import { AtHome, SceneChoice, presentRun } from "./parts";
 import { Canvas } from "../shared/canvas";
-import { floorLines, sceneWords } from "../shared/command";
+import { contactLines, floorLines, sceneWords } from "../shared/command";
 import { decision, marginWords, contactModeName, contactModeWords } from "../shared/contact_mode_words";
-import type { Overrides } from "../shared/scene_values";
-import { base, extras, overrides, setExtra } from "../shared/state";
+import { type Overrides, tiltOf } from "../shared/scene_values";
+import { base, extras, overrides, scene, setExtra } from "../shared/state";
 import { tables } from "../shared/tables";
 
 // Scenes and states in which further kinds of contact occur.
@@ -164,6 +164,7 @@ export function MechanicsView() {
           ? floorLines(base.value, overrides.value, {
             palms: theta.value, driven: driven.value, raised: raised.value, friction: floorFriction.value,
           })
+          : isPipe.value ? contactLines(touched.value?.contacts ?? [], Math.tan(tiltOf(scene.value)))
           : [`palmbots contact-modes ${words} ${numbers}`, ...analyzeLines(words)]}
         runs={presentRun()}
         note="The last command simulates a carry of the object in this view."

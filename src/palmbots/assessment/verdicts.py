@@ -29,9 +29,9 @@ from palmbots.mujoco.engine import without_mujoco
 from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import value_of
+from palmbots.simulation.carry_ends import usual_reason
 from palmbots.simulation.noise_limit import MOST_M_S, NOISE_KEY
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
-from palmbots.simulation.carry_ends import usual_reason
 from palmbots.stability.analysis import Analysis
 from palmbots.stability.tightest_margins import RankedMargin
 

@@ -32,9 +32,9 @@ from palmbots.mechanics.load_limits import mass_text
 from palmbots.mujoco.curve_trial import CurveTrial
 from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
+from palmbots.simulation.carry_ends import usual_reason
 from palmbots.simulation.noise_limit import NOISE_KEY
 from palmbots.simulation.outcome_counts import SMALL, OutcomeCounts
-from palmbots.simulation.carry_ends import usual_reason
 from palmbots.stability.analysis import Analysis
 
 _SAME = 0.05  # relative difference of a time or a number of messages that is not reported

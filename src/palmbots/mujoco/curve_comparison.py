@@ -40,8 +40,8 @@ from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.sides import on_every_side
 from palmbots.scene.spec import to_spec
-from palmbots.simulation.outcome_counts import SMALL
 from palmbots.simulation.carry_ends import usual_reason
+from palmbots.simulation.outcome_counts import SMALL
 
 LIP_HEIGHT_M = 0.03
 LONGER, RADII = 1.5, (1.5, 2.0)

@@ -19,9 +19,9 @@ _ROWS: dict[str, tuple[str, str, dict[str, Any]]] = _core.carry_ends
 _FOLLOWS = {
     "never": "–",
     "goes on": "goes on",
-    "stalls": "goes on, wheels stall",
-    "falls": "falls, or ends: {}",
-    "ends": "ends: {}",
+    "stalls": "wheels stall",
+    "falls": "falls, or {}",
+    "ends": "ends",
 }
 
 
@@ -34,8 +34,9 @@ class CarryEnd:
     in_mujoco: str
     """Its meaning there."""
     follows: dict[str, str]
-    """By phase: "goes on", "ends: REASON", or "falls, or ends: REASON"; "–": it never happens.
-    Where an object falls, the carry goes on if it falls no farther than world.fall_m."""
+    """By phase: "goes on"; "wheels stall", and it goes on; "falls, or REASON": it goes on if the
+    object falls no farther than world.fall_m, and otherwise ends for this reason; "ends"; "–": it
+    never happens."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -20,9 +20,9 @@ from palmbots.clocks.control_clock import control_clock
 from palmbots.links.greeting import scene_number
 from palmbots.links.local_connection import Connection, ConnectionLost
 from palmbots.scene.scene import Scene
+from palmbots.simulation.carry_ends import reason_text
 from palmbots.simulation.entrance import Entrance
 from palmbots.simulation.imperfections import Imperfections
-from palmbots.simulation.carry_ends import reason_text
 from palmbots.simulation.unavoidable_drops import left_palm_unavoidably
 from palmbots.simulation.world_stage import ImperfectStage, PerfectStage, Stage
 
