@@ -12,6 +12,7 @@ namespace {
 
 // Distance between the object and the inner ends at the start (palmbots.simulation.FloorWorld) [m].
 constexpr double floor_gap = 0.01;
+constexpr int most_falls = 100;  // in a motion
 
 // Where the pivots are at one height, a pipe touches the right palm here [m].
 double place_on_right(const Spec& spec, const Configuration<double>& at) {
@@ -49,8 +50,14 @@ TouchedState TouchedState::on_floor(const Spec& spec, const FloorState& state) {
   world.set_phase(CarryPhase::by_hand, spec.fall);
   const StandingStart start = StandingStart::of(spec, state.theta, {floor_gap, floor_gap});
   world.put(start.pivots, state.theta, Pose::of(start.com, 0.0));
-  const auto move = [&](const PerSide<Vec>& by) {
-    if (here.end_.empty()) here.end_ = name_of(world.advance(by, state.theta).reason);
+  // After a fall the motion goes on.
+  const auto move = [&](PerSide<Vec> by) {
+    for (int k = 0; k < most_falls && here.end_.empty(); ++k) {
+      const Advance<double>& step = world.advance(by, state.theta);
+      here.end_ = name_of(step.reason);
+      if (!world.fall()) return;
+      by = {by[left] * (1 - step.fraction), by[right] * (1 - step.fraction)};
+    }
   };
   move({Vec{state.driven[left], 0.0}, Vec{-state.driven[right], 0.0}});
   if (state.raised != 0) move({Vec{0.0, state.raised}, Vec{0.0, state.raised}});

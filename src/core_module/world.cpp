@@ -170,13 +170,12 @@ void bind_world(nb::module_& m) {
           "The phase of the task, which decides what ends a step, and how far a contact vertex may "
           "fall [m].")
       .def_prop_ro(
-          "falls",
-          [](const W& w) {
-            std::vector<Numbers2> falls;
-            for (const Fall& fall : w.falls()) falls.emplace_back(fall.height, fall.com);
-            return falls;
+          "fall",
+          [](const W& w) -> std::optional<Numbers2> {
+            if (!w.fall()) return std::nullopt;
+            return Numbers2{w.fall()->height, w.fall()->com};
           },
-          "Falls in the last step: how far a contact vertex fell, and the COM [m].")
+          "How far a contact vertex fell, and the COM [m], if that ended the last step.")
       .def_prop_ro(
           "pose",
           [](const W& w) {

@@ -72,7 +72,7 @@ def test_a_small_fall_releases_the_energy_that_it_states(seed: int) -> None:
         k = round(fall.time_s / spec.period)
         before, after = at(k), at(k + 1)
         world = _core.World(spec, True)
-        world.set_on_both(False)
+        world.set_phase("by_hand")
         world.put(before.pivots, before.palms, before.pose[:2], before.pose[2])
         left, right = (
             (2 * (q[0] - p[0]), 2 * (q[1] - p[1]))

@@ -129,7 +129,7 @@ class LiftCarry : public LiftRobots<Inner> {
     }
     robots_.midpoint += step.fraction * act.travel + metrics_.note_stalls(step);
     recorder_.after(*this);
-    for (const Fall& fall : world_.falls()) falls_.push_back({tick_, fall});
+    if (world_.fall()) falls_.push_back({tick_, *world_.fall()});
     const bool stands = !world_.is_touched(left) && !world_.is_touched(right);
     this->end_tick(step.reason, step.fraction, stands);
   }

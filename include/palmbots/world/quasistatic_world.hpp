@@ -66,11 +66,13 @@ class World {
     state_.multi_contact = Real(1);
     place(travel({}, angles).frames(0.0));
   }
-  // The phase of the task, which decides what ends a step (mechanics/carry_ends.hpp). Where the
-  // object may fall, a contact vertex falls by at most `most_fall` [m].
-  void set_phase(CarryPhase phase, double most_fall = 0.0) {
+  // The phase of the task, which decides what ends a step (mechanics/carry_ends.hpp).
+  void set_phase(CarryPhase phase) { phase_ = phase; }
+  // The same. Where the object may fall, a contact vertex falls by at most `most_fall` [m].
+  void set_phase(CarryPhase phase, double most_fall) {
     phase_ = phase;
     most_fall_ = most_fall;
+    small_fall_ = &palmbots::small_fall;
   }
 
   // The angle of the object, whose contacts are `width` apart [rad]. For people and pictures only: no
@@ -115,8 +117,8 @@ class World {
     return places;
   }
   const Advance<Real>& last() const { return last_; }
-  // Falls in the last step that was not fast.
-  const std::vector<Fall>& falls() const { return falls_; }
+  // The fall that ended the last step, if one did: the rest of the step was not done.
+  const std::optional<Fall>& fall() const { return fall_; }
   // Whether robots may stall: the ways of both then matter, and not only their difference.
   bool is_limited() const { return model_.limit != no_limits<double>; }
 
@@ -223,14 +225,15 @@ class World {
 
   const Advance<Real>& take_apart(const PerSide<Vec>& by, const PerSide<Real>& angles) {
     choices_.clear();
-    falls_.clear();
+    fall_.reset();
     last_ = go(by, angles);
-    while (falls_after(last_.reason)) go_on(by, angles);
-    if (consequence(last_.reason, phase_).then == Then::stalls) {
+    const Then then = consequence(last_.reason, phase_).then;
+    if (then == Then::stalls) {
       for (const std::size_t side : {left, right})
         if (by[side].x != 0) last_.stalled[side] += 1 - double(last_.fraction);
     }
-    last_.reason = ends_as(last_.reason, phase_);
+    const bool falls = then == Then::falls && has_fallen();
+    last_.reason = falls ? DropReason::none : ends_as(last_.reason, phase_);
     state_.multi_contact = Real(posed_ || takes_single_steps(model_) ? 1 : 0);
     return last_;
   }
@@ -303,30 +306,18 @@ class World {
     return posed_ ? separation_ : double(state_.configuration.separation);
   }
 
-  // Whether the object, which its contacts no longer hold, has fallen to where it rests. Otherwise
-  // nothing changes.
-  bool falls_after(DropReason event) {
-    if (consequence(event, phase_).then != Then::falls || falls_.size() == most_falls) return false;
-    const ContactProblem problem{shapes(), double(model_.object.slope), 0.0, false};
+  // Whether the object, which its contacts no longer hold, has fallen to where it rests while the
+  // palms stand still. Otherwise nothing changes.
+  bool has_fallen() {
+    if (!small_fall_) return false;
     Pose rests = pose();
     const double before = rests.at.y;
-    const auto height = SmallFall(problem, here(), most_fall_).run(rests);
+    const ContactProblem problem{shapes(), double(model_.object.slope), 0.0, false};
+    const auto height = small_fall_(problem, here(), most_fall_, rests);
     if (!height) return false;
-    falls_.push_back({*height, before - rests.at.y});
+    fall_ = {*height, before - rests.at.y};
     put({pivot(left), pivot(right)}, angles(), rests);
     return true;
-  }
-  // The rest of a step, after a fall.
-  void go_on(const PerSide<Vec>& by, const PerSide<Real>& goals) {
-    const Advance<Real> done = last_;
-    const double rest = 1.0 - double(done.fraction);
-    last_ = go({by[left] * rest, by[right] * rest}, goals);
-    last_.fraction = done.fraction + Real(rest) * last_.fraction;
-    last_.segments += done.segments;
-    for (const std::size_t side : {left, right}) {
-      last_.lag[side] += done.lag[side];
-      last_.stalled[side] = done.stalled[side] + rest * last_.stalled[side];
-    }
   }
 
   // A whole step: on the two vertices alone and, from a further contact on, on any contacts.
@@ -429,13 +420,15 @@ class World {
   mutable std::optional<ContactShapes> shapes_;
   CarryPhase phase_ = CarryPhase::held;
   double most_fall_ = 0.0;  // [m]
-  std::vector<Fall> falls_;
-  static constexpr std::size_t most_falls = 16;  // in a step
-  double middle_ = 0.0;                          // of the pivots, along the floor [m]
-  PerSide<double> height_{};                     // of the pivots [m]
-  bool posed_ = false;  // whether the object may rest on more than its two contact vertices
-  Regime regime_;       // valid if `posed_`
-  Pose pose_{};         // valid if `posed_`
+  // Set where something may fall: other programs need not contain it.
+  std::optional<double> (*small_fall_)(const ContactProblem&, const Frames&, double,
+                                       Pose&) = nullptr;
+  std::optional<Fall> fall_;
+  double middle_ = 0.0;       // of the pivots, along the floor [m]
+  PerSide<double> height_{};  // of the pivots [m]
+  bool posed_ = false;        // whether the object may rest on more than its two contact vertices
+  Regime regime_;             // valid if `posed_`
+  Pose pose_{};               // valid if `posed_`
   Neighbourhood around_;
   AmbiguousEvents ambiguous_{};
   std::vector<AmbiguousChoice> choices_;

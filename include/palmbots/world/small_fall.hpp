@@ -284,4 +284,10 @@ class SmallFall {
   double closed_;
 };
 
+// `SmallFall::run`.
+inline std::optional<double> small_fall(const ContactProblem& problem, const Frames& frames,
+                                        double most, Pose& pose) {
+  return SmallFall(problem, frames, most).run(pose);
+}
+
 }  // namespace palmbots

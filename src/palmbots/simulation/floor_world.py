@@ -35,6 +35,7 @@ Point = tuple[float, float]
 _MOST_DEG = 80.0
 _PALMS = ("left palm", "right palm")
 _ABSENT_M = 100.0  # how far away a palm is that there is not
+_MOST_FALLS = 100
 _LONGEST_WAY = 0.005  # of a palm between two looks at walls and stands [m]
 _WHY = {"flush": "would be in a wall or in a stand", "sliding": "slides away"}
 _LONGEST_TURN = math.radians(1.0)  # of a palm that follows the floor, in one piece of a motion
@@ -195,11 +196,22 @@ class FloorWorld:
                 self._check_palms(pivots, angles, "on the way")
         self._falls = ()
         for ways, after in motions:
-            self._end = self._world.move(ways, after)[0]
-            self._falls += tuple(Fall(high, self._weight * com) for high, com in self._world.falls)
+            self._end = self._move(ways, after)
             if self._end:
                 break
         return self.state
+
+    def _move(self, ways: tuple[Point, Point], after: tuple[float, float]) -> str:
+        """Why a motion ends early. After a fall it goes on, at most `_MOST_FALLS` times."""
+        for _ in range(_MOST_FALLS):
+            end, done, *_ = self._world.move(ways, after)
+            if end or self._world.fall is None:
+                return end
+            high, com = self._world.fall
+            self._falls += (Fall(high, self._weight * com),)
+            left, right = ((x * (1 - done), y * (1 - done)) for x, y in ways)
+            ways = left, right
+        return "fell"
 
     def _places(
         self, motions: list[tuple[Any, tuple[float, float]]]
