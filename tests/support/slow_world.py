@@ -302,12 +302,14 @@ class SlowWorld:
         half = self._shifted(self.at, twist, 0.5 * h)
         middle = self._twist(names, mode, self._contacts(half, names), half)
         end = self._shifted(self.at, twist if middle is None else middle, h)
-        # Closes the gaps that the curvature of the motion leaves.
+        # Closes the gaps that the curvature of the motion leaves. A contact that began with a gap
+        # keeps it: closing it would press the object into one that is leaving.
         active = tuple(i for i, how in zip(names, mode, strict=True) if how != _BREAK)
+        begun = np.array([max(0.0, contacts[i].gap) for i in active])
         for _ in range(2):
             then = self._contacts(end, active)
             n = np.array(self._rows(active, then, end).n)
-            gaps = np.array([then[i].gap for i in active])
+            gaps = np.array([then[i].gap for i in active]) - begun
             x, y, turn = np.linalg.lstsq(n, -gaps, rcond=1e-7)[0].tolist()
             at, size = end.pose, self._oracle.size
             end = replace(end, pose=(at[0] + x, at[1] + y, at[2] + turn / size))
