@@ -50,16 +50,13 @@ class EdgeShares {
     const double reach = supports.reach();
     for (std::size_t i = 0; i < supports.count; ++i) {
       const Support& s = supports.at[i];
-      const double up = s.side == left ? 1.0 : -1.0;  // whether that is to the left
-      for (const Motion edge : {Motion::up, Motion::down}) {
-        if (motions[i] != edge && motions[i] != Motion::stick) continue;
-        const double along = (edge == Motion::up ? -up : up) * s.friction;
-        const double fx = s.nx - along * s.ny;
-        const double fy = s.ny + along * s.nx;
+      each_edge(motions[i], s.friction, [&](double along) {
+        const double fx = s.nx + along * s.tx();
+        const double fy = s.ny + along * s.ty();
         wrench_[count_] = {fx, fy, (s.x * fy - s.y * fx) / reach};
         contact_[count_] = i;
-        along_[count_++] = along;
-      }
+        along_[count_++] = -outward<double>(s.side) * along;
+      });
     }
     wrench_[count_] = {-slope, -1.0, 0.0};
   }

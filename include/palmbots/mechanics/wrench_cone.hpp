@@ -96,20 +96,26 @@ constexpr std::uint32_t edges_of(Motion motion) {
   return edges[static_cast<std::size_t>(static_cast<int>(motion) + 1)];
 }
 
+// Calls visit(along) for each of these edges: on it, `along` is the friction force per unit of normal
+// force, in the direction of a slide up.
+template <class Visit>
+void each_edge(Motion motion, double friction, Visit visit) {
+  if ((edges_of(motion) & 1) != 0) visit(-friction);
+  if ((edges_of(motion) & 2) != 0) visit(friction);
+}
+
 // The rays that the supports add to the wrench cone while they move in this way.
 inline Rays rays_of(const Supports& supports, const Motions& motions) {
   const double reach = supports.reach();
   Rays rays{};
   for (std::size_t i = 0; i < supports.count; ++i) {
     const Support& s = supports.at[i];
-    for (const Motion edge : {Motion::up, Motion::down}) {
-      if (motions[i] != edge && motions[i] != Motion::stick) continue;
-      const double friction = edge == Motion::up ? -s.friction : s.friction;
-      const double fx = s.nx + friction * s.tx();
-      const double fy = s.ny + friction * s.ty();
+    each_edge(motions[i], s.friction, [&](double along) {
+      const double fx = s.nx + along * s.tx();
+      const double fy = s.ny + along * s.ty();
       const Triple wrench{fx, fy, (s.x * fy - s.y * fx) / reach};
       rays.ray[rays.count++] = wrench * (1.0 / size(wrench));
-    }
+    });
   }
   return rays;
 }

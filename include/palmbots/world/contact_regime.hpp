@@ -112,12 +112,10 @@ struct ContactProblem {
   }
   // The forces of a contact that moves in this way, as rays of unit size (mechanics/wrench_cone.hpp).
   void add_rays(Rays& rays, const FeatureContact& c, double friction, Motion motion) const {
-    for (const Motion edge : {Motion::up, Motion::down}) {
-      if (motion != edge && motion != Motion::stick) continue;
-      const double along = edge == Motion::up ? -friction : friction;
+    each_edge(motion, friction, [&](double along) {
       const Triple wrench = row(c, c.normal + c.tangent * along);
       rays.ray[rays.count++] = wrench * (1.0 / palmbots::size(wrench));
-    }
+    });
   }
 };
 

@@ -364,28 +364,21 @@ class ContactStep : ContactTrial {
     return regime;
   }
 
-  // The pairs that touch, those of the palm that leads first.
+  // The pairs that touch, those of the palm that leads first, and of each those of the regime.
   ClosedPairs closed_pairs(const Frames& frames) const {
-    ClosedPairs closed;
+    const ClosedPairs touching = closed_among(problem_, frames, pose_, near_, closed_);
     const std::size_t first = leading_side(frames);
+    ClosedPairs closed;
     for (const std::size_t carrier : {first, other(first), std::size_t(Carrier::ground)}) {
-      for (std::size_t i = 0; i < regime_.count; ++i) {
-        if (problem_.carrier(regime_.active[i].pair) == carrier)
-          add(closed, frames, regime_.active[i].pair);
-      }
-      for (std::size_t k = 0; k < near_.count; ++k) {
-        const FeaturePair pair = near_.at[k].pair;
-        if (problem_.carrier(pair) != carrier || regime_.has(pair)) continue;
-        const FeatureContact c = problem_.contact(frames, pose_, pair);
-        if (magnitude(c.gap) <= closed_ && c.inside >= -100.0 * Tolerance::blank)
-          add(closed, frames, pair);
-      }
+      const auto add = [&](FeaturePair pair) {
+        if (problem_.carrier(pair) == carrier && closed.count < ClosedPairs::most)
+          closed.at[closed.count++] = {pair, problem_.contact(frames, pose_, pair)};
+      };
+      for (std::size_t i = 0; i < regime_.count; ++i) add(regime_.active[i].pair);
+      for (std::size_t k = 0; k < touching.count; ++k)
+        if (!regime_.has(touching.at[k].pair)) add(touching.at[k].pair);
     }
     return closed;
-  }
-  void add(ClosedPairs& closed, const Frames& frames, FeaturePair pair) const {
-    if (closed.count == ClosedPairs::most) return;
-    closed.at[closed.count++] = {pair, problem_.contact(frames, pose_, pair)};
   }
 
   AmbiguousEvents& ambiguous_;

@@ -177,10 +177,7 @@ class ContactTrial {
                                    double(touching[1]),
                                    mirrored(side, problem_.weight(true).x)};
     };
-    const auto of_left = ranks(left);
-    const auto of_right = ranks(right);
-    if (of_left != of_right) return of_right > of_left ? right : left;
-    return problem_.shapes.lopsided < 0 ? right : left;
+    return leader(ranks(left), ranks(right), problem_.shapes.lopsided);
   }
 
   const ContactProblem& problem_;

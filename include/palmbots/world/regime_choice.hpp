@@ -61,6 +61,25 @@ struct ClosedPairs {
   std::size_t count = 0;
 };
 
+// Those of the near pairs whose gap is at most `closed` [m].
+inline ClosedPairs closed_among(const ContactProblem& problem, const Frames& frames,
+                                const Pose& pose, const NearPairs& near, double closed) {
+  ClosedPairs found;
+  for (std::size_t k = 0; k < near.count && found.count < ClosedPairs::most; ++k) {
+    const FeatureContact c = problem.contact(frames, pose, near.at[k].pair);
+    if (magnitude(c.gap) <= closed && c.inside >= -100.0 * ContactTolerance::blank)
+      found.at[found.count++] = {near.at[k].pair, c};
+  }
+  return found;
+}
+
+// The side that comes first: the higher rank, or else as the object and its palms differ.
+template <class Ranks>
+std::size_t leader(const Ranks& of_left, const Ranks& of_right, double lopsided) {
+  if (of_left != of_right) return of_right > of_left ? right : left;
+  return lopsided < 0.0 ? right : left;
+}
+
 namespace detail {
 
 // Two pairs that touch at one point: a feature and its neighbour, where one hands over to the other,

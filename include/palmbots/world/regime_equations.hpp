@@ -53,10 +53,7 @@ inline Unbalance unbalanced(const ContactProblem& problem, const Regime& regime,
       }
     }
     const Vec tangent_rate = tangent_of(frame.sense, normal_rate);
-    const double friction = problem.surface(pair).friction;
-    for (const Motion edge : {Motion::up, Motion::down}) {
-      if (regime.active[i].motion != edge && regime.active[i].motion != Motion::stick) continue;
-      const double along = edge == Motion::up ? -friction : friction;
+    each_edge(regime.active[i].motion, problem.surface(pair).friction, [&](double along) {
       const Vec force = c.normal + c.tangent * along;
       const Vec force_rate = normal_rate + tangent_rate * along;
       const Triple wrench = problem.row(c, force);
@@ -66,7 +63,7 @@ inline Unbalance unbalanced(const ContactProblem& problem, const Regime& regime,
       ray[count] = wrench * scale;
       ray_rate[count] = (wrench_rate - ray[count] * dot(ray[count], wrench_rate)) * scale;
       ++count;
-    }
+    });
   }
   const Triple weight = problem.weight(regime.pushed);
   return {dot(cross(ray[0], ray[1]), weight),

@@ -35,7 +35,7 @@ class SmallFall {
     const std::size_t first = leading_side(pose);
     for (int i = 0; i < most_steps; ++i) {
       const NearPairs near = around.near(problem_, first, frames_, pose, 4 * pace * size_, closed_);
-      const ClosedPairs closed = closed_pairs(near, pose);
+      const ClosedPairs closed = closed_among(problem_, frames_, pose, near, closed_);
       if (i > 0 && reason_of(problem_, closed) == DropReason::none) {
         rest(closed, pose);
         const PerSide<double> now = heights(pose);
@@ -92,20 +92,7 @@ class SmallFall {
       const Vec com = frames_[side].from_world(pose.at - frames_[side].origin);
       return std::array<double, 3>{frames_[side].angle, com.x, com.y};
     };
-    const auto of_left = ranks(left);
-    const auto of_right = ranks(right);
-    if (of_left != of_right) return of_right > of_left ? right : left;
-    return problem_.shapes.lopsided < 0 ? right : left;
-  }
-
-  ClosedPairs closed_pairs(const NearPairs& near, const Pose& pose) const {
-    ClosedPairs found;
-    for (std::size_t k = 0; k < near.count && found.count < ClosedPairs::most; ++k) {
-      const FeatureContact c = problem_.contact(frames_, pose, near.at[k].pair);
-      if (magnitude(c.gap) <= closed_ && c.inside >= -100.0 * ContactTolerance::blank)
-        found.at[found.count++] = {near.at[k].pair, c};
-    }
-    return found;
+    return leader(ranks(left), ranks(right), problem_.shapes.lopsided);
   }
 
   // A direction in which the closed contacts let it begin to move. At most two equations leave it
