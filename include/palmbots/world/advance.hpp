@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "palmbots/mechanics/carry_ends.hpp"
+#include "palmbots/mechanics/clearance.hpp"
 #include "palmbots/mechanics/contact_modes.hpp"
 
 namespace palmbots {
