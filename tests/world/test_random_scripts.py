@@ -58,6 +58,17 @@ def test_what_passes_by_or_leaves_slowly_ends_nothing() -> None:
     assert (ends.agreed, ends.faults, ends.missed) == (5, [], [])
 
 
+def test_the_outer_end_of_a_palm_lifts_an_edge_that_it_passes_within_a_period() -> None:
+    """At the end of the period the end of the heel would be far inside a box that stands at a wall.
+    The world finds where it begins to lift it; it called that the end of the script (483)."""
+    world, _, _ = world_of(np.random.default_rng(483))
+    pivots = ((-0.04354877540720281, -0.02515352784903682), (1000.0, 0.01))
+    world.put(pivots, (0.041236112420693756, 0.2831), (0.007023874581267243, 0.055), 0.0)
+    ways = ((0.0006175903344992599, 0.0), (0.0, 0.0))
+    assert world.move(ways, (0.046472100176676745, 0.2831))[0] == ""
+    assert world.pose[2] < -1e-3
+
+
 def test_a_tip_beside_an_arc_does_not_sink_into_it() -> None:
     found = Found()
     run(1102676, found)

@@ -114,7 +114,9 @@ class ContactStep : ContactTrial {
     const Place start = here();
     for (int i = 0; i < most_events; ++i) {
       const auto worst = [&](const Conditions& at) {
-        if (!at.settled) return -std::numeric_limits<double>::infinity();  // bisects
+        // Not a number: the search halves, and does not take the way there for a slope.
+        constexpr double jumps = std::numeric_limits<double>::quiet_NaN();
+        if (!at.settled) return jumps;
         double least = 1.0;
         for (std::size_t k = 0; k < at.count; ++k) {
           if (!(then.value[k] < 0.0) && then.settled) continue;
@@ -123,7 +125,7 @@ class ContactStep : ContactTrial {
           const bool blank = now.value[k] < Tolerance::blank && (&at == &now || at.value[k] >= 0.0);
           if (!blank) least = smaller(least, at.value[k]);
         }
-        return least;
+        return least == Conditions::behind ? jumps : least;
       };
       Place there = start;
       const double from = worst(now);
