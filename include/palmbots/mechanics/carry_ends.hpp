@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What ends a carry: one table. A row is something that may happen to the object or to a robot; a
-// column is a phase of the task. Worlds notice what happens, and this table states what follows and
-// what people read of it.
+// column is a phase of the task. Worlds notice what happens. This table states what follows, and
+// contains the words that users read.
 //
 // docs/guide/commands.md shows the table.
 #pragma once
@@ -37,7 +37,7 @@ enum class CarryPhase : std::uint8_t {
 };
 inline constexpr std::size_t carry_phases = 4;
 
-// The name of each phase, and its meaning for people.
+// The name of each phase, and its meaning for users.
 inline constexpr const char* carry_phase_words[carry_phases][2] = {
     {"placed", "at the start of a carry, and after a bump"},
     {"held", "in a carry, and in a job while both noses are off the floor"},
@@ -134,7 +134,8 @@ constexpr const Consequence& consequence(DropReason event, CarryPhase phase) {
   return carry_ends[static_cast<std::size_t>(event)].by_phase[static_cast<std::size_t>(phase)];
 }
 
-// The reason of a carry that this ends, or `none`.
+// The reason of a carry that this ends, or `none`. What should never happen in a phase is its own
+// reason if it happens all the same.
 constexpr DropReason ends_as(DropReason event, CarryPhase phase) {
   const Consequence& then = consequence(event, phase);
   return then.then == Then::never ? event : then.reason;

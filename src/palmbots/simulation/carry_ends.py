@@ -32,7 +32,7 @@ class CarryEnd:
     name: str
     meaning: str
     in_mujoco: str
-    """Its meaning there."""
+    """Its meaning in MuJoCo."""
     follows: dict[str, str]
     """By phase: "goes on"; "wheels stall", and it goes on; "falls, or REASON": it goes on if the
     object falls no farther than world.fall_m, and otherwise ends for this reason; "ends"; "–": it
@@ -73,7 +73,7 @@ def ends() -> EndList:
 
 
 def ends_in(phase: str) -> dict[str, str]:
-    """The reasons of what ends a carry in a phase, by what happens. Falls count as ends."""
+    """The reason for which each event ends a carry in a phase. Falls count as ends."""
     by_name = ((name, by_phase[phase][1]) for name, (*_, by_phase) in _ROWS.items())
     return {name: reason for name, reason in by_name if reason}
 
