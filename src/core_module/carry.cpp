@@ -166,8 +166,8 @@ nb::dict carry_phases_of() {
   return phases;
 }
 
-// By what happens: its meaning, its meaning in MuJoCo and, by phase, (what follows, the reason of a
-// carry that ends).
+// For each event: its meaning, its meaning in MuJoCo and, by phase, what follows and the reason of a
+// carry that ends.
 nb::dict carry_ends_of() {
   nb::dict ends;
   for (const EndRow& end : std::span(carry_ends).subspan(1)) {

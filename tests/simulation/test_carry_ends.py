@@ -261,7 +261,7 @@ def test_by_hand_an_object_topples_at_the_edge_of_a_stand() -> None:
 
 
 def test_mujoco_asks_the_table() -> None:
-    """What its worlds notice, and what follows in both phases that they know."""
+    """What the worlds in MuJoCo notice, and what follows in the two phases that they know."""
     events = ("robot tipped", "off-palm", "tipping", "lifting")
     held, low = ends_in("held"), ends_in("low")
     assert [held.get(event) for event in events] == list(events)

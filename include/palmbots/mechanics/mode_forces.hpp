@@ -84,8 +84,8 @@ class EdgeShares {
   template <std::size_t n>
   using Edges = std::array<std::size_t, n>;
 
-  // The shares ≥ 0 of as few edges as possible that cancel: with the load, or by themselves. The last
-  // column is the load, reversed.
+  // The shares ≥ 0 of as few edges as possible that cancel, with the load or by themselves. The last
+  // column is the reversed load.
   std::vector<Shares> cancelling(double tolerance, bool with_load) const {
     std::vector<Shares> found;
     const auto try_these = [&]<std::size_t n>(const Edges<n>& edges) {

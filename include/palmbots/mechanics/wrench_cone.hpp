@@ -245,8 +245,8 @@ inline double distance_from_cone(const Rays& rays, Triple wrench) {
   return nearest;
 }
 
-// Which rays balance a wrench, for many selections of the same rays: all least sets of them whose cone
-// contains it. The same answers as by `distance_from_cone`.
+// Which rays balance a wrench, for many selections of the same rays: all minimal sets of rays whose
+// cone contains the wrench. The answers agree with `distance_from_cone`.
 class BalancingRays {
  public:
   BalancingRays(const Rays& rays, Triple wrench) {
@@ -276,7 +276,7 @@ class BalancingRays {
     }
   }
 
-  // Whether rays balance the wrench that are among these, as bits.
+  // Whether some of these rays (as bits) balance the wrench.
   bool any_of(std::uint32_t rays) const {
     for (std::size_t i = 0; i < count_; ++i)
       if ((sets_[i] & ~rays) == 0) return true;

@@ -114,7 +114,7 @@ class ContactStep : ContactTrial {
     const Place start = here();
     for (int i = 0; i < most_events; ++i) {
       const auto worst = [&](const Conditions& at) {
-        // Not a number: the search halves, and does not take the way there for a slope.
+        // Not a number, so that the search bisects and does not take the jump for a slope.
         constexpr double jumps = std::numeric_limits<double>::quiet_NaN();
         if (!at.settled) return jumps;
         double least = 1.0;
@@ -343,7 +343,7 @@ class ContactStep : ContactTrial {
   }
 
   // A regime in which each contact does what two bits of `way` say: it goes on, leaves or, if it
-  // sticks, slides. Without contacts if it cannot.
+  // sticks, slides. The regime has no contacts if that is impossible.
   Regime varied(const Regime& instant, std::size_t way) const {
     constexpr std::array<Motion, 4> next{Motion::stick, Motion::up, Motion::down, Motion::leave};
     Regime regime = instant;

@@ -68,7 +68,7 @@ class World {
   }
   // The phase of the task, which decides what ends a step (mechanics/carry_ends.hpp).
   void set_phase(CarryPhase phase) { phase_ = phase; }
-  // The same. Where the object may fall, a contact vertex falls by at most `most_fall` [m].
+  // Also sets by how much a contact vertex may fall [m] where the object may fall in this phase.
   void set_phase(CarryPhase phase, double most_fall) {
     phase_ = phase;
     most_fall_ = most_fall;
@@ -306,8 +306,8 @@ class World {
     return posed_ ? separation_ : double(state_.configuration.separation);
   }
 
-  // Whether the object, which its contacts no longer hold, has fallen to where it rests while the
-  // palms stand still. Otherwise nothing changes.
+  // Lets an object that its contacts no longer hold fall to where it rests, while the palms stand
+  // still. Returns false, and changes nothing, if it does not fall or would fall too far.
   bool has_fallen() {
     if (!small_fall_) return false;
     Pose rests = pose();
@@ -420,7 +420,7 @@ class World {
   mutable std::optional<ContactShapes> shapes_;
   CarryPhase phase_ = CarryPhase::held;
   double most_fall_ = 0.0;  // [m]
-  // Set where something may fall: other programs need not contain it.
+  // Set only where something may fall, so that other programs need not contain the code.
   std::optional<double> (*small_fall_)(const ContactProblem&, const Frames&, double,
                                        Pose&) = nullptr;
   std::optional<Fall> fall_;

@@ -61,7 +61,7 @@ struct ClosedPairs {
   std::size_t count = 0;
 };
 
-// Those of the near pairs whose gap is at most `closed` [m].
+// The near pairs whose gap is at most `closed` [m].
 inline ClosedPairs closed_among(const ContactProblem& problem, const Frames& frames,
                                 const Pose& pose, const NearPairs& near, double closed) {
   ClosedPairs found;
@@ -92,7 +92,7 @@ inline bool in_one_direction(const FeatureContact& a, const FeatureContact& b) {
   return magnitude(cross(a.normal, b.normal)) < ContactTolerance::blank;
 }
 
-// Adds a candidate in which the closed pairs move like this.
+// Adds a candidate in which the closed pairs have these motions.
 inline void add_candidate(const ContactProblem& problem, const ClosedPairs& closed,
                           const Motions& motions, bool pushed, RegimeCandidates& found) {
   if (found.count == RegimeCandidates::most) return;

@@ -18,7 +18,7 @@ namespace palmbots {
 
 namespace detail {
 
-// How far two forces and the weight are from balance: the volume that they span. And how fast that
+// How far two forces and the weight are from balance (the volume that they span), and how fast that
 // changes while the object moves with a twist and the surfaces with their velocities.
 struct Unbalance {
   double volume;

@@ -416,7 +416,7 @@ class MujocoWorld:
 
     @property
     def _ends(self) -> dict[str, str]:
-        """What ends the carry in this phase of the task, and the reason then."""
+        """The reason for which each event ends the carry in this phase of the task."""
         return _ENDS
 
     def _end(self, p: tuple[float, float], loaded: tuple[bool, bool]) -> str:
