@@ -123,7 +123,7 @@ def floor_job(scene: Scene, measured: Any) -> FloorJob:
 
 
 def _missed(phases: list[JobPhase]) -> str:
-    """What was not achieved: that of the robot that got less far, by its last phase of an attempt."""
+    """What the robot that got less far did not achieve, by its last phase of an attempt."""
     last = {phase.robot: phase.phase for phase in phases if phase.phase not in _RETRIES}
     order = list(MISSED)
     return MISSED[min(last.values(), key=order.index)]
