@@ -6,8 +6,8 @@
 
 The steps are control periods of the random scripts of tests/support/palm_scripts.py: rounded and
 sharp objects on palms with noses and heels, with and without surroundings. Each step is timed as
-Python calls it, which adds about a microsecond. The first step of a script stands by itself: it
-also makes the shapes, with cold caches. Writes benchmarks/results/contact_steps.csv.
+Python calls it, which adds about a microsecond. The first step of a script has its own row,
+because it also makes the shapes, with cold caches. Writes benchmarks/results/contact_steps.csv.
 """
 
 import csv
