@@ -12,6 +12,7 @@ c_decl {
 \#include "signs.h"
 }
 c_track "&pair" "sizeof(struct pair)"
+c_track "&radio" "sizeof(struct radio)"
 c_code {
   static int cycle_number = 0;
   static void print_robot(int side)
@@ -110,8 +111,8 @@ byte k;
 
 #define rate(s) ((rolls[s] == CLOSER) - (rolls[s] == AWAY))
 #define sign(s) ((p[s] >= WIDTH) - (p[s] < 0))
-#define both_hear (c_expr { pair.message[LEFT] != 0 && pair.message[RIGHT] != 0 })
-#define linked (c_expr { pair.message[now.who] != 0 })
+#define both_hear (c_expr { radio.message[LEFT] != 0 && radio.message[RIGHT] != 0 })
+#define linked (c_expr { radio.message[now.who] != 0 })
 
 /* One step of robot `who`: the adversary picks what it hears. */
 inline step()
@@ -249,7 +250,7 @@ inline check()
   c_code {
     int side;
     for (side = 0; side < 2; ++side)
-      now.lone[side] = pair.message[side] != 0 && pair.message[1 - side] == 0 ? now.lone[side] + 1 : 0;
+      now.lone[side] = radio.message[side] != 0 && radio.message[1 - side] == 0 ? now.lone[side] + 1 : 0;
     if (now.hush > 0) --now.hush;
     if (now.calm && is_quiet(LEFT) && is_quiet(RIGHT)) now.hush = now.HUSH;
   };
