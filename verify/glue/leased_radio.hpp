@@ -7,7 +7,6 @@
 #include <cstdlib>
 
 #include "leased_radio.h"
-#include "palmbots/control/messages.hpp"
 
 namespace glue {
 
@@ -25,7 +24,7 @@ inline void fall_silent(int side) { radio.message[side] = radio.age[side] = radi
 // What a robot says in this cycle. Of equal messages in a row only the newest is kept: its bound is
 // not the greater one, so that hearing it leaves an adversary all that hearing an older one leaves.
 // A robot that acts on no message may have heard one just now.
-inline void say(int side, palmbots::MessageKind message) {
+inline void say(int side, int message) {
   unsigned char* said = radio.said[1 - side];
   unsigned char* echo = radio.echo[1 - side];
   said[0] = static_cast<unsigned char>(message);
@@ -57,11 +56,11 @@ inline void refresh(int side) {
 }
 
 // What a robot hears in a step for which the adversary has chosen.
-inline palmbots::MessageKind hear(int side, int choice) {
+inline int hear(int side, int choice) {
   if (choice == SILENCE) fall_silent(side);
   if (choice >= HEAR) hear_said(side, choice - HEAR);
   refresh(side);
-  return static_cast<palmbots::MessageKind>(radio.message[side]);
+  return radio.message[side];
 }
 
 // A robot boots. A beacon counts only if it echoes a message of this life.

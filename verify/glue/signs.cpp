@@ -58,7 +58,7 @@ const palmbots::TableOutput& output_of(int side) {
 
 // What a robot says in this cycle.
 void say(int side) {
-  if (talks) glue::say(side, output_of(side).message);
+  if (talks) glue::say(side, static_cast<int>(output_of(side).message));
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ void start_by_touch(void) {
 }
 
 deed robot_step(int side, int sign, int choice) {
-  const MessageKind message = hear(side, choice);
+  const auto message = static_cast<MessageKind>(hear(side, choice));
   const auto felt = static_cast<Sign>(sign);
   const palmbots::Command command =
       talks ? step<SharedSign>(side, felt, message) : step<Silent>(side, felt, message);

@@ -11,7 +11,8 @@
 //   stand_by  one robot first: the other one begins here and docks when the first one is under
 //   centre    both are under it: the ordinary corrections, still on the floor
 //   raise     an arm moves only while a message younger than the lease says that the partner is
-//             ready, or moves as well; so do both arms that lower
+//             ready, or moves as well, and never more than a step ahead of its partner's: a robot
+//             that loses messages again and again would fall behind. So do both arms that lower
 //   leave     both palms away, one of them steep, until nothing presses them. The last one is steep:
 //             so it drags the object least
 //
@@ -54,11 +55,16 @@ struct LiftSenses {
   bool touches = false;     // a switch is closed
   bool arm_there = false;   // the arm has reached the height last commanded
   bool far_enough = false;  // it has travelled the distance of the task
+  // How many steps its arm is above the height at which it stands on the floor. Between, it is on its
+  // way to the next step up, or down to this one.
+  std::uint8_t steps = 0;
 
   constexpr bool operator==(const LiftSenses&) const = default;
 };
 
-// The memory of a robot that lifts.
+// The memory of a robot that lifts. Its beacons have no use for the two bits that tell whether a robot
+// travels and may; they carry the steps of its arm, modulo 4. That suffices, because the table never
+// lets the arms be two steps apart.
 template <class B, class Count>
 struct LiftMemory {
   static_assert(sizeof(B) == sizeof(bool), "one robot");
@@ -67,30 +73,44 @@ struct LiftMemory {
     B ready{};
     B is_news{};
   };
-  static constexpr B stopped{};
+  B stopped{};
 
   LiftSenses senses{};  // the team sets it before each step
   std::uint8_t tries = 0;
   bool was_backing = false;
+  std::uint8_t partner_steps = 0;  // modulo 4
+  std::uint8_t said_steps = 0;     // the same
 
   static constexpr int limits(const auto&) { return 0; }
   static constexpr void boot(const auto&...) {}
   static constexpr void pass(const auto&...) {}
-  static constexpr void hear(const auto&...) {}
-  constexpr void meet(TableConditions<B>& met, const auto&...) const {
+  static constexpr void until(const auto&...) {}
+  static constexpr void stay(const auto&...) {}
+  constexpr void hear(const auto&, bool low, bool high) {
+    partner_steps = static_cast<std::uint8_t>(low + 2 * high);
+  }
+  constexpr void meet(TableConditions<B>& met, const auto&, const auto& robot,
+                      const auto&...) const {
     met.touches = senses.touches;
     met.arm_there = senses.arm_there;
     met.far_enough = senses.far_enough;
     met.gave_up = tries >= most_tries;
+    const MessageKind heard = robot.clock().heard();
+    const bool partner_rises = heard == MessageKind::ready || heard == MessageKind::raising;
+    const bool partner_sinks = heard == MessageKind::arrived || heard == MessageKind::lowering;
+    const unsigned above = (senses.steps - partner_steps) % 4U;
+    met.abreast = !(partner_rises && above == 1) && !(partner_sinks && above == 3);
   }
   constexpr Effect finish(const auto&, const auto& robot, const auto&...) {
     const bool backs = robot.now().message == MessageKind::backing;
     if (backs && !was_backing && tries < most_tries) ++tries;
     was_backing = backs;
-    return {};
+    const auto steps = static_cast<std::uint8_t>(senses.steps % 4);
+    const bool is_news = steps != said_steps;
+    said_steps = steps;
+    stopped = (steps & 1) != 0;
+    return {(steps & 2) != 0, is_news};
   }
-  static constexpr void stay(const auto&...) {}
-  static constexpr void until(const auto&...) {}
 };
 
 struct Lifting {
@@ -246,14 +266,18 @@ struct Lifting {
                                    S::ready, S::recentre, S::stand_by};
   static constexpr Set docking = {S::dock, S::stand_by};
   static constexpr Set leaving = {S::leave_steep, S::leave_shallow};
-  // A robot in one of these states may have the object on its palm, or has put it down. It stores that.
-  static constexpr Set assisting = Set::all() - on_trial - Set{S::back_off, S::stand_back, S::failed};
+  // In one of these states the partner may have raised its arm, or the object has been put down. A robot
+  // stores that.
+  static constexpr Set assisting = Set::all() - Set{S::dock,     S::under,      S::centre, S::stand_by,
+                                                    S::back_off, S::stand_back, S::failed};
   static constexpr State initial_assisting = S::held;
-  // A robot that restarts in `ready` docks again. Its partner may have begun to raise, and waits for it.
   static constexpr MessageSet raised = {M::raising, M::lifted};
-  static constexpr MessageSet joins = {M::centring, M::ready, M::raising, M::lifted};
+  static constexpr MessageSet joins = {M::centring, M::ready, M::raising, M::lifted, M::holding};
   static constexpr MessageSet rises = {M::ready, M::raising, M::lifted, M::carrying};
-  static constexpr MessageSet sinks = {M::arrived, M::lowering, M::down, M::leaving, M::empty};
+  static constexpr MessageSet landed = {M::down, M::leaving, M::empty, M::backing};
+  static constexpr MessageSet carries = {M::lifted, M::carrying};
+  static constexpr MessageSet sinks = {M::arrived, M::lowering, M::down,
+                                       M::leaving, M::empty,    M::backing};
 
   static constexpr TableRow<State> rows[] = {
       // in state      contact          hears                                  if               go to
@@ -275,18 +299,21 @@ struct Lifting {
       {S::recentre,    P::any,          {M::centring, M::ready},               If::timed_out,   S::back_off},
       {S::raise,       P::any,          any_message,                           If::arm_there,   S::up},
       {S::raise,       P::any,          any_message - rises,                   {},              S::raise_hold},
-      {S::raise_hold,  P::any,          rises,                                 {},              S::raise},
+      {S::raise,       P::any,          any_message,                           If::ahead,       S::raise_hold},
+      {S::raise_hold,  P::any,          rises,                                 If::abreast,     S::raise},
       {S::up,          P::any,          {M::lifted, M::carrying, M::arrived},  {},              S::carry},
       // carry
       {S::carry,       P::any,          {M::arrived, M::lowering},             {},              S::arrived},
       {S::carry,       P::any,          any_message,                           If::far_enough,  S::arrived},
+      {S::carry,       P::any,          any_message - carries,                 {},              S::up},
       // put down
-      {S::arrived,     P::any,          sinks,                                 {},              S::lower},
+      {S::arrived,     P::any,          sinks,                                 If::abreast,     S::lower},
       {S::lower,       P::any,          any_message,                           If::arm_there,   S::down},
       {S::lower,       P::any,          any_message - sinks,                   {},              S::lower_hold},
-      {S::lower_hold,  P::any,          sinks,                                 {},              S::lower},
-      {S::down,        P::any,          {M::down, M::leaving, M::empty},       If::leads,       S::leave_steep},
-      {S::down,        P::any,          {M::down, M::leaving, M::empty},       If::follows,     S::leave_shallow},
+      {S::lower,       P::any,          any_message,                           If::ahead,       S::lower_hold},
+      {S::lower_hold,  P::any,          sinks,                                 If::abreast,     S::lower},
+      {S::down,        P::any,          landed,                                If::leads,       S::leave_steep},
+      {S::down,        P::any,          landed,                                If::follows,     S::leave_shallow},
       {leaving,        P::any,          any_message,                           If::is_empty,    S::empty},
       {S::leave_shallow, P::any,        M::empty,                              {},              S::leave_steep},
       {leaving,        P::any,          any_message,                           If::timed_out,   S::retreat},
@@ -301,9 +328,10 @@ struct Lifting {
       {S::stand_back,  P::any,          {M::empty, M::docking},                {},              S::dock},
       {S::stand_back,  P::any,          any_message,                           If::timed_out,   S::dock},
       // after a boot
-      {S::held,        P::any,          {M::ready, M::raising},                {},              S::raise},
+      {S::held,        P::any,          M::backing,                            {},              S::back_off},
+      {S::held,        P::zero,         {M::ready, M::raising},    {If::turned, If::touches},   S::raise_hold},
       {S::held,        P::any,          {M::lifted, M::carrying},              {},              S::carry},
-      {S::held,        P::any,          sinks,                                 {},              S::lower},
+      {S::held,        P::any,          sinks,                                 {},              S::lower_hold},
   };
   // clang-format on
 

@@ -94,14 +94,16 @@ enum class If : std::uint8_t {
   arm_there,   // the arm has reached the height last commanded
   far_enough,  // the robot has travelled the distance of the task
   gave_up,     // it has tried as often as it may
+  abreast,     // its arm is no step ahead of its partner's
+  ahead,       // it is
 };
 using IfSet = EnumSet<If>;
-inline constexpr int if_count = 12;
+inline constexpr int if_count = 14;
 
 constexpr const char* name_of(If condition) {
-  constexpr const char* names[] = {"turned",   "timed_out", "leads",      "follows",
-                                   "may_stop", "settled",   "released",   "touches",
-                                   "is_empty", "arm_there", "far_enough", "gave_up"};
+  constexpr const char* names[] = {"turned",     "timed_out", "leads",   "follows",  "may_stop",
+                                   "settled",    "released",  "touches", "is_empty", "arm_there",
+                                   "far_enough", "gave_up",   "abreast", "ahead"};
   return names[static_cast<int>(condition)];
 }
 
@@ -215,6 +217,7 @@ struct TableConditions {
   B arm_there{};
   B far_enough{};
   B gave_up{};
+  B abreast{};
 
   // Calls visit(conditions, member) for each value, with the conditions that depend on it.
   template <class Visit>
@@ -230,6 +233,7 @@ struct TableConditions {
     visit(IfSet(If::arm_there), &C::arm_there);
     visit(IfSet(If::far_enough), &C::far_enough);
     visit(IfSet(If::gave_up), &C::gave_up);
+    visit(IfSet{If::abreast, If::ahead}, &C::abreast);
   }
 };
 
@@ -249,6 +253,8 @@ template <class B>
   if (wanted.has(If::arm_there)) all &= met.arm_there;
   if (wanted.has(If::far_enough)) all &= met.far_enough;
   if (wanted.has(If::gave_up)) all &= met.gave_up;
+  if (wanted.has(If::abreast)) all &= met.abreast;
+  if (wanted.has(If::ahead)) all &= opposite(met.abreast);
   return all;
 }
 

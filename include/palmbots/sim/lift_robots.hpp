@@ -4,12 +4,15 @@
 //
 // ARMS. An arm that follows the floor is compliant: the nose rests on the floor, however fast the palm
 // turns. Otherwise the height of the pivot changes at the arm's rate at most. An arm that rises stops
-// at its height with an error that is constant in a job.
+// at its height with an error that is constant in a job. A step of the table is what an arm moves in a
+// lease and a delay. So a step and a tick are the most by which the heights of two arms differ while
+// they move, which the model checker proves (docs/theory/verification.md).
 //
 // SWITCHES. A palm's switches feel what lies on its top side, and what presses the heel as the outer
 // end. They do not feel what touches the nose. Where nothing presses, a robot reads −.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -46,14 +49,17 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   LiftRobots(const Spec& spec, std::uint64_t seed, Inner inner, bool records)
       : Base(spec, seed, LiftTeam<Inner>(spec, seed, std::move(inner))),
         recorder_(records),
-        records_(records) {
+        records_(records),
+        step_height_(larger(spec.arms[left].rate, spec.arms[right].rate) *
+                     (table_lease(spec) + spec.longest_delay())) {
     const Words words = draw(seed, 0, Stream::arm_height);
     for (const std::size_t side : {left, right}) {
       constexpr double whole = 4294967296.0;
       const double share = 2 * ((words[rank(side)] + 0.5) / whole) - 1;
       carry_height_[side] = spec.arms[side].carry_height + share * spec.arms[side].height_error;
-      height_[side] = spec.palms[side].lowest_pivot(sin_cos(spec.palms[side].steep));
+      floor_[side] = spec.palms[side].lowest_pivot(sin_cos(spec.palms[side].steep));
     }
+    height_ = floor_;
   }
 
   TraceRecorder& recorder() { return recorder_; }
@@ -84,6 +90,8 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
       senses[side].touches = pressed[side];
       senses[side].arm_there = arm_there_[side];
       senses[side].far_enough = travelled_[side] >= spec_.distance;
+      senses[side].steps = static_cast<std::uint8_t>(
+          std::floor(larger(height_[side] - floor_[side], 0.0) / step_height_));
       // Nothing presses: no false reading either.
       felt_[side] = pressed[side] ? places[side] : 0.0;
       if (!pressed[side]) places[side] = -half;
@@ -171,6 +179,8 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   }
 
   bool records_;
+  double step_height_;              // of the table's steps [m]
+  PerSide<double> floor_{};         // the pivot of a steep palm on the floor [m]
   PerSide<double> carry_height_{};  // at which each arm stops rising [m]
   PerSide<double> travelled_{};     // while carrying, in the direction of travel [m]
   PerSide<double> felt_{};          // where each palm is pressed; 0: nowhere [m]
