@@ -127,20 +127,20 @@ class SmallFall {
   Way tried(const ClosedPairs& closed, std::array<Bond, 2> bonds, std::size_t count,
             bool rough) const {
     const Triple weight = problem_.weight(false) * -1.0;
-    // Directions in which nothing moves, and the forces that see to it.
+    // Directions in which nothing moves, and the forces that see to it. A contact that sticks is alone.
     Rows fixed{};
     Rows forces{};
-    std::size_t rows = 0;
+    std::size_t rows = count;
     for (std::size_t k = 0; k < count; ++k) {
       const auto& [pair, c] = closed.at[bonds[k].closed];
       const double friction = rough ? problem_.surface(pair).friction : 0.0;
       const double along = bonds[k].motion == Motion::up ? -friction : friction;
       const bool sticks = bonds[k].motion == Motion::stick;
-      fixed[rows] = problem_.row(c, c.normal);
-      forces[rows++] = problem_.row(c, sticks ? c.normal : c.normal + c.tangent * along);
+      fixed[k] = problem_.row(c, c.normal);
+      forces[k] = problem_.row(c, sticks ? c.normal : c.normal + c.tangent * along);
       if (!sticks) continue;
-      fixed[rows] = forces[rows] = problem_.row(c, c.tangent);
-      ++rows;
+      fixed[1] = forces[1] = problem_.row(c, c.tangent);
+      rows = 2;
     }
     std::array<double, 2> sizes{};
     if (!solve(fixed, forces, rows,
