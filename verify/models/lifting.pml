@@ -37,7 +37,7 @@ c_code {
 #define APART 1 /* the heights of the arms differ by what an arm moves in BOUND cycles at most */
 #define WORD 2  /* an arm moves only while its robot hears that its partner's may, or does */
 #define LEAVE 4 /* no robot takes its palm away while its partner's arm is up */
-#define DROP 8  /* no arm that is up is told to follow the floor */
+#define DROP 8  /* no arm that is up is commanded to follow the floor */
 #define ALONE 16 /* a robot travels for NOTICE cycles at most while its partner does not */
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 

@@ -62,9 +62,9 @@ struct LiftSenses {
   constexpr bool operator==(const LiftSenses&) const = default;
 };
 
-// The memory of a robot that lifts. Its beacons have no use for the two bits that tell whether a robot
-// travels and may; they carry the steps of its arm, modulo 4. That suffices, because the table never
-// lets the arms be two steps apart.
+// The memory of a robot that lifts. Two bits of a beacon say elsewhere whether its sender travels, and
+// whether it may. Here they carry the steps of its arm, modulo 4. That suffices, because the table
+// never lets the arms be two steps apart.
 template <class B, class Count>
 struct LiftMemory {
   static_assert(sizeof(B) == sizeof(bool), "one robot");
