@@ -192,6 +192,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "ConsistentModes": lambda folder: pb.simulation.FloorWorld("plate").contact_modes(0.01),
     "ContactModes": lambda folder: pb.contact_modes("paper"),
     "ContactModesBatch": lambda folder: states(),
+    "EndList": lambda folder: pb.ends(),
     "Cost": lambda folder: Cost(
         6,
         12,

@@ -191,9 +191,9 @@ def test_the_report_of_a_job_that_fell() -> None:
     assert lines[1:3] == ["did not get away from the object", reason_text("fell", "quasistatic")]
 
 
-@pytest.mark.parametrize(("seed", "reason"), [(39, "sliding"), (1102, "lifting"), (101, "tipping")])
+@pytest.mark.parametrize(("seed", "reason"), [(39, "sliding"), (56, "lifting"), (17, "off-palm")])
 def test_in_the_air_a_job_ends_as_a_carry_does(seed: int, reason: str) -> None:
-    run, phases = job(seed, 0.0)
+    run, phases = job(seed, 0.0, **{"robot.noise_m_s": 0.06, "task.distance_m": 1.0})
     assert phases == {"held"}
     assert (run.outcome, run.reason, TABLE[reason][1]) == ("dropped", reason, ENDS)
 

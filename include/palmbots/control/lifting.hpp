@@ -92,8 +92,8 @@ struct LiftMemory {
   constexpr void meet(TableConditions<B>& met, const auto&, const auto& robot,
                       const auto&...) const {
     met.touches = senses.touches;
-    met.arm_there = senses.arm_there;
-    met.far_enough = senses.far_enough;
+    const bool travels = robot.now().message == MessageKind::carrying;
+    met.reached = travels ? senses.far_enough : senses.arm_there;
     met.gave_up = tries >= most_tries;
     const MessageKind heard = robot.clock().heard();
     const bool partner_rises = heard == MessageKind::ready || heard == MessageKind::raising;
@@ -297,18 +297,18 @@ struct Lifting {
       {S::ready,       P::negative,     any_message,                           {},              S::recentre},
       {S::recentre,    P::zero,         any_message,               {If::turned, If::touches},   S::ready},
       {S::recentre,    P::any,          {M::centring, M::ready},               If::timed_out,   S::back_off},
-      {S::raise,       P::any,          any_message,                           If::arm_there,   S::up},
+      {S::raise,       P::any,          any_message,                           If::reached,     S::up},
       {S::raise,       P::any,          any_message - rises,                   {},              S::raise_hold},
       {S::raise,       P::any,          any_message,                           If::ahead,       S::raise_hold},
       {S::raise_hold,  P::any,          rises,                                 If::abreast,     S::raise},
       {S::up,          P::any,          {M::lifted, M::carrying, M::arrived},  {},              S::carry},
       // carry
       {S::carry,       P::any,          {M::arrived, M::lowering},             {},              S::arrived},
-      {S::carry,       P::any,          any_message,                           If::far_enough,  S::arrived},
+      {S::carry,       P::any,          any_message,                           If::reached,     S::arrived},
       {S::carry,       P::any,          any_message - carries,                 {},              S::up},
       // put down
       {S::arrived,     P::any,          sinks,                                 If::abreast,     S::lower},
-      {S::lower,       P::any,          any_message,                           If::arm_there,   S::down},
+      {S::lower,       P::any,          any_message,                           If::reached,     S::down},
       {S::lower,       P::any,          any_message - sinks,                   {},              S::lower_hold},
       {S::lower,       P::any,          any_message,                           If::ahead,       S::lower_hold},
       {S::lower_hold,  P::any,          sinks,                                 If::abreast,     S::lower},

@@ -89,21 +89,20 @@ enum class If : std::uint8_t {
   settled,   // the palm has turned and the wheels have braked
   released,  // the partner knew, when it sent its newest message, that this robot no longer asks
   // Of the table that lifts (control/lifting.hpp):
-  touches,     // something presses the palm
-  is_empty,    // nothing does
-  arm_there,   // the arm has reached the height last commanded
-  far_enough,  // the robot has travelled the distance of the task
-  gave_up,     // it has tried as often as it may
-  abreast,     // its arm is no step ahead of its partner's
-  ahead,       // it is
+  touches,   // something presses the palm
+  is_empty,  // nothing does
+  reached,   // the arm its height; or, where the robot travels, the robot its distance
+  gave_up,   // it has tried as often as it may
+  abreast,   // its arm is no step ahead of its partner's
+  ahead,     // it is
 };
 using IfSet = EnumSet<If>;
-inline constexpr int if_count = 14;
+inline constexpr int if_count = 13;
 
 constexpr const char* name_of(If condition) {
-  constexpr const char* names[] = {"turned",     "timed_out", "leads",   "follows",  "may_stop",
-                                   "settled",    "released",  "touches", "is_empty", "arm_there",
-                                   "far_enough", "gave_up",   "abreast", "ahead"};
+  constexpr const char* names[] = {"turned",  "timed_out", "leads",   "follows",  "may_stop",
+                                   "settled", "released",  "touches", "is_empty", "reached",
+                                   "gave_up", "abreast",   "ahead"};
   return names[static_cast<int>(condition)];
 }
 
@@ -214,8 +213,7 @@ struct TableConditions {
   B settled{};
   B released{};
   B touches{};
-  B arm_there{};
-  B far_enough{};
+  B reached{};
   B gave_up{};
   B abreast{};
 
@@ -223,17 +221,19 @@ struct TableConditions {
   template <class Visit>
   static constexpr void each(Visit&& visit) {
     using C = TableConditions;
+    constexpr IfSet leading{If::leads, If::follows};
+    constexpr IfSet touching{If::touches, If::is_empty};
+    constexpr IfSet keeping{If::abreast, If::ahead};
     visit(IfSet(If::turned), &C::turned);
     visit(IfSet(If::timed_out), &C::timed_out);
-    visit(IfSet{If::leads, If::follows}, &C::leads);
+    visit(leading, &C::leads);
     visit(IfSet(If::may_stop), &C::may_stop);
     visit(IfSet(If::settled), &C::settled);
     visit(IfSet(If::released), &C::released);
-    visit(IfSet{If::touches, If::is_empty}, &C::touches);
-    visit(IfSet(If::arm_there), &C::arm_there);
-    visit(IfSet(If::far_enough), &C::far_enough);
+    visit(touching, &C::touches);
+    visit(IfSet(If::reached), &C::reached);
     visit(IfSet(If::gave_up), &C::gave_up);
-    visit(IfSet{If::abreast, If::ahead}, &C::abreast);
+    visit(keeping, &C::abreast);
   }
 };
 
@@ -250,8 +250,7 @@ template <class B>
   if (wanted.has(If::released)) all &= met.released;
   if (wanted.has(If::touches)) all &= met.touches;
   if (wanted.has(If::is_empty)) all &= opposite(met.touches);
-  if (wanted.has(If::arm_there)) all &= met.arm_there;
-  if (wanted.has(If::far_enough)) all &= met.far_enough;
+  if (wanted.has(If::reached)) all &= met.reached;
   if (wanted.has(If::gave_up)) all &= met.gave_up;
   if (wanted.has(If::abreast)) all &= met.abreast;
   if (wanted.has(If::ahead)) all &= opposite(met.abreast);

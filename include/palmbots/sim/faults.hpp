@@ -145,6 +145,16 @@ class Faults {
     return next;
   }
 
+  // Whether a fault keeps a robot's program from running.
+  bool stops(std::uint32_t tick, std::size_t side) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Fault& f = list_[i];
+      const bool of_program = f.kind == FaultKind::freeze || f.kind == FaultKind::reboot;
+      if (of_program && f.side == side && f.covers(tick)) return true;
+    }
+    return false;
+  }
+
   // The first later tick at which program_state() may return another value.
   std::uint32_t next_change(std::uint32_t tick, std::size_t side) const {
     std::uint32_t next = skips_ticks(side) ? tick + 1 : ~0U;

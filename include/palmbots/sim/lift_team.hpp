@@ -44,6 +44,7 @@ class LiftTeam {
   const PerSide<Command>& step(std::uint32_t tick, const PerSide<RobotObservation>& sensed,
                                Log&& log) {
     const PerSide<Command> own = phases_.step(tick, sensed, log);
+    for (const std::size_t side : {left, right}) runs_[side] = !phases_.faults().stops(tick, side);
     PerSide<RobotObservation> shown = sensed;
     for (const std::size_t side : {left, right}) {
       if (driver(side) == Driver::table) shown[side] = {Sign::zero, true};
@@ -68,7 +69,11 @@ class LiftTeam {
   }
 
   State state(std::size_t side) const { return phases_.robot(side).state(); }
-  ArmMove arm(std::size_t side) const { return Lifting::role(state(side)).arm; }
+  // An arm that is up holds while its robot's program does not run.
+  ArmMove arm(std::size_t side) const {
+    const ArmMove arm = Lifting::role(state(side)).arm;
+    return runs_[side] || arm == ArmMove::follow ? arm : ArmMove::hold;
+  }
   const Inner& inner() const { return inner_; }
 
   char name(std::size_t side) const { return is_correcting(side) ? inner_.name(side) : ' '; }
@@ -113,6 +118,7 @@ class LiftTeam {
   Inner inner_;
   Phases phases_;
   PerSide<Command> commands_{};
+  PerSide<bool> runs_{true, true};
 };
 
 }  // namespace palmbots
