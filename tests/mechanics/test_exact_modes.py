@@ -362,3 +362,10 @@ def test_the_oracle_decides_by_hand_what_it_decides() -> None:
     # Both feet of one rigid body on the floor cannot slide apart.
     assert not is_possible([leg, leg._replace(point=(Fraction(1), Fraction(-1)))], ["SL", "SR"])
     assert whole([Fraction(1, 2), Fraction(-1, 3)]) == (3, -2)
+
+
+def test_three_rays_that_are_equal_but_for_rounding_span_nothing() -> None:
+    """A frictionless contact, which has one ray twice, on an edge of another friction cone."""
+    first = SurfaceContact("a", (-1 / 8, -1 / 32), (3 / 5, 4 / 5), 0.0)
+    second = SurfaceContact("b", (-1 / 20, 11 / 160), (0.0, 1.0), 3 / 4)
+    assert not consistent_modes([first, second]).held

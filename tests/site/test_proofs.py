@@ -36,13 +36,19 @@ def with_numbers(words: str, run: dict[str, Any]) -> str:
     return says[0].lower() + says[1:]
 
 
+# The page has no jobs on the floor.
+SHOWN = sorted(
+    name for name, run in model_check.runs().items() if run.fails and run.model != "lifting"
+)
+
+
 def test_every_counterexample_plays_to_its_end(open_page: Open) -> None:
     page = open_page("#proofs")
     expect(page.locator("#run")).to_be_visible()
     claims = stated_claims()
     runs = {run["name"]: run for run in tomllib.loads(RUNS.read_text())["run"]}
     names = page.locator("#run option").all_inner_texts()
-    assert names == sorted(path.stem for path in COUNTEREXAMPLES.glob("*.txt"))
+    assert names == SHOWN
     for name in names:
         page.locator("#run").select_option(name)
         title = (COUNTEREXAMPLES / f"{name}.txt").read_text().splitlines()[0]
@@ -110,8 +116,7 @@ def test_every_step_shows_what_the_transcript_says(open_page: Open) -> None:
     page = open_page("#proofs")
     expect(page.locator("#run")).to_be_visible()
     shown = page.evaluate(EVERY_STEP)
-    fails = [name for name, run in model_check.runs().items() if run.fails]
-    assert sorted(shown) == sorted(fails)
+    assert list(shown) == SHOWN
     drives = set()
     for name, views in shown.items():
         events, steps = transcript_of(name)

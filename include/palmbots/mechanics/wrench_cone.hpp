@@ -197,9 +197,11 @@ inline bool in_triple(Triple a, Triple b, Triple c, Triple wrench) {
   const Triple ca = cross(c, a);
   const Triple ab = cross(a, b);
   const double volume = dot(a, bc);
-  const double least = wrench_tolerance;
-  const double known = magnitude(volume);
-  if (!(known > least * size(bc) && known > least * size(ca) && known > least * size(ab)))
+  const double areas[] = {size(bc), size(ca), size(ab)};
+  const double narrowest = smaller(areas[0], smaller(areas[1], areas[2]));
+  const double widest = larger(areas[0], larger(areas[1], areas[2]));
+  // Rays that are equal but for rounding would pass the second test alone.
+  if (!(narrowest > wrench_tolerance && magnitude(volume) > wrench_tolerance * widest))
     return false;
   const double sign = volume < 0.0 ? -1.0 : 1.0;
   return sign * dot(wrench, bc) >= 0.0 && sign * dot(wrench, ca) >= 0.0 &&
