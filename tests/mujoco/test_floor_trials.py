@@ -53,7 +53,7 @@ def test_with_stiff_contacts_and_fast_palms_both_noses_hop(
         monkeypatch.setattr(f"{MODULE}._IMPRATIO", impratio)
         tried = [one for seed in seeds if (one := decisive(seed)) is not None]
         agreement.append([one.agrees for one in tried])
-    assert len(agreement[0]) > 60 and sum(agreement[0]) <= len(agreement[0]) - 3
+    assert len(agreement[0]) > 15 and sum(agreement[0]) < 0.9 * len(agreement[0])
     assert agreement[1] == agreement[0]
 
 

@@ -80,8 +80,8 @@ class FloorTrial:
 
 
 def floor_trial(base: Scene, seed: int, margin: float) -> FloorTrial | None:
-    """The trial of a seed; None: no contact mode is consistent there, or its state has a contact
-    that MuJoCo's balls do not represent."""
+    """The trial of a seed; None: the object fell on the way, no contact mode is consistent there,
+    or its state has a contact that MuJoCo's balls do not represent."""
     rng = np.random.default_rng((_STREAM, seed))
     radius = float(rng.uniform(0.004, 0.01))
     width = base.object.width_m
@@ -113,7 +113,8 @@ def floor_trial(base: Scene, seed: int, margin: float) -> FloorTrial | None:
     for _ in range(moves):
         left, right = rng.uniform(-0.25 * far, far, 2)
         up = float(rng.choice([0.0, 0.0, 0.001]))
-        if world.move(float(left), -float(right), up_m=(up, up)).end:
+        moved = world.move(float(left), -float(right), up_m=(up, up))
+        if moved.end or moved.falls:
             return None
     first, second = map(float, rng.choice(inward, 2))
     speeds = [SPEED * first, -SPEED * second]
