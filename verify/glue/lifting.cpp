@@ -40,11 +40,8 @@ mind packed(TableRobot<Lifting> robot) {
 Lifting::State state(int side) { return static_cast<Lifting::State>(pair.mind[side].state); }
 const Lifting::Role& role(int side) { return Lifting::role(state(side)); }
 const palmbots::TableOutput& output(int side) { return Lifting::outputs[pair.mind[side].state]; }
-bool drives(int side, Move move) {
-  return role(side).driver == Driver::table && output(side).command.move == move;
-}
 
-// The arm has come to where it was commanded in the last cycle.
+// The arm has reached the height commanded in the last cycle.
 bool is_there(int side) {
   const ArmMove arm = role(side).arm;
   if (arm == ArmMove::rise) return pair.height[side] == top;
@@ -133,10 +130,7 @@ int robot_step(int side, int choice, int reading) {
   pair.mind[side] = stepped(side, hear(side, choice), reading);
   say(side, said + static_cast<int>(output(side).message));
   move_arm(side);
-  if (role(side).driver == Driver::controller) return TRAVELS;
-  return drives(side, Move::away)     ? DRIVES_AWAY
-         : drives(side, Move::closer) ? DRIVES_CLOSER
-                                      : STANDS;
+  return role(side).driver == Driver::controller;
 }
 
 int arm_moves(int side) {
@@ -150,7 +144,9 @@ int arm_may_move(int side) {
 }
 
 int arm_follows_floor(int side) { return role(side).arm == ArmMove::follow; }
-int leaves(int side) { return drives(side, Move::away); }
+int leaves(int side) {
+  return role(side).driver == Driver::table && output(side).command.move == Move::away;
+}
 int is_over(int side) {
   return state(side) == Lifting::State::done || state(side) == Lifting::State::failed;
 }

@@ -28,9 +28,6 @@ struct pair {
 };
 extern struct pair pair;
 
-/* What the wheels do. */
-enum { STANDS, DRIVES_CLOSER, DRIVES_AWAY, TRAVELS };
-
 /* The limits of the table follow from `reach` (palmbots::TableTiming); arms carry at the height `top`,
  * and a step of the table is so high. All times in cycles, `reach` in tenths of one. The right robot leads. */
 void set_program(int lease, int reach, int top, int step);
@@ -41,7 +38,7 @@ void robot_boot(int side);
 /* What an adversary may let a robot feel in its next step, in which it hears what `choice` says: one of
  * each that make a difference. `helps`: only what lets its phase end. */
 int readings(int side, int choice, int helps);
-/* Returns what the wheels do then. */
+/* Returns whether the robot travels then. */
 int robot_step(int side, int choice, int reading);
 
 /* Whether an arm is commanded to move, and the robot hears that it may. */

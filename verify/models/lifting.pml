@@ -31,7 +31,6 @@ c_code {
 
 #define LEFT 0
 #define RIGHT 1
-#define TRAVELS 3
 
 /* What is asserted. */
 #define APART 1 /* the heights of the arms differ by what an arm moves in BOUND cycles at most */
@@ -58,7 +57,7 @@ bool calm;     /* no fault will come any more */
 byte lone[2];  /* cycles for which each robot has heard a partner that did not hear it: LEASE + 1 at
                 * most, as beacons.pml proves */
 byte down[2];  /* cycles for which a robot is still off */
-byte wheels[2];
+bool travels[2];
 byte alone[2]; /* see ALONE: the cycles in a row for which a robot has travelled alone */
 bool over;     /* the job has ended, or needs a person */
 
@@ -82,7 +81,7 @@ inline pick(number)
 inline step()
 {
   if
-  :: down[who] > 0 -> down[who]--; wheels[who] = 0
+  :: down[who] > 0 -> down[who]--; travels[who] = false
   :: down[who] == 0 ->
        c_code {
          now.options = choices(now.who, now.calm ? now.DELAY : now.LEASE, !now.calm);
@@ -92,7 +91,7 @@ inline step()
        c_code { now.options = readings(now.who, now.choice, now.calm); };
        pick(feels);
        d_step {
-         c_code { now.wheels[now.who] = robot_step(now.who, now.choice, now.feels); };
+         c_code { now.travels[now.who] = robot_step(now.who, now.choice, now.feels); };
          c_code { now.bad = arm_moves(now.who) && !arm_may_move(now.who); };
          claim(WORD, !bad);
          options = 0; choice = 0; feels = 0; bad = false
@@ -111,7 +110,7 @@ inline environment()
        fi;
        d_step {
          c_code { robot_boot(now.who); Printf("      %s reboots\n", side_name(now.who)); };
-         down[who] = DOWN; wheels[who] = 0; who = 0
+         down[who] = DOWN; travels[who] = false; who = 0
        }
   :: !calm && CALMS && down[LEFT] + down[RIGHT] == 0 ->
        calm = true; c_code { Printf("      faults are over\n"); }
@@ -119,7 +118,7 @@ inline environment()
   fi
 }
 
-#define travels_alone(s) ((ARMED & ALONE) && wheels[s] == TRAVELS && wheels[1 - s] != TRAVELS)
+#define travels_alone(s) ((ARMED & ALONE) && travels[s] && !travels[1 - s])
 
 inline check()
 {

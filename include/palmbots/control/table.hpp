@@ -91,7 +91,7 @@ enum class If : std::uint8_t {
   // Of the table that lifts (control/lifting.hpp):
   touches,   // something presses the palm
   is_empty,  // nothing does
-  reached,   // the arm its height; or, where the robot travels, the robot its distance
+  reached,   // the arm has its height; or, in a state that carries, the robot its distance
   gave_up,   // it has tried as often as it may
   abreast,   // its arm is no step ahead of its partner's
   ahead,     // it is

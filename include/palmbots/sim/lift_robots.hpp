@@ -5,8 +5,8 @@
 // ARMS. An arm that follows the floor is compliant: the nose rests on the floor, however fast the palm
 // turns. Otherwise the height of the pivot changes at the arm's rate at most. An arm that rises stops
 // at its height with an error that is constant in a job. A step of the table is what an arm moves in a
-// lease and a delay. So a step and a tick are the most by which the heights of two arms differ while
-// they move, which the model checker proves (docs/theory/verification.md).
+// lease and a delay. Measured from where each stands on the floor, two arms that move differ by a step
+// and a tick at most, which the model checker proves (docs/theory/verification.md).
 //
 // SWITCHES. A palm's switches feel what lies on its top side, and what presses the heel as the outer
 // end. They do not feel what touches the nose. Where nothing presses, a robot reads −.
