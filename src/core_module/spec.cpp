@@ -139,16 +139,7 @@ void bind_spec(nb::module_& m) {
           nb::arg("angle"),
           "Height of the pivot [m] with the inner end of the palm on the floor, at an angle [rad].")
       .def_prop_ro("plate_thickness", &plate_thickness,
-                   "Thickness of the plate where it is drawn and has mass [m].")
-      .def_prop_ro(
-          "section",
-          [](const PalmSpec& p) {
-            std::vector<std::pair<double, double>> corners;
-            for (const Vec& corner : plate_section(p)) corners.emplace_back(corner.x, corner.y);
-            return corners;
-          },
-          "Corners of the plate's cross-section (outward from the foot of the pivot, along the "
-          "normal) [m]. The first one and the last one are the ends of the surface.");
+                   "Thickness of the plate where it is drawn and has mass [m].");
   bind_records<RobotSpec>(m, "RobotSpec", "One robot's wheels, in SI units.", robot_keys);
 
   bind_records<ArmSpec>(m, "ArmSpec", "What raises and lowers one palm, in SI units.", arm_keys);

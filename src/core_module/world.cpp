@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The quasistatic world, step by step.
 #include "palmbots/base/gravity.hpp"
+#include "palmbots/sim/palm_way.hpp"
 #include "palmbots/sim/standing_start.hpp"
 #include "palmbots/world/touching.hpp"
 
@@ -199,6 +200,27 @@ void bind_world(nb::module_& m) {
             return std::pair(place(left), place(right));
           },
           "Where each palm is touched [m]; None: nowhere.");
+  m.def(
+      "ground_blocks",
+      [](const Spec& spec) {
+        std::vector<std::tuple<std::string, std::string, Numbers2, double, double>> found;
+        for (const GroundBlock& b : ground_blocks(spec))
+          found.emplace_back(b.key, b.kind, Numbers2{b.low, b.high}, b.height, b.friction);
+        return found;
+      },
+      nb::arg("spec"), "Floor, walls and stands: (key, kind, (from, to), height, friction) [m].");
+  m.def(
+      "refusal_of_way",
+      [](const Spec& spec, std::pair<bool, bool> is_there, std::pair<Numbers2, Numbers2> pivots,
+         Numbers2 angles, std::pair<Numbers2, Numbers2> by, Numbers2 goals,
+         const std::string& when) {
+        const Travel travel = Travel::of(vectors_of(pivots), {angles.first, angles.second},
+                                         vectors_of(by), {goals.first, goals.second});
+        return refusal_of_way(spec, spec.palms, travel, {is_there.first, is_there.second}, when);
+      },
+      nb::arg("spec"), nb::arg("is_there"), nb::arg("pivots"), nb::arg("angles"), nb::arg("by"),
+      nb::arg("goals"), nb::arg("when"),
+      "Why palms may not travel like this among floor, walls and stands; empty: they may.");
   m.def("standing_refusal", &standing_refusal, nb::arg("spec"),
         "Why the object does not stand on its two contact vertices; empty: it does.");
   m.def(

@@ -48,7 +48,7 @@ struct PairPose {
     inner[side] = foot - along * (0.5 * palm.length);
     outer[side] = foot + along * (0.5 * palm.length);
     contact[side] = foot + along * pose.configuration.contacts[side];
-    const PlateSection corners = plate_section(palm);
+    const PlateSection corners = plate_section(palm, plate_thickness(palm));
     for (std::size_t i = 0; i < corners.size(); ++i)
       plate[side][i] = pivot[side] + along * corners[i].x + normal * corners[i].y;
     if (side == left) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cross-section of a palm's plate, for drawing.
+// The cross-section of a palm's plate.
 #pragma once
 
 #include <array>
@@ -19,11 +19,10 @@ constexpr double plate_thickness(const PalmSpec& palm) {
 using PlateSection = std::array<Vec, 7>;
 
 // The corners in the frame of the palm: x outward from the foot of the pivot, y along the palm's
-// normal from the pivot [m]. The first one is the inner end of the surface, the last one its outer
+// normal from the pivot [m], of a plate that is this thick [m]. The first one is the inner end of the surface, the last one its outer
 // end. A heel is as thick as the plate. Without heel or bevel some corners coincide.
-constexpr PlateSection plate_section(const PalmSpec& palm) {
+constexpr PlateSection plate_section(const PalmSpec& palm, double thick) {
   const double half = 0.5 * palm.length;
-  const double thick = plate_thickness(palm);
   const double nose = palm.thickness > 0 ? palm.tip_thickness() : thick;
   const double end = palm.heel > 0 ? half + thick : half;
   const double top = palm.offset;

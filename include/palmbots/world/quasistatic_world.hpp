@@ -293,13 +293,9 @@ class World {
 
   // The palms from here on, while the pivots move and the palms turn to goals.
   Travel travel(const PerSide<Vec>& by, const PerSide<Real>& goals) const {
-    Travel travel{};
-    for (const std::size_t side : {left, right}) {
-      const double angle = double(angles()[side]);
-      const double goal = double(goals[side]);
-      travel.palms[side] = {pivot(side), by[side], angle, goal - angle, goal};
-    }
-    return travel;
+    const PerSide<Real> from = angles();
+    return Travel::of({pivot(left), pivot(right)}, {double(from[left]), double(from[right])}, by,
+                      {double(goals[left]), double(goals[right])});
   }
   Frames here() const { return travel({}, angles()).frames(0.0); }
   double separation() const {

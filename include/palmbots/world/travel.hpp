@@ -18,6 +18,17 @@ struct PalmTravel {
 struct Travel {
   PerSide<PalmTravel> palms;
 
+  // Palms that move by `by` and turn to `goals`.
+  static constexpr Travel of(const PerSide<Vec>& pivots, const PerSide<double>& angles,
+                             const PerSide<Vec>& by, const PerSide<double>& goals) {
+    Travel travel{};
+    for (const std::size_t side : {left, right}) {
+      const double turn = goals[side] - angles[side];
+      travel.palms[side] = {pivots[side], by[side], angles[side], turn, goals[side]};
+    }
+    return travel;
+  }
+
   constexpr Frame frame(Carrier carrier, double t) const {
     if (carrier == Carrier::ground) return {1.0, {0.0, 0.0}, 0.0, 0.0, 1.0, {0.0, 0.0}, 0.0};
     const std::size_t side = carrier == Carrier::left_palm ? left : right;

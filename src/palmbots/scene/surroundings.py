@@ -7,9 +7,7 @@ Frame: x forward from the COM of the object at its start, y up from the floor [m
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import pairwise
 
 import palmbots._core as _core
 from palmbots.errors import SceneError
@@ -19,7 +17,6 @@ from palmbots.scene.robot_dimensions import BODY_GAP, BODY_SIZE, WHEEL_RADIUS
 from palmbots.scene.scene import Scene
 
 _ROOM = 0.1  # for robots that back off, beside the length of a palm [m]
-_TOUCHES = 1e-9  # how far something may be in a block that touches it [m]
 _DRAWN_WALL = 0.05  # thickness of a wall in pictures [m]
 _DRAWN_HEIGHT = 0.5  # of an endless wall in pictures [m]
 
@@ -30,15 +27,12 @@ class Block:
 
     key: str
     """The key of the scene that describes it."""
+    kind: str
+    """wall or stand."""
     x_m: tuple[float, float]
     """From where to where it is."""
     height_m: float
     friction: float
-
-    @property
-    def kind(self) -> str:
-        """wall or stand."""
-        return "wall" if "walls" in self.key else "stand"
 
     def part(self, behind_m: float, height_m: float) -> tuple[float, float, float]:
         """From where to where it is, and its height, at most this far behind the face of a wall and
@@ -55,37 +49,10 @@ class Block:
         """The part that pictures show: from where to where, and its height."""
         return self.part(_DRAWN_WALL, _DRAWN_HEIGHT)
 
-    def contains_part_of(self, polygon: Iterable[tuple[float, float]]) -> bool:
-        """Whether an edge of a polygon is inside."""
-        corners = [*polygon]
-        corners.append(corners[0])
-        box = (
-            (self.x_m[0] + _TOUCHES, self.x_m[1] - _TOUCHES),
-            (-math.inf, self.height_m - _TOUCHES),
-        )
-        return any(_crosses(a, b, box) for a, b in pairwise(corners))
-
 
 def blocks_of(spec: _core.Spec) -> tuple[Block, ...]:
     """The walls and the stands of a spec."""
-
-    def friction(own: float) -> float:
-        return spec.floor_friction if own < 0 else own
-
-    walls = (
-        Block(
-            f"floor.walls[{k}]",
-            (-math.inf, at) if at < 0 else (at, math.inf),
-            height,
-            friction(own),
-        )
-        for k, (at, height, own) in enumerate(spec.walls)
-    )
-    stands = (
-        Block(f"floor.stands[{k}]", (low, high), height, friction(own))
-        for k, (low, high, height, own) in enumerate(spec.stands)
-    )
-    return (*walls, *stands)
+    return tuple(Block(*block) for block in _core.ground_blocks(spec)[1:])
 
 
 def refuse_surroundings(scene: Scene, spec: _core.Spec) -> None:
@@ -131,18 +98,3 @@ def drawn_blocks(spec: _core.Spec) -> list[tuple[float, float, float, float]]:
     return [
         (x + low, x + high, floor, floor + tall) for low, high, tall in (b.drawn for b in blocks)
     ]
-
-
-def _crosses(
-    a: tuple[float, float], b: tuple[float, float], box: tuple[tuple[float, float], ...]
-) -> bool:
-    """Whether the line from a to b is anywhere inside a box."""
-    begin, end = 0.0, 1.0
-    for p, q, (low, high) in zip(a, b, box, strict=True):
-        if p == q:
-            if not low < p < high:
-                return False
-            continue
-        shares = sorted(((low - p) / (q - p), (high - p) / (q - p)))
-        begin, end = max(begin, shares[0]), min(end, shares[1])
-    return begin < end

@@ -10,9 +10,7 @@ force with which the palms are driven. Source: docs/theory/contacts.md.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import BySide, Overrides
@@ -31,12 +29,13 @@ from palmbots.scene.surroundings import blocks_of
 from palmbots.simulation.floor_job import Fall
 
 Point = tuple[float, float]
+Motion = tuple[tuple[Point, Point], tuple[float, float]]
+"""How far the pivots move [m], and the angles to which the palms turn."""
 
 _MOST_DEG = 80.0
 _PALMS = ("left palm", "right palm")
 _ABSENT_M = 100.0  # how far away a palm is that there is not
 _MOST_FALLS = 100
-_LONGEST_WAY = 0.005  # of a palm between two looks at walls and stands [m]
 _WHY = {"flush": "would be in a wall or in a stand", "sliding": "slides away"}
 _LONGEST_TURN = math.radians(1.0)  # of a palm that follows the floor, in one piece of a motion
 
@@ -120,7 +119,6 @@ class FloorWorld:
         self._weight = chosen.object.mass_kg * _core.standard_gravity
         if floor_friction is not None:
             spec.floor_friction = floor_friction
-        self._blocks = blocks_of(spec)
         self._world = _core.World(spec, True)
         self._world.set_phase("by_hand", spec.fall)
         check_stands(spec)
@@ -128,12 +126,12 @@ class FloorWorld:
         left, right = (_ABSENT_M if gap is None else gap for gap in gaps_m)
         pivots, com = _core.standing_start(spec, angles, (left, right))
         self._world.put(pivots, angles, com, 0.0)
-        if self._blocks and (why := self._world.check()):
+        if blocks_of(spec) and (why := self._world.check()):
             raise PalmbotsError(
                 f"floor: the object {_WHY.get(why, 'falls over')} where it starts; allowed: walls "
                 "beside it, and stands beside it or under its COM"
             )
-        self._check_palms(pivots, angles, "at the start")
+        self._check_palms(pivots, angles, (((0, 0), (0, 0)), angles), "at the start")
 
     def _grounds_near(self) -> list[str]:
         near = _core.contact_tolerance * self._spec.width
@@ -165,7 +163,8 @@ class FloorWorld:
                 ends.
 
         Raises:
-            PalmbotsError: an argument is out of range.
+            PalmbotsError: an argument is out of range, or a palm would pass through the floor, a
+                wall or a stand.
         """
         for name, value in (
             ("left_m", left_m),
@@ -178,7 +177,7 @@ class FloorWorld:
         goal = start if palms_deg is None else _angles(palms_deg)
         turn = max(abs(b - a) for a, b in zip(start, goal, strict=True))
         pieces = max(1, math.ceil(turn / _LONGEST_TURN)) if follow_floor else 1
-        motions: list[tuple[Any, tuple[float, float]]] = []
+        motions: list[Motion] = []
         for k in range(pieces):
             before, after = (
                 [a + (b - a) * (n / pieces) for a, b in zip(start, goal, strict=True)]
@@ -191,9 +190,11 @@ class FloorWorld:
                     rises[side] -= next(heights) - next(heights)
             ways = ((left_m / pieces, rises[0]), (right_m / pieces, rises[1]))
             motions.append((ways, (after[0], after[1])))
-        if self._blocks:
-            for pivots, angles in self._places(motions):
-                self._check_palms(pivots, angles, "on the way")
+        at, angles = self._world.pivots, self._world.palms
+        for motion in motions:
+            self._check_palms(at, angles, motion, "on the way")
+            (one, two), angles = motion
+            at = _sum(at[0], one), _sum(at[1], two)
         self._falls = ()
         for ways, after in motions:
             self._end = self._move(ways, after)
@@ -213,47 +214,17 @@ class FloorWorld:
             ways = left, right
         return "fell"
 
-    def _places(
-        self, motions: list[tuple[Any, tuple[float, float]]]
-    ) -> Iterator[tuple[tuple[Point, Point], tuple[float, float]]]:
-        """Where the pivots are, and the angles of the palms, at short distances on the way."""
-        at, angles = self._world.pivots, self._world.palms
-        for ways, goals in motions:
-            longest = max(
-                *(math.hypot(*way) for way in ways),
-                *(
-                    abs(b - a) * palm.length
-                    for a, b, palm in zip(angles, goals, self._spec.palms, strict=True)
-                ),
-            )
-            parts = max(1, math.ceil(longest / _LONGEST_WAY))
-            begin, turned = at, angles
-            for k in range(1, parts + 1):
-                share = k / parts
-                left, right = (
-                    (x + share * dx, y + share * dy)
-                    for (x, y), (dx, dy) in zip(begin, ways, strict=True)
-                )
-                one, two = (a + share * (b - a) for a, b in zip(turned, goals, strict=True))
-                at, angles = (left, right), (one, two)
-                yield at, angles
-
     def _check_palms(
-        self, pivots: tuple[Point, Point], angles: tuple[float, float], when: str
+        self,
+        pivots: tuple[Point, Point],
+        angles: tuple[float, float],
+        motion: Motion,
+        when: str,
     ) -> None:
-        """Raise `PalmbotsError` if a palm is in a wall or in a stand."""
-        for side, (x, y) in enumerate(pivots):
-            sine, cosine = math.sin(angles[side]), math.cos(angles[side])
-            plate = [
-                (x + (-1, 1)[side] * (u * cosine - v * sine), y + u * sine + v * cosine)
-                for u, v in self._spec.palms[side].section
-            ]
-            for block in self._blocks if self._is_there[side] else ():
-                if block.contains_part_of(plate):
-                    raise PalmbotsError(
-                        f"{block.key}: {when}, the {_PALMS[side]} would be in this "
-                        f"{block.kind}; allowed: places outside it"
-                    )
+        """Raise `PalmbotsError` if a palm would be in the floor, in a wall or in a stand."""
+        left, right = self._is_there
+        if why := _core.refusal_of_way(self._spec, (left, right), pivots, angles, *motion, when):
+            raise PalmbotsError(why)
 
     def contact_modes(
         self,
@@ -315,6 +286,10 @@ class FloorWorld:
             palms_deg=BySide.of(map(math.degrees, world.palms)),
             falls=self._falls,
         )
+
+
+def _sum(one: Point, other: Point) -> Point:
+    return one[0] + other[0], one[1] + other[1]
 
 
 def _angles(palms_deg: tuple[float, float]) -> tuple[float, float]:
