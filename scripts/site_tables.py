@@ -11,6 +11,8 @@ import json
 import math
 import re
 import sys
+from collections.abc import Iterable
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +25,11 @@ from palmbots.control.interface import MOVES, PALMS, SIGN_WORDS
 from palmbots.control.registry import describe, shipped_names
 from palmbots.control.resilient_timing import REFUSALS
 from palmbots.derivation.global_policy import table_1
+from palmbots.errors import SceneError
 from palmbots.mechanics.consistent_modes import CODE_OF
 from palmbots.mechanics.contact_mode_words import MOTION_MEANINGS, SENTENCES
 from palmbots.mechanics.contact_modes import CONTACT_MODES
+from palmbots.mechanics.lifting import lifting
 from palmbots.scene.fields import KINDS, PROBLEMS
 from palmbots.scene.key_reference import built_in_meanings, scene_keys
 from palmbots.scene.object_library import object_names
@@ -34,6 +38,7 @@ from palmbots.scene.robot_dimensions import PIVOT_HEIGHT
 from palmbots.scene.scene import load_scene
 from palmbots.scene.scene_schema import worded_schema
 from palmbots.simulation.carry_ends import ends
+from palmbots.simulation.floor_job import MEANINGS, MISSED, RETRIES, STAGES
 from palmbots.simulation.single import carry
 from palmbots.stability.angle_grid import QUANTITIES
 from palmbots.stability.linear_conditions import SLIDING_EDGES, text_of
@@ -44,6 +49,14 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "verify"))
 
 from model_check import Run, claims_of, runs  # noqa: E402
+
+# The page does not have the analysis of jobs on the floor (palmbots.mechanics.lifting). It has what
+# the analysis finds with these heels, and changes no other keys but those on which it does not depend.
+HEELS_M = (0.0, 0.002, 0.012)
+FREE_IN_JOBS = (
+    "robot.noise_m_s", "radio.loss", "radio.outages", "faults.script", "bumps.pushes", "task.dock",
+    "task.distance_m",
+)  # fmt: skip
 
 # Of a node of a JSON Schema, what limits a value itself.
 _KEPT = (
@@ -57,6 +70,7 @@ _SENT = re.compile(r"(left|right) sends (\w+)(?:, (lost|copied))?")
 _IN_CASE = re.compile(
     r"(?P<position>[+-]\d+) \((?P<case>[ a-d])\) (?P<palm>\w+) *(?P<turning>…)? *(?P<does>.*)"
 )
+_LIFTS = re.compile(r"arm +(?P<arm>\d+) (?P<state>\w+)")
 _IN_STATE = re.compile(
     r"(?P<position>[+-]\d+) (?P<state>\w+) +(?P<rests>rests)? *(?P<palm>steep|shallow) *"
     r"(?P<turning>…)? *(?P<naps>naps)? *(?P<does>away|closer)?"
@@ -159,6 +173,8 @@ def _event(text: str) -> dict[str, Any]:
 
 def _robot(text: str, controller: str) -> dict[str, Any]:
     """What a transcript says about a robot in a step, and the meaning of its state in words."""
+    if lifts := _LIFTS.fullmatch(text.strip()):
+        return {"arm": int(lifts["arm"]), "name": lifts["state"], "state": MEANINGS[lifts["state"]]}
     said = _IN_CASE.fullmatch(text.strip()) or _IN_STATE.fullmatch(text.strip())
     if said is None:  # a model without contacts
         return {"state": text.strip()}
@@ -216,12 +232,7 @@ def required_mode(number: int) -> str:
 
 def tables() -> dict[str, Any]:
     """Everything."""
-    # The page has no floor.
-    scenes = {
-        name: meaning
-        for name, meaning in built_in_meanings("scenes").items()
-        if {(task := load_scene(name).task).model_dump()["from"], task.to} == {"palms"}
-    }
+    scenes = built_in_meanings("scenes")
     objects = built_in_meanings("objects")
     return {
         "version": __version__,
@@ -284,7 +295,51 @@ def tables() -> dict[str, Any]:
             for case in table_1()
         ],
         "robot": robot(),
+        "lifting": lifting_states(),
+        "jobs": {
+            "free": FREE_IN_JOBS,
+            "heels": HEELS_M,
+            "checked": checked_jobs(scenes),
+        },
     }  # fmt: skip
+
+
+def lifting_states() -> list[dict[str, Any]]:
+    """The phases of jobs on the floor in the order of the core, and what a job missed that ends
+    there."""
+    order = list(MISSED)
+    return [
+        {
+            "name": name,
+            "meaning": meaning,
+            "stage": STAGES[name],
+            "missed": MISSED[name],
+            "rank": order.index(name),
+            "isRetry": name in RETRIES,
+        }
+        for name, meaning in MEANINGS.items()
+    ]
+
+
+def checked_jobs(scenes: Iterable[str]) -> list[dict[str, Any]]:
+    """Why the job of each built-in scene on the floor cannot begin, and what may end it, with the
+    objects and heels that the page offers."""
+    found: list[dict[str, Any]] = []
+    for name, target, heel in product(scenes, (None, *object_names()), (None, *HEELS_M)):
+        given = {"object": target, "palm.heel_m": heel}
+        changes = {key: value for key, value in given.items() if value is not None}
+        try:
+            job = lifting(load_scene(name, changes))
+        except SceneError as error:
+            said = [str(error)], ()
+        else:
+            if job is None:
+                continue
+            said = job.refusals, job.warnings
+        found.append(
+            {"scene": name, "changes": changes, "refusal": "".join(said[0][:1]), "warnings": said[1]}
+        )
+    return found
 
 
 def robot() -> dict[str, Any]:
@@ -305,14 +360,22 @@ def robot() -> dict[str, Any]:
     }
 
 
-def counterexamples() -> list[dict[str, Any]]:
-    """All pinned counterexamples but those of jobs on the floor, which the page does not have."""
+def counterexamples() -> dict[str, Any]:
+    """All pinned counterexamples. A robot has the number of its state in words, and what is false or
+    empty is left out: they are a large part of the page."""
     folder = ROOT / "verify" / "counterexamples"
-    return [
-        counterexample(path)
-        for path in sorted(folder.glob("*.txt"), key=lambda path: path.stem)
-        if runs()[path.stem].model != "lifting"
+    found = [
+        counterexample(path) for path in sorted(folder.glob("*.txt"), key=lambda path: path.stem)
     ]
+    words: dict[str, int] = {}
+    for step in (step for one in found for step in one["steps"]):
+        for robot in step["robots"]:
+            robot["state"] = words.setdefault(robot["state"], len(words))
+        step["robots"] = [
+            {key: value for key, value in robot.items() if value is not False and value != ""}
+            for robot in step["robots"]
+        ]
+    return {"states": list(words), "runs": found}
 
 
 def main() -> None:

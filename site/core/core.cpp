@@ -81,7 +81,7 @@ PAGE_EXPORT(length) std::uint32_t length() { return static_cast<std::uint32_t>(a
 
 // Names for people: of a kind of message, and of a kind of contact event.
 PAGE_EXPORT(message_name) const char* message_name(std::uint32_t kind) {
-  return name_of(static_cast<MessageKind>(kind % message_kinds));
+  return name_of(static_cast<MessageKind>(kind % all_message_kinds));
 }
 
 // The 95 % interval of the rate of k events in n.
@@ -125,10 +125,16 @@ PAGE_EXPORT(object) const double* object() {
 }
 
 // Of the scene: its time limit [s], and the longest one with which the page carries, or 0 if the
-// scene's own is not longer; the friction coefficients of both palms; whether the object is a pipe.
+// scene's own is not longer; the friction coefficients of both palms; whether the object is a pipe;
+// whether the job begins or ends on the floor; the height of the floor over the pivots [m].
 PAGE_EXPORT(scene_facts) const double* scene_facts() {
-  answer = {page_scene.timeout, page_scene.is_too_long() ? page_scene.longest_timeout() : 0.0,
-            scene.palms[left].friction, scene.palms[right].friction, scene.width > 0 ? 0.0 : 1.0};
+  answer = {page_scene.timeout,
+            page_scene.is_too_long() ? page_scene.longest_timeout() : 0.0,
+            scene.palms[left].friction,
+            scene.palms[right].friction,
+            scene.width > 0 ? 0.0 : 1.0,
+            uses_floor(scene) ? 1.0 : 0.0,
+            floor_level(scene)};
   return give(answer);
 }
 
@@ -172,13 +178,17 @@ PAGE_EXPORT(run) const double* run(std::uint32_t controller, double seed) {
   const bool stops_in_silence =
       controller < policy_controller && controller_infos[controller].stops_in_silence;
   const auto whole = static_cast<std::uint64_t>(seed);
-  carry = page::record(scene, whole, team_of(controller, whole), forks, stops_in_silence);
+  page::PageTeam team = team_of(controller, whole);
+  carry = uses_floor(scene)
+              ? page::record_job(scene, whole, std::move(team), stops_in_silence)
+              : page::record(scene, whole, std::move(team), forks, stops_in_silence);
   return give(carry.metrics);
 }
 PAGE_EXPORT(rows) const double* rows() { return give(carry.rows); }
 PAGE_EXPORT(messages) const double* messages() { return give(carry.messages); }
 PAGE_EXPORT(corrections) const double* corrections() { return give(carry.corrections); }
 PAGE_EXPORT(contact_events) const double* contact_events() { return give(carry.contact_events); }
+PAGE_EXPORT(phases) const double* phases() { return give(carry.phases); }
 PAGE_EXPORT(warnings) const char* warnings() { return carry.warnings.c_str(); }
 // The warnings that are known before a carry, one a line. The rows of a policy are a station's.
 PAGE_EXPORT(warnings_before) const char* page_warnings_before(std::uint32_t controller) {
@@ -197,6 +207,7 @@ PAGE_EXPORT(places) const double* places() {
     pose.configuration.contacts[side] = row[1 + side];
     pose.configuration.palms[side] = PalmAngle<double>::at(row[3 + side]);
     pose.configuration.lift[side] = row[18 + side];
+    pose.height[side] = row[24 + side];
   }
   pose.configuration.separation = row[9];
   pose.midpoint = row[10];
@@ -214,7 +225,11 @@ PAGE_EXPORT(add_to_tally)
 const double* add_to_tally(std::uint32_t controller, double first, std::uint32_t n) {
   for (std::uint32_t i = 0; i < n; ++i) {
     const auto seed = static_cast<std::uint64_t>(first) + i;
-    tally.add(scene, seed, team_of(controller, seed));
+    if (uses_floor(scene)) {
+      tally.add_job(scene, seed, team_of(controller, seed));
+    } else {
+      tally.add(scene, seed, team_of(controller, seed));
+    }
   }
   const double each = tally.carries > 0 ? tally.carries : 1;
   answer = {tally.carries,

@@ -10,6 +10,8 @@
 
 #include "page_scene.hpp"
 #include "page_team.hpp"
+#include "palmbots/sim/chassis.hpp"
+#include "palmbots/sim/lift_carry.hpp"
 #include "palmbots/sim/recorder.hpp"
 
 namespace palmbots::page {
@@ -18,14 +20,14 @@ using Numbers = std::vector<double>;
 
 // Times in s, lengths in m, angles in rad; pairs are left, right.
 struct RecordedCarry {
-  // Rows of 24: time, contacts, palm angles, speeds, commanded speeds, separation, midpoint, object
+  // Rows of 26: time, contacts, palm angles, speeds, commanded speeds, separation, midpoint, object
   // angle, signs, cases (character codes), motions, lifts, states (PageTeam::state), whether each
-  // robot waits for a message.
-  static constexpr std::size_t row_width = 24;
+  // robot waits for a message, heights of the pivots (PairPose).
+  static constexpr std::size_t row_width = 26;
   Numbers rows;
   // Rows of 7: sent, received (not a number: lost), sender, receiver (2: the station), kind (as
   // MessageKind, or a kind_… below), number among all that the sender transmits to this receiver,
-  // content (PacketRecorder).
+  // content (PageRecorder; 1: of the table of a job on the floor).
   Numbers messages;
   static constexpr double kind_hello = -1;
   static constexpr double kind_report = -2;   // of a robot to the station
@@ -34,11 +36,18 @@ struct RecordedCarry {
   Numbers corrections;
   // Rows of 4: side, kind, start, end.
   Numbers contact_events;
+  // Of a job on the floor, rows of 3: side, phase (Lifting::State), start.
+  Numbers phases;
   // Outcome, drop reason, time, distance, contact rms and peak, messages sent and lost, waiting
-  // times, number of corrections, of bumps, the trace hash (high and low word).
+  // times, number of corrections, of bumps, the trace hash (high and low word), how far the object
+  // moved in the direction of travel in a job on the floor.
   Numbers metrics;
   std::string warnings;  // after the carry, one a line
 };
+
+// The team that the controllers are.
+inline const PageTeam& controllers_of(const PageTeam& team) { return team; }
+inline const PageTeam& controllers_of(const LiftTeam<PageTeam>& team) { return team.inner(); }
 
 // A TraceRecorder that also stores the packets of a team with a station, of which one goes over each
 // link in each tick. One that stores nothing takes no time: many carries are only counted.
@@ -56,7 +65,8 @@ class PageRecorder : public TraceRecorder {
   void after(const Carry& carry) {
     if (!stores_) return;
     TraceRecorder::after(carry);
-    if (const auto sent = carry.team().packets(tick_)) store(*sent, carry.spec().period);
+    const auto sent = controllers_of(carry.team()).packets(tick_);
+    if (sent) store(*sent, carry.spec().period);
     ++tick_;
   }
   template <class Carry>
@@ -74,9 +84,11 @@ class PageRecorder : public TraceRecorder {
   const std::vector<Doing>& doings() const { return doings_; }
 
  private:
-  void store(const PageTeam& team) {
+  template <class Team>
+  void store(const Team& team) {
+    const PageTeam& own = controllers_of(team);
     doings_.push_back(
-        {{{team.state(left), team.state(right)}}, {{team.waits(left), team.waits(right)}}});
+        {{{own.state(left), own.state(right)}}, {{team.waits(left), team.waits(right)}}});
   }
   // A report's content: sign + 1, + 3 if the palm is shallow, + 6 if it has reached its angle. A
   // command's: 1 if the palm is to be shallow, + 2 × the move.
@@ -111,11 +123,12 @@ class PageRecorder : public TraceRecorder {
 };
 
 using PageCarry = Carry<double, PageTeam, PageRecorder>;
+using PageJob = LiftCarry<PageTeam, PageRecorder>;
 
 namespace detail {
 
 inline void append_row(const Row& row, const PageRecorder::Doing& doing, double time,
-                       Numbers& out) {
+                       const PerSide<double>& height, Numbers& out) {
   out.push_back(time);
   for (const auto* pair : {&row.contact, &row.palm, &row.speed, &row.commanded}) {
     out.insert(out.end(), {(*pair)[left], (*pair)[right]});
@@ -127,57 +140,58 @@ inline void append_row(const Row& row, const PageRecorder::Doing& doing, double 
   out.insert(out.end(), {row.lift[left], row.lift[right]});
   out.insert(out.end(), {double(doing.states[left]), double(doing.states[right])});
   out.insert(out.end(), {double(doing.waits[left]), double(doing.waits[right])});
-}
-
-inline void append_metrics(const PageCarry& carry, Numbers& out) {
-  const Metrics& m = carry.metrics();
-  const double period = carry.spec().period;
-  const std::uint64_t hash = carry.recorder().hash();
-  out = {double(m.outcome), double(m.reason), m.time_ticks * period,
-         double(carry.midpoint()) * carry.spec().direction};
-  out.insert(out.end(), {m.rms(left), m.rms(right), m.peak[left], m.peak[right]});
-  out.insert(out.end(),
-             {double(carry.team().link_totals.sent), double(carry.team().link_totals.lost)});
-  out.insert(out.end(), {m.waiting_ticks[left] * period, m.waiting_ticks[right] * period,
-                         double(m.corrections), double(m.bumps), double(hash >> 32),
-                         double(hash & 0xFFFFFFFFU)});
-}
-
-inline CarryEnd end_of(const PageCarry& carry) {
-  const PageTeam& team = carry.team();
-  return {carry.metrics(),
-          team.link_totals,
-          {team.awaits(left), team.awaits(right)},
-          {carry.commands()[left].stop, carry.commands()[right].stop}};
+  out.insert(out.end(), {height[left], height[right]});
 }
 
 }  // namespace detail
 
-// Runs one carry to its end. `stops_in_silence`: of the controller (ControllerInfo).
-inline RecordedCarry record(const Spec& spec, std::uint64_t seed, PageTeam team,
-                            const std::vector<Fork>& forks, bool stops_in_silence) {
-  PageCarry carry(spec, seed, std::move(team), PageRecorder(true));
-  carry.run(forks);
+// All that is kept of a carry or a job that is over. `heights`: of the pivots in each row; none: 0.
+inline RecordedCarry kept_of(const Spec& spec, const CarryEnd& finished, double midpoint,
+                             bool stops_in_silence, PageRecorder& recorder,
+                             const std::vector<PerSide<double>>& heights = {}) {
   RecordedCarry kept;
-  const Metrics& m = carry.metrics();
-  detail::append_metrics(carry, kept.metrics);
-  kept.warnings = warning_lines(spec, detail::end_of(carry), stops_in_silence);
-  const std::vector<Row> rows = carry.recorder().take_rows();
+  const Metrics& m = finished.metrics;
+  const double period = spec.period;
+  const std::uint64_t hash = recorder.hash();
+  kept.metrics = {double(m.outcome),
+                  double(m.reason),
+                  m.time_ticks * period,
+                  midpoint * spec.direction,
+                  m.rms(left),
+                  m.rms(right),
+                  m.peak[left],
+                  m.peak[right],
+                  double(finished.links.sent),
+                  double(finished.links.lost),
+                  m.waiting_ticks[left] * period,
+                  m.waiting_ticks[right] * period,
+                  double(m.corrections),
+                  double(m.bumps),
+                  double(hash >> 32),
+                  double(hash & 0xFFFFFFFFU),
+                  0.0};
+  kept.warnings = warning_lines(spec, finished, stops_in_silence);
+  const std::vector<Row> rows = recorder.take_rows();
   const double end = m.time_ticks * spec.period;
+  const double floor = heights.empty() ? 0.0 : floor_level(spec);
   kept.rows.reserve(rows.size() * RecordedCarry::row_width);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double time = k + 1 < rows.size() ? double(k) * spec.period : end;
-    detail::append_row(rows[k], carry.recorder().doings()[k], time, kept.rows);
+    PerSide<double> height{};
+    if (!heights.empty()) height = {heights[k][left] + floor, heights[k][right] + floor};
+    detail::append_row(rows[k], recorder.doings()[k], time, height, kept.rows);
   }
-  kept.messages = carry.recorder().take_packets();
+  kept.messages = recorder.take_packets();
   PerSide<std::uint32_t> numbers{};
-  for (const SentMessage& message : carry.recorder().take_sent_messages()) {
+  for (const SentMessage& message : recorder.take_sent_messages()) {
     const double received = message.received == 0 ? std::numeric_limits<double>::quiet_NaN()
                                                   : double(message.received) * spec.period;
     const double kind = message.is_hello ? RecordedCarry::kind_hello : double(message.kind);
-    kept.messages.insert(kept.messages.end(), {double(message.sent) * spec.period, received,
-                                               double(message.sender), double(message.receiver),
-                                               kind, double(++numbers[message.sender % 2]), 0.0});
+    const bool is_of_table = message.kind >= MessageKind::docking;
+    kept.messages.insert(kept.messages.end(),
+                         {double(message.sent) * spec.period, received, double(message.sender),
+                          double(message.receiver), kind, double(++numbers[message.sender % 2]),
+                          double(is_of_table)});
   }
   const std::uint32_t listed = m.corrections < max_corrections ? m.corrections : max_corrections;
   for (std::uint32_t i = 0; i < listed; ++i) {
@@ -198,6 +212,32 @@ inline RecordedCarry record(const Spec& spec, std::uint64_t seed, PageTeam team,
   return kept;
 }
 
+namespace detail {
+
+template <class Carry>
+CarryEnd end_of(const Carry& carry) {
+  const auto& team = carry.team();
+  return {carry.metrics(),
+          team.link_totals,
+          {team.awaits(left), team.awaits(right)},
+          {carry.commands()[left].stop, carry.commands()[right].stop}};
+}
+
+}  // namespace detail
+
+// Runs one carry to its end. `stops_in_silence`: of the controller (ControllerInfo).
+inline RecordedCarry record(const Spec& spec, std::uint64_t seed, PageTeam team,
+                            const std::vector<Fork>& forks, bool stops_in_silence) {
+  PageCarry carry(spec, seed, std::move(team), PageRecorder(true));
+  carry.run(forks);
+  return kept_of(spec, detail::end_of(carry), carry.midpoint(), stops_in_silence,
+                 carry.recorder());
+}
+
+// The same of a job that begins or ends on the floor.
+RecordedCarry record_job(const Spec& spec, std::uint64_t seed, PageTeam team,
+                         bool stops_in_silence);
+
 // Counts of many carries, one after the other.
 struct Tally {
   double carries = 0;
@@ -211,13 +251,19 @@ struct Tally {
   void add(const Spec& spec, std::uint64_t seed, PageTeam team) {
     PageCarry carry(spec, seed, std::move(team), PageRecorder(false));
     carry.run();
-    const Metrics& m = carry.metrics();
+    add(spec, carry.metrics(), carry.team().link_totals, carry.midpoint());
+  }
+  // A job that begins or ends on the floor.
+  void add_job(const Spec& spec, std::uint64_t seed, PageTeam team);
+
+ private:
+  void add(const Spec& spec, const Metrics& m, const LinkTotals& links, double midpoint) {
     carries += 1;
     dropped += m.outcome == Outcome::dropped ? 1 : 0;
     stalled += m.outcome == Outcome::stalled ? 1 : 0;
     square_sum += m.rms(left) * m.rms(left) + m.rms(right) * m.rms(right);
-    messages += carry.team().link_totals.sent;
-    way += double(carry.midpoint()) * spec.direction;
+    messages += links.sent;
+    way += midpoint * spec.direction;
     corrections += m.corrections;
   }
 };

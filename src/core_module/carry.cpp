@@ -58,14 +58,20 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     at_ticks.push_back({static_cast<std::uint32_t>(seconds / spec.period + 0.5), fork_seed});
   }
   const bool single = is_single(precision);
+  const auto row_team = [&] {
+    const RowPolicy& policy = nb::cast<const RowPolicy&>(controller);
+    return RowPolicyTeam(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed), policy);
+  };
   if (uses_floor(spec)) {
     if (single || !forks.empty())
       throw std::invalid_argument("a job on the floor is in double precision, without forks");
-    return with_given_team(controller, spec, seed, [&]<class Team>(Team team) {
+    const auto lift_with = [&]<class Team>(Team team) {
       if constexpr (calls_python<Team>) return run_lift(spec, seed, record, std::move(team));
       const nb::gil_scoped_release release;
       return run_lift(spec, seed, record, std::move(team));
-    });
+    };
+    if (nb::isinstance<RowPolicy>(controller)) return lift_with(row_team());
+    return with_given_team(controller, spec, seed, lift_with);
   }
   const auto run_with = [&]<class Team>(Team team) {
     const auto carried = [&] {
@@ -76,11 +82,7 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     const nb::gil_scoped_release release;
     return carried();
   };
-  if (nb::isinstance<RowPolicy>(controller)) {
-    const RowPolicy& policy = nb::cast<const RowPolicy&>(controller);
-    return run_with(
-        RowPolicyTeam(channel_of(spec), seed, leader_of(spec), Faults::of(spec, seed), policy));
-  }
+  if (nb::isinstance<RowPolicy>(controller)) return run_with(row_team());
   if (nb::isinstance<OptimalController>(controller)) {
     const auto& optimal = nb::cast<const OptimalController&>(controller);
     return run_with(OptimalTeam(optimal.policy, spec, optimal.may_stop));

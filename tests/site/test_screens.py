@@ -8,7 +8,7 @@ import palmbots as pb
 from site_pages import Open, go, hash_of, pictures, seconds
 
 SCREENS = [(1024, 640), (1366, 630), (1366, 768)]
-PARTS = (1, 2, 3, 4, 5, 6, 7, 8)
+PARTS = (1, 2, 3, 4, 5, 6, 7, 8, 9)
 
 
 def tops(page: Page, *places: str) -> list[float]:

@@ -25,6 +25,9 @@ PARTS: list[list[tuple[str, str | None]]] = [
     [("delivered", "The box arrives."), ("dropped", "The box falls.")],
     [("delivered", "The box arrives."), ("dropped", "The box falls.")],
     [("1 correction, no messages", "The left robot tilts its own palm up and drives closer.")],
+    [("delivered", "Follow, once the left heel stops the box."),
+     ("delivered", "It waits for the left robot."),
+     ("did not get under the object", "They try three times, and stop.")],
 ]  # fmt: skip
 # What a part says or draws only once it has been watched.
 OUTCOME = ".after, .ending strong, .right-answer"

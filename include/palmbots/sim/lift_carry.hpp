@@ -14,9 +14,9 @@
 
 namespace palmbots {
 
-template <class Inner>
-class LiftCarry : public LiftRobots<Inner> {
-  using Base = LiftRobots<Inner>;
+template <class Inner, class Recorder = TraceRecorder>
+class LiftCarry : public LiftRobots<Inner, Recorder> {
+  using Base = LiftRobots<Inner, Recorder>;
 
  public:
   LiftCarry(const Spec& spec, std::uint64_t seed, Inner inner, bool records)

@@ -39,7 +39,7 @@ struct LiftFall {
   Fall fall;
 };
 
-template <class Inner>
+template <class Inner, class Recorder = TraceRecorder>
 class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   using Base = RobotPair<double, LiftTeam<Inner>>;
 
@@ -62,7 +62,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
     height_ = floor_;
   }
 
-  TraceRecorder& recorder() { return recorder_; }
+  Recorder& recorder() { return recorder_; }
   std::vector<PerSide<double>> take_heights() { return std::move(heights_); }
   const std::vector<LiftPhase>& phases() const { return phases_; }
   // Whether an arm follows the floor.
@@ -164,7 +164,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
     if (records_) heights_.push_back(heights);
   }
 
-  TraceRecorder recorder_;
+  Recorder recorder_;
   PerSide<double> height_{};  // of the pivots, as commanded [m]
 
  private:

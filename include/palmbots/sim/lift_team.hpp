@@ -18,12 +18,15 @@ template <class Inner>
 class LiftTeam {
  public:
   using State = Lifting::State;
-  static constexpr bool half_moves = Inner::half_moves;
-  static constexpr bool expects_turns = Inner::expects_turns;
+  bool half_moves;
+  bool expects_turns;
   LinkTotals link_totals{};
 
   LiftTeam(const Spec& spec, std::uint64_t seed, Inner inner)
-      : inner_(std::move(inner)), phases_(phases_of(spec, seed)) {
+      : half_moves(inner.half_moves),
+        expects_turns(inner.expects_turns),
+        inner_(std::move(inner)),
+        phases_(phases_of(spec, seed)) {
     if (spec.begins_on == StandsOn::floor) {
       if (spec.docking == Docking::one_first)
         phases_.wake(1 - leader_of(spec)).enter(State::stand_by);

@@ -70,9 +70,10 @@ function drawTimeTicks(surface: Surface, p: Palette, axis: TimeAxis, labels: boo
   }
 }
 
-// A curve of the rows: column `at`, times `factor`.
+// A curve of the rows: column `at`, in those rows that `shows`, which begin at these places.
 function curve(
   surface: Surface, axis: TimeAxis, rows: Float64Array, at: number, y: (value: number) => number,
+  shows: (row: number) => boolean = () => true,
 ): void {
   const c = surface.context;
   const count = rows.length / ROW.width;
@@ -82,19 +83,21 @@ function curve(
   const until = Math.min(count, Math.ceil(axis.to / period) + 2);
   const skip = Math.max(1, Math.floor((until - first) / (2 * surface.width)));
   c.beginPath();
+  let isDown = false;
   for (let k = first; k < until; k += skip) {
     const row = k * ROW.width;
     const px = timeX(axis, rows[row]!);
     const py = y(rows[row + at]!);
-    if (k === first) c.moveTo(px, py);
-    else c.lineTo(px, py);
+    if (isDown) c.lineTo(px, py);
+    else c.moveTo(px, py);
+    isDown = shows(row);
   }
   if (until < count) {
     c.stroke();
     return;
   }
   const last = (count - 1) * ROW.width;
-  c.lineTo(timeX(axis, rows[last]!), y(rows[last + at]!));
+  if (isDown) c.lineTo(timeX(axis, rows[last]!), y(rows[last + at]!));
   c.stroke();
 }
 
@@ -105,8 +108,10 @@ interface Band {
   to: number;
 }
 
+export const TOUCHES_M = 1e-4; // how far above a palm the object touches it
+
 // Contacts in mm: both palms, the zero zone, the ends of the palms. `isWhole`: the axis is as long as
-// the palms.
+// the palms. In a job on the floor, only while the object touches the palm.
 export function drawContacts(
   surface: Surface, p: Palette, axis: TimeAxis, run: Recorded, ghost: Recorded | null, zero: Band,
   half: number, isWhole: boolean,
@@ -138,7 +143,9 @@ export function drawContacts(
       c.strokeStyle = sideColour(p, side);
       c.lineWidth = 1.6;
       c.setLineDash(DASHES[side]!);
-      clipped(surface, () => curve(surface, axis, rows, ROW.contact + side, y));
+      const touches = (row: number) => rows[row + ROW.lift + side]! < TOUCHES_M;
+      const shows = run.phases.length > 0 ? touches : undefined;
+      clipped(surface, () => curve(surface, axis, rows, ROW.contact + side, y, shows));
     }
   }
   c.setLineDash([]);

@@ -27,6 +27,7 @@ interface Exports {
   messages(): number;
   corrections(): number;
   contact_events(): number;
+  phases(): number;
   warnings(): number;
   warnings_before(controller: number): number;
   places(): number;
@@ -59,6 +60,8 @@ export interface SceneFacts {
   longestTimeout: number; // [s], or 0 if `timeout` is not longer
   friction: [number, number];
   isPipe: boolean;
+  isJob: boolean; // it begins or ends on the floor
+  floor: number; // height over the pivots [m]
 }
 
 export interface Fork {
@@ -76,8 +79,9 @@ export const PALMS = tables.palms;
 export const DRIVES = tables.drives;
 
 export const ROW = {
-  width: 24, time: 0, contact: 1, palm: 3, speed: 5, commanded: 7, separation: 9, midpoint: 10,
+  width: 26, time: 0, contact: 1, palm: 3, speed: 5, commanded: 7, separation: 9, midpoint: 10,
   object: 11, sign: 12, name: 14, motion: 16, lift: 18, state: 20, waits: 22,
+  height: 24,
 } as const;
 
 export interface Message {
@@ -100,6 +104,13 @@ export interface Correction {
   end: number;
 }
 
+// What a robot does in a job on the floor, until its next phase.
+export interface Phase {
+  side: number;
+  state: number; // of tables.lifting
+  start: number;
+}
+
 export interface Recorded {
   outcome: number;
   reason: number;
@@ -116,6 +127,8 @@ export interface Recorded {
   count: number;
   messages: Message[];
   corrections: Correction[];
+  phases: Phase[]; // of a job on the floor; none: it is a carry
+  moved: number; // the object, in such a job [m]
   early: string[]; // warnings that the command prints before the carry
   warnings: string[]; // those that it prints after it
 }
@@ -261,6 +274,7 @@ export class Core {
     const a = this.take(this.wasm.scene_facts());
     return {
       timeout: a[0]!, longestTimeout: a[1]!, friction: [a[2]!, a[3]!], isPipe: a[4] === 1,
+      isJob: a[5] === 1, floor: a[6]!,
     };
   }
 
@@ -288,6 +302,10 @@ export class Core {
     const m = this.take(this.wasm.run(controller, seed));
     const word = (value: number) => value.toString(16).padStart(8, "0");
     const rows = this.take(this.wasm.rows());
+    const phases = pairs(this.take(this.wasm.phases()), 3, (r) => ({
+      side: r[0]!, state: r[1]!, start: r[2]!,
+    }));
+    const messages = this.messages(tables.controllers[controller]?.isPeriodic ?? false);
     return {
       outcome: m[0]!, reason: m[1]!, time: m[2]!, distance: m[3]!,
       rms: [m[4]!, m[5]!], peak: [m[6]!, m[7]!], sent: m[8]!, lost: m[9]!,
@@ -295,10 +313,13 @@ export class Core {
       hash: word(m[14]!) + word(m[15]!),
       rows,
       count: rows.length / ROW.width,
-      messages: this.messages(tables.controllers[controller]?.isPeriodic ?? false),
+      // In a job on the floor, two radios send beacons all the time.
+      messages: phases.length > 0 ? messages.filter((m) => m.isNews) : messages,
       corrections: pairs(this.take(this.wasm.corrections()), 5, (r) => ({
         robot: r[0]!, name: String.fromCharCode(r[1]!), assistant: r[2]!, start: r[3]!, end: r[4]!,
       })),
+      phases,
+      moved: m[16]!,
       early: this.lines(this.wasm.warnings_before(controller)),
       warnings: this.lines(this.wasm.warnings()),
     };
@@ -313,9 +334,10 @@ export class Core {
     const before = new Map<number, string>(); // what was last said, by link
     return pairs(this.take(this.wasm.messages()), 7, (r) => {
       const [code, content] = [r[4]!, r[6]!];
-      const link = 3 * r[2]! + r[3]!;
+      const isOfTable = code >= 0 && content === 1; // of a job on the floor
+      const link = 2 * (3 * r[2]! + r[3]!) + Number(isOfTable);
       const said = `${code} ${content}`;
-      const isNews = (code >= -1 && !isPeriodic) || before.get(link) !== said;
+      const isNews = (code >= -1 && !isPeriodic && !isOfTable) || before.get(link) !== said;
       before.set(link, said);
       return {
         sent: r[0]!, received: r[1]!, sender: r[2]!, receiver: r[3]!, kind: this.kind(code),

@@ -8,9 +8,10 @@ import { type Json, type Scene, SIDES } from "./tables";
 // A robot in one step. A model without contacts gives no position, and one without robots only a state.
 export interface RobotStep {
   position?: number;
+  arm?: number; // its height in cycles of motion, in the model of jobs on the floor
   case?: string;
   name?: string;
-  state: string;
+  state: string; // in the file its number
   palm?: "steep" | "shallow";
   turns?: boolean;
   drive?: "hold" | "away" | "closer";
@@ -39,6 +40,22 @@ export interface Counterexample {
   after: ProofEvent[];
   loop: number | null;
   scene: Scene | null;
+}
+
+// The file: a robot has the number of its state among all states in words.
+export interface CounterexampleFile {
+  states: string[];
+  runs: Counterexample[];
+}
+
+export function counterexamplesOf(file: CounterexampleFile): Counterexample[] {
+  return file.runs.map((run) => ({
+    ...run,
+    steps: run.steps.map((step) => ({
+      ...step,
+      robots: step.robots.map((robot) => ({ ...robot, state: file.states[Number(robot.state)]! })) as [RobotStep, RobotStep],
+    })),
+  }));
 }
 
 export interface Flight {

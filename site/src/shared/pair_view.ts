@@ -25,8 +25,10 @@ export function lowestPoint(places: Float64Array): number {
   return low;
 }
 
-// A view that shows the whole pair, centred on it, on a floor with this tilt.
-export function viewOf(surface: Surface, places: Float64Array, tilt = 0, robots = true): View {
+// A view that shows the whole pair, centred on it, on a floor with this tilt and height.
+export function viewOf(
+  surface: Surface, places: Float64Array, tilt = 0, robots = true, level = lowestPoint(places),
+): View {
   const middle = (places[PLACES.pivot]! + places[PLACES.pivot + 2]!) / 2;
   let half = 0;
   let top = 0;
@@ -35,7 +37,7 @@ export function viewOf(surface: Surface, places: Float64Array, tilt = 0, robots 
     top = Math.max(top, places[i + 1]!);
   }
   const margin = robots ? body.far + 0.1 : 0.06;
-  const bottom = robots ? lowestPoint(places) : -0.1;
+  const bottom = robots ? level : -0.1;
   const wide = 2 * (half + (robots ? Math.max(0, margin - 0.075) : margin));
   const tall = top - bottom + (robots ? 0.1 : 0.12);
   const [sine, cosine] = [Math.sin(tilt), Math.cos(tilt)];

@@ -106,23 +106,13 @@ export function overridesOf(
   return found;
 }
 
-// Refuses what the page does not carry: a job that begins or ends on the floor, walls and stands, a
-// curved path and more time than it records.
+// Refuses what the page does not carry: walls and stands, a curved path and more time than it records.
 export function checkPage(scene: Scene, facts: SceneFacts): void {
-  for (const key of ["task.from", "task.to"]) {
-    const on = get(scene, key) ?? "palms";
-    if (on === "palms") continue;
-    refuse(
-      key, on, "is not on the palms, but the page has no floor",
-      '"palms" here, or palmbots carry scene.toml on your computer',
-    );
-  }
-  for (const key of ["floor.walls", "floor.stands"]) {
+  for (const key of facts.isJob ? [] : ["floor.walls", "floor.stands"]) {
     const given = (get(scene, key) ?? []) as Json[];
     if (given.length === 0) continue;
     refuse(
-      key, given, "stand on a floor, but the page has none",
-      "none here, or palmbots carry scene.toml on your computer",
+      key, given, "are on a floor, but this carry has none", "none, or a job on the floor",
     );
   }
   for (const [key, value] of Object.entries((get(scene, "task.path") ?? {}) as Scene)) {

@@ -23,6 +23,7 @@ export interface Flight {
 interface SidePicture {
   places: Float64Array;
   motion?: [number, number]; // of the contacts: up 1, sticks 0, down −1
+  touches?: [boolean, boolean]; // whether the object touches the palms
   tags?: [string, string]; // on the robots' bodies
   waits?: [boolean, boolean]; // which of them wait for a message
   off?: [boolean, boolean];
@@ -101,7 +102,7 @@ function drawRobot(
   c.strokeStyle = p.quiet;
   c.lineWidth = Math.max(3, 0.014 * view.scale);
   c.lineCap = "round";
-  path(c, [[x(shoulder.x), y(shoulder.y)], [x(0), view.y(0)]], false);
+  path(c, [[x(shoulder.x), y(shoulder.y)], [x(0), view.y(places[PLACES.pivot + 2 * side + 1]!)]], false);
   c.stroke();
   c.fillStyle = p.body;
   c.strokeStyle = colour;
@@ -234,6 +235,7 @@ function drawContacts(surface: Surface, view: View, p: Palette, picture: SidePic
   const c = surface.context;
   const { places } = picture;
   for (const side of [0, 1]) {
+    if (picture.touches?.[side] === false) continue;
     const x = view.x(places[PLACES.contact + 2 * side]!);
     const y = view.y(places[PLACES.contact + 2 * side + 1]!);
     const motion = picture.motion?.[side] ?? 0;

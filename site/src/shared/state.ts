@@ -3,6 +3,7 @@
 // views add. Everything drawn is computed from it.
 import { batch, computed, effect, signal } from "@preact/signals";
 import type { Core, Fork, PolicyRow, Recorded } from "./core";
+import { checkJob, jobWarnings } from "./floor_job";
 import { checkPage, sceneOf, withOutline } from "./scene";
 import { type Overrides, builtInScene, get, ofSide } from "./scene_values";
 import { checkShape } from "./scene_shape";
@@ -54,13 +55,16 @@ export const scene = computed(() => checked.value.scene);
 export const problem = computed(() => {
   const machine = core.value;
   if (!machine || checked.value.problem) return checked.value.problem;
-  return problemOf(machine, scene.value);
+  return problemOf(machine, scene.value, base.value, overrides.value);
 });
 
-function problemOf(machine: Core, of: Scene): string {
+// `on` and `changes`: the built-in scene and the overrides that make the scene.
+function problemOf(machine: Core, of: Scene, on: string, changes: Overrides): string {
   try {
     machine.check(of);
-    checkPage(of, machine.facts(of));
+    const facts = machine.facts(of);
+    checkPage(of, facts);
+    checkJob(on, changes, of, facts);
   } catch (error) {
     return (error as Error).message;
   }
@@ -70,7 +74,7 @@ function problemOf(machine: Core, of: Scene): string {
 // Throws an Error with one line where a scene that differs so from `paper` cannot be carried.
 export function checkCanBeCarried(changes: Overrides): void {
   const machine = core.peek();
-  const found = machine ? problemOf(machine, sceneOf("paper", changes)) : "";
+  const found = machine ? problemOf(machine, sceneOf("paper", changes), "paper", changes) : "";
   if (found) throw new Error(found);
 }
 
@@ -90,13 +94,20 @@ export function refusalOf(name: string): string {
 }
 export const refusal = computed(() => refusalOf(controller.value));
 
+export const facts = computed(() => core.value?.facts(scene.value) ?? null);
+
+// Whether the scene is a job that begins or ends on the floor.
+export const isJob = computed(() => facts.value?.isJob ?? false);
+
 // The carry that the state describes.
 export const recorded = computed<Recorded | null>(() => {
   const machine = core.value;
   if (!machine || refusal.value) return null;
   machine.setScene(scene.value);
   machine.setPolicy(policy.value);
-  return machine.run(controllerNumber(controller.value), seed.value, forks.value);
+  const found = machine.run(controllerNumber(controller.value), seed.value, forks.value);
+  found.early.push(...jobWarnings(base.value, overrides.value, machine.facts(scene.value)));
+  return found;
 });
 
 // The same carry with other values of the scene.

@@ -70,6 +70,18 @@ interface Tables {
     shoulder: { x: number; y: number };
     pivotHeight: number;
   };
+  // The phases of jobs on the floor by number: what each belongs to, and what a job missed that ends
+  // there; `rank`: how early that is.
+  lifting: {
+    name: string; meaning: string; stage: string; missed: string; rank: number; isRetry: boolean;
+  }[];
+  // What the analysis of such jobs finds for built-in scenes with some changes, and the keys on which
+  // it does not depend.
+  jobs: {
+    free: string[];
+    heels: number[];
+    checked: { scene: string; changes: Record<string, Json>; refusal: string; warnings: string[] }[];
+  };
 }
 
 export const tables = data as unknown as Tables;

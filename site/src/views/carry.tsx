@@ -2,19 +2,21 @@
 // Carry: one carry to watch, to scrub through, to fork and to disturb.
 import { signal } from "@preact/signals";
 import {
-  AtHome, ControllerChoice, Disturbances, Field, ResetButton, SceneChoice, caseWords, presentRun, setController,
+  AtHome, ControllerChoice, Disturbances, Field, JobChoices, ResetButton, SceneChoice, caseWords, presentRun, setController,
 } from "./parts";
 import { Ends } from "./ends";
 import { PlayerBar, usePlayerKeys } from "./player_bar";
+import { Stages } from "./stages";
 import { saveFilm, savePicture } from "./save";
 import { Charts } from "./sequence";
 import { Stage, offAt, pushRobot, shiftObject, showCones } from "./stage";
 import { stateAt } from "../shared/activities";
 import { ROW, type Recorded } from "../shared/core";
+import { failureOf, phaseAt } from "../shared/floor_job";
 import { caseAt, pair, rowAt } from "../shared/row";
 import { get } from "../shared/scene_values";
 import {
-  address, append, controller, forks, go, overrides, player, recorded, refusal, scene, seed, setExtra,
+  address, append, controller, forks, go, isJob, overrides, player, recorded, refusal, scene, seed, setExtra,
   setExtraFlag, setKey,
 } from "../shared/state";
 import { type Json, SIDES, controllerInfo, tables } from "../shared/tables";
@@ -23,10 +25,16 @@ const NUDGE_M = 0.012;
 const UNTIL_SWITCHED_ON_S = 1000; // longer than any carry
 
 export function outcomeText(run: Recorded): string {
+  const missed = failureOf(run);
+  return missed ? `${missed}; ${endText(run)}` : endText(run);
+}
+
+function endText(run: Recorded): string {
   const name = tables.outcomes[run.outcome]!;
   if (name === "dropped") return `dropped after ${run.time.toFixed(1)} s: ${tables.ends[run.reason - 1]!.meaning}`;
   if (name === "stalled") return `stalled: time limit reached at ${run.time.toFixed(1)} s`;
-  return `delivered: ${run.distance.toFixed(2)} m in ${run.time.toFixed(1)} s`;
+  const [subject, way] = run.phases.length > 0 ? ["the object moved ", run.moved] : ["", run.distance];
+  return `delivered: ${subject}${way.toFixed(2)} m in ${run.time.toFixed(1)} s`;
 }
 
 // The warnings about the scene, and at the end those about the carry.
@@ -67,6 +75,8 @@ function Status() {
     const letter = caseAt(run, row, k);
     const mm = (1000 * contact[k]!).toFixed(1).replace("-", "−");
     const does = letter && `, ${caseWords(controller.value, letter, stateAt(run, row, k))}`;
+    const phase = phaseAt(run, k, player.time.value);
+    if (phase) return `${side}: ${tables.lifting[phase.state]!.meaning}${does}`;
     return `${side} p = ${mm} mm${does}`;
   });
   return (
@@ -131,15 +141,19 @@ function Hands() {
   return (
     <div class="hands" role="group" aria-label="disturb the carry at this moment">
       <span class="hint">Now:</span>
-      <button type="button" id="fork" onClick={fork} title="Continue from here with other random numbers">
-        fork the future
-      </button>
-      <button type="button" id="nudge-left" onClick={() => shiftObject(-NUDGE_M)} title="Move the object 12 mm to the left; you can also drag it">
-        ← object
-      </button>
-      <button type="button" id="nudge-right" onClick={() => shiftObject(NUDGE_M)} title="Move the object 12 mm to the right; you can also drag it">
-        object →
-      </button>
+      {!isJob.value && (
+        <>
+          <button type="button" id="fork" onClick={fork} title="Continue from here with other random numbers">
+            fork the future
+          </button>
+          <button type="button" id="nudge-left" onClick={() => shiftObject(-NUDGE_M)} title="Move the object 12 mm to the left; you can also drag it">
+            ← object
+          </button>
+          <button type="button" id="nudge-right" onClick={() => shiftObject(NUDGE_M)} title="Move the object 12 mm to the right; you can also drag it">
+            object →
+          </button>
+        </>
+      )}
       {SIDES.map((side, k) => (
         <>
           <button type="button" id={`push-${side}`} onClick={() => pushRobot(k as 0 | 1, NUDGE_M)} title="Pull this robot 12 mm outward; you can also drag it">
@@ -150,9 +164,11 @@ function Hands() {
           </button>
         </>
       ))}
-      <button type="button" id="examine" onClick={examine} title="Show contact modes, cones and forces at this moment">
-        why does it slide?
-      </button>
+      {!isJob.value && (
+        <button type="button" id="examine" onClick={examine} title="Show contact modes, cones and forces at this moment">
+          why does it slide?
+        </button>
+      )}
       {(changed.length > 0 || forks.value.length > 0) && (
         <button
           type="button"
@@ -210,26 +226,29 @@ export function CarryView() {
             }}
           />
         </Field>
-        <label class="check">
-          <input
-            type="checkbox"
-            id="cones"
-            checked={showCones.value}
-            onChange={(event) => setExtraFlag("cones", event.currentTarget.checked)}
-          />
-          friction cones
-        </label>
+        {isJob.value
+          ? <JobChoices />
+          : <label class="check">
+              <input
+                type="checkbox"
+                id="cones"
+                checked={showCones.value}
+                onChange={(event) => setExtraFlag("cones", event.currentTarget.checked)}
+              />
+              friction cones
+            </label>}
         <ResetButton />
         <Disturbances />
       </div>
       <section class="panel beside" aria-label="the carry">
         <div class="scene">
           <Stage run={run} name={controller.value} id="stage" draggable hasKey periodic={info?.isPeriodic} />
+          <Stages run={run} seeks />
           <PlayerBar />
           <Hands />
           <Status />
         </div>
-        <Charts />
+        <Charts showsWholePalms={isJob.value} />
       </section>
       <Ends reason={run?.reason ?? 0} />
       <AtHome runs={presentRun()} />

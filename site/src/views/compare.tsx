@@ -2,7 +2,7 @@
 // Compare: two controllers on the same noise, and how many of 1000 carries each drops.
 import { computed, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { AtHome, type Run, ControllerChoice, Disturbances, ResetButton, SceneChoice, controllerTitle } from "./parts";
+import { AtHome, type Run, ControllerChoice, Disturbances, JobChoices, ResetButton, SceneChoice, controllerTitle } from "./parts";
 import { PlayerBar, usePlayerKeys } from "./player_bar";
 import { Warnings, outcomeClass, outcomeText, warningsAt } from "./carry";
 import { Stage } from "./stage";
@@ -10,7 +10,7 @@ import { carryCommand, controllerWord, sceneWords } from "../shared/command";
 import { DRIVES, PALMS, type PolicyRow, type Recorded } from "../shared/core";
 import { get } from "../shared/scene_values";
 import {
-  OWN_ROWS, SIGN_PAIRS, TABLE_1_ROWS, address, base, controllerNumber, core, extra, overrides, player, policy,
+  OWN_ROWS, SIGN_PAIRS, TABLE_1_ROWS, address, base, controllerNumber, core, extra, isJob, overrides, player, policy,
   problem, refusalOf, scene, seed, setExtra,
 } from "../shared/state";
 import { controllerInfo, tables } from "../shared/tables";
@@ -207,6 +207,7 @@ export function CompareView() {
           />
         ))}
         <ResetButton />
+        {isJob.value && <JobChoices />}
         <Disturbances />
       </div>
       <section class="panel lanes" aria-label="the two carries">

@@ -5,9 +5,10 @@ import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { POLICY_FILE, SCENE_FILE, carryCommand, needsFile, policyFile } from "../shared/command";
 import { fromPaper, overridesOf } from "../shared/scene";
+import { get } from "../shared/scene_values";
 import {
-  OWN_ROWS, base, checkCanBeCarried, controller, core, forks, overrides, player, policy, recorded, seed,
-  setExtra, setForAll, valuesOf,
+  OWN_ROWS, base, checkCanBeCarried, controller, core, forks, isJob, overrides, player, policy, recorded,
+  scene, seed, setExtra, setForAll, valuesOf,
 } from "../shared/state";
 import { type Json, controllerInfo, tables } from "../shared/tables";
 import { sceneFile } from "../shared/toml";
@@ -55,7 +56,7 @@ function objectName(): string {
 
 // The changed keys of the scene that no control beside it shows.
 function changedKeys(): string[] {
-  const shown = ["object", ...SLIDERS.map((slider) => slider.name)];
+  const shown = ["object", ...sliders().map((slider) => slider.name), ...(isJob.value ? JOB_KEYS : [])];
   return Object.keys(overrides.value).filter((key) => !shown.includes(key));
 }
 
@@ -173,10 +174,45 @@ export function KeySlider(props: SliderOfKey) {
   );
 }
 
+const JOB_KEYS = ["task.dock", "palm.heel_m"];
+const DOCKS = ["together", "one-first"];
+
+// The page knows only with some keys whether the robots lift the object.
+const sliders = () => (isJob.value ? SLIDERS.filter((one) => tables.jobs.free.includes(one.name)) : SLIDERS);
+
+function KeyChoice<T extends string | number>(props: {
+  name: string; label: string; values: T[]; words: (value: T) => string;
+}) {
+  const meaning = tables.keys.find((k) => k.name === props.name)?.meaning;
+  const value = get(scene.value, props.name) as T;
+  return (
+    <Field label={props.label} hint={meaning}>
+      <select
+        data-key={props.name}
+        value={props.values.indexOf(value)}
+        onChange={(event) => setForAll(props.name, props.values[Number(event.currentTarget.value)]!)}
+      >
+        {props.values.map((one, k) => <option value={k}>{props.words(one)}</option>)}
+      </select>
+    </Field>
+  );
+}
+
+// Of a job on the floor.
+export function JobChoices() {
+  return (
+    <>
+      <KeyChoice name="task.dock" label="docking" values={DOCKS} words={(dock) => dock.replace("-", " ")} />
+      <KeyChoice name="palm.heel_m" label="heels" values={tables.jobs.heels}
+        words={(heel) => (heel === 0 ? "none" : `${1000 * heel} mm`)} />
+    </>
+  );
+}
+
 export function Disturbances() {
   return (
-    <div class="sliders">
-      {SLIDERS.map((slider) => <KeySlider {...slider} />)}
+    <div class={`sliders ${isJob.value ? "few" : ""}`}>
+      {sliders().map((slider) => <KeySlider {...slider} />)}
     </div>
   );
 }

@@ -2,10 +2,11 @@
 // Play, pause, step, scrub and speed.
 import { useEffect } from "preact/hooks";
 import { ROW } from "../shared/core";
+import { phaseAt } from "../shared/floor_job";
 import { pair, rowAt } from "../shared/row";
 import { get } from "../shared/scene_values";
 import { player, recorded, scene } from "../shared/state";
-import { SIDES } from "../shared/tables";
+import { SIDES, tables } from "../shared/tables";
 
 const TICK = 0.01;
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 25, 50];
@@ -16,6 +17,10 @@ function momentWords(): string {
   const time = `${player.time.value.toFixed(2)} s`;
   if (!run) return time;
   const row = rowAt(run, player.time.value, Number(get(scene.value, "control.period_s")));
+  if (run.phases.length > 0) {
+    const phase = (k: number) => tables.lifting[phaseAt(run, k, player.time.value)!.state]!.name;
+    return [time, ...SIDES.map((side, k) => `${side}: ${phase(k).replace("_", " ")}`)].join(", ");
+  }
   const p = pair(run, row, ROW.contact).map((value) => (1000 * value).toFixed(1).replace("-", "−"));
   return [time, ...SIDES.map((side, k) => `${side} p = ${p[k]} mm`)].join(", ");
 }

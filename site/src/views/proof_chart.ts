@@ -62,6 +62,13 @@ function drawRobot(
   }
   const position = robot.position === undefined ? "" : positionText(robot.position);
   const head = [robot.case ? `(${robot.case})` : "", position].filter(Boolean).join(width < 44 ? "" : " ");
+  if (robot.arm !== undefined) {
+    const [ground, unit] = [y + LANE - 8, 13];
+    c.fillStyle = c.strokeStyle = colour;
+    c.fillRect(middle - 6, ground - unit * robot.arm - 3, 12, 3 + unit * robot.arm);
+    if (width >= 60) write(c, robot.name!.replace("_", " "), middle, y + 10, colour, { weight: 650, size: 11 });
+    return;
+  }
   if (!robot.palm) {
     // The model has no palms, only whether a robot hears its partner.
     c.beginPath();

@@ -10,7 +10,9 @@ import { PROOF_CHART_HEIGHT, positionText, drawProofChart, stepAt } from "./proo
 import { Stage } from "./stage";
 import { Canvas, type Surface } from "../shared/canvas";
 import type { Recorded } from "../shared/core";
-import { type Counterexample, type RobotStep, stepTimes } from "../shared/counterexamples";
+import {
+  type Counterexample, type CounterexampleFile, type RobotStep, counterexamplesOf, stepTimes,
+} from "../shared/counterexamples";
 import { overridesOf, sceneOf } from "../shared/scene";
 import {
   address, base, controller, controllerNumber, core, extra, extraNumber, extras, forks, go,
@@ -152,6 +154,7 @@ function stateWords(robot: RobotStep) {
 function Robots(props: { robots: [RobotStep, RobotStep] }) {
   const rows: [string, (robot: RobotStep) => ComponentChildren][] = [
     ["contact p", (r) => (r.position === undefined ? "" : positionText(r.position))],
+    ["arm", (r) => (r.arm === undefined ? "" : r.arm === 0 ? "on the floor" : `${r.arm} up`)],
     ["state", stateWords],
     ["palm", palmWords],
     ["drive", driveWords],
@@ -253,7 +256,7 @@ export function ProofsView() {
     playing.value = step.peek() === 0 && !("step" in extras.peek()) && !reducedMotion.matches;
     if (all.value.length > 0) return;
     void import("../generated/counterexamples.json").then((m) => {
-      all.value = m.default as unknown as Counterexample[];
+      all.value = counterexamplesOf(m.default as unknown as CounterexampleFile);
     });
   }, []);
   useClock();
@@ -270,8 +273,8 @@ export function ProofsView() {
       <header class="lead">
         <h1>Where the algorithms fail</h1>
         <p>
-          The model checker Spin explores every run of the built-in controllers in a simplified world,
-          in which contact positions are whole numbers of units. A claim that holds is proved for that
+          The model checker Spin explores every run of the built-in controllers, and of the table of phases
+          that lifts, in a simplified world, in which positions are whole numbers of units. A claim that holds is proved for that
           world. If a claim fails, Spin finds a run in which it fails. This view shows all such runs that
           the project keeps.
         </p>
@@ -288,7 +291,9 @@ export function ProofsView() {
             {all.value.map((c) => <option value={c.name}>{c.name}</option>)}
           </select>
         </label>
-        <span class="note">controller: {item.controller}</span>
+        <span class="note">
+          {item.controller === "lifting" ? "table of phases of jobs on the floor" : `controller: ${item.controller}`}
+        </span>
       </div>
       <section class="panel proof" aria-label="the run">
         <p class="claim">
@@ -327,7 +332,9 @@ export function ProofsView() {
         <p class="note">
           {hasPalms
             ? "Number: contact coordinate p in units, outward > 0. Line: the palm, dashed while it turns. Arrow: the drive, away or closer. Diamond: a bump or a reboot."
-            : "This model has no contacts. Filled circle: the robot hears its partner."}
+            : now.robots[0].arm !== undefined
+              ? "Bar: the arm, in cycles of its motion above the floor. Diamond: a reboot."
+              : "This model has no contacts. Filled circle: the robot hears its partner."}
         </p>
         {!carried && <div><Robots robots={now.robots} /></div>}
       </section>

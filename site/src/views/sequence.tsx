@@ -10,7 +10,7 @@ import {
 import { type Message, ROW, type Recorded } from "../shared/core";
 import { get, ofSide } from "../shared/scene_values";
 import {
-  OWN_ROWS, append, before, controller, extraFlag, extras, player, recorded, runWith, scene, setExtra,
+  OWN_ROWS, append, before, controller, extraFlag, extras, isJob, player, recorded, runWith, scene, setExtra,
   setExtraFlag, setKey,
 } from "../shared/state";
 import { type Json, SENDERS, SIDES, controllerInfo } from "../shared/tables";
@@ -295,12 +295,13 @@ function MessageCard(props: { run: Recorded }) {
   if (chosen.value === null) return null;
   const message = props.run.messages[chosen.value];
   if (!message) return null;
+  // In a job on the floor, radio.script counts the messages of two radios, each by itself.
   const fault = faultOf(message);
   const isFull = fault === undefined && faultScript().length >= MOST_FAULTS;
   const sender = message.sender === 2 ? "the station" : `the ${SENDERS[message.sender]} robot`;
   const receiver = message.sender === 2 ? ` to the ${SENDERS[message.receiver]} robot` : "";
   const lost = Number.isNaN(message.received);
-  const from = changedFrom(props.run, message, fault !== undefined);
+  const from = isJob.value ? null : changedFrom(props.run, message, fault !== undefined);
   const what = fault === undefined ? "If it is lost" : `Because it is ${fault.effect}`;
   const effects = ["lost", "delayed", "duplicated"] as const;
   const words = { lost: "lose it", delayed: `delay it by ${DELAY_S} s`, duplicated: "deliver it twice" };
@@ -310,13 +311,13 @@ function MessageCard(props: { run: Recorded }) {
         <strong>{message.kind}</strong> from {sender}{receiver} at {message.sent.toFixed(2)} s{lost ? ", lost" : `, received at ${message.received.toFixed(2)} s`}
         {message.says && `: ${message.says}`}
       </p>
-      {(fault !== undefined || !(lost || isFull)) && (
+      {!isJob.value && (fault !== undefined || !(lost || isFull)) && (
         <p class="note" id="effect">
           {from === null ? `${what}, nothing changes.` : `${what}, the carry is different from ${from.toFixed(2)} s on.`}
         </p>
       )}
       <p class="row">
-        {effects.map((effect) => (
+        {!isJob.value && effects.map((effect) => (
           <button
             type="button"
             data-effect={effect}

@@ -4,14 +4,15 @@ import { type ReadonlySignal, computed, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { isWaiting } from "../shared/activities";
 import { Canvas, type Surface } from "../shared/canvas";
+import { TOUCHES_M } from "../shared/charts";
 import { PLACES, ROW, type Recorded } from "../shared/core";
 import { caseAt, pair, rowAt } from "../shared/row";
-import { get, tiltOf } from "../shared/scene_values";
+import { get, ofSide, tiltOf } from "../shared/scene_values";
 import { type View, lowestPoint, viewOf } from "../shared/pair_view";
 import { type Flight, drawSide } from "../shared/side_view";
-import { append, core, extraFlag, player, scene } from "../shared/state";
+import { append, core, extraFlag, isJob, player, scene } from "../shared/state";
 import { isLow, palette } from "../shared/theme";
-import { tables, type Scene } from "../shared/tables";
+import { SIDES, tables, type Scene } from "../shared/tables";
 
 const PUSH_S = 0.3; // how long a push lasts
 
@@ -55,6 +56,14 @@ export function offAt(of: Scene, time: number): [boolean, boolean] {
   return [off("left"), off("right")];
 }
 
+// Whether the object touches each palm in a row of a job on the floor.
+export function touchesAt(of: Scene, run: Recorded, row: number): [boolean, boolean] {
+  const [lift, p] = [pair(run, row, ROW.lift), pair(run, row, ROW.contact)];
+  const on = (side: 0 | 1) =>
+    lift[side] < TOUCHES_M && Math.abs(p[side]) <= ofSide(of, "palm", SIDES[side], "length_m") / 2;
+  return [on(0), on(1)];
+}
+
 function stageHeight(width: number): number {
   return Math.round(Math.min(isLow.value ? 218 : 400, Math.max(200, width * 0.42)));
 }
@@ -80,13 +89,16 @@ export function Stage(props: {
     const machine = core.value;
     const { run } = props;
     if (!machine || !run || run.count === 0) return;
+    const hasCones = showCones.value && run.phases.length === 0; // those of level pivots
     const of = props.of ?? scene.value;
     const period = Number(get(of, "control.period_s"));
     const time = (props.time ?? player.time).value;
     const row = rowAt(run, time, period);
     const at = machine.places(of, run, row);
     const p = palette.value;
-    view.current = viewOf(surface, at, tiltOf(of));
+    const facts = machine.facts(of);
+    const level = facts.isJob ? facts.floor : lowestPoint(at);
+    view.current = viewOf(surface, at, tiltOf(of), true, level);
     places.current = at;
     const held = drag.value;
     const shown = held ? moved(at, held) : at;
@@ -96,6 +108,7 @@ export function Stage(props: {
       surface, view.current, p,
       {
         places: shown,
+        touches: facts.isJob ? touchesAt(of, run, row) : undefined,
         motion: ended ? [0, 0] : pair(run, row, ROW.motion),
         tags: [0, 1].map((side) => (props.hidesCases ? "" : caseAt(run, row, side)))
           .map((c) => (c ? `(${c})` : "")) as [string, string],
@@ -103,12 +116,12 @@ export function Stage(props: {
         off: offAt(of, time),
         zones: zeroZone(of),
         flights: flightsAt(run, time, Number(get(of, "radio.latency_s")), props.periodic ?? false),
-        cones: showCones.value ? machine.statics(theta, contact).cones : undefined,
-        gravity: showCones.value,
+        cones: hasCones ? machine.statics(theta, contact).cones : undefined,
+        gravity: hasCones,
         labels: surface.width > 480 && surface.height > 210,
         dropped: ended && run.outcome === 2,
       },
-      lowestPoint(at),
+      level,
     );
   };
 
@@ -130,7 +143,8 @@ export function Stage(props: {
       top = Math.min(top, v.y(at[i + 1]!));
       bottom = Math.max(bottom, v.y(at[i + 1]!));
     }
-    return x >= left && x <= right && y >= top - 8 && y <= bottom + 8 ? "object" : null;
+    const isOnIt = x >= left && x <= right && y >= top - 8 && y <= bottom + 8;
+    return isOnIt && !isJob.peek() ? "object" : null; // a job on the floor has no bumps
   };
 
   return (
@@ -166,15 +180,16 @@ export function Stage(props: {
           else pushRobot(done.what, done.what === 0 ? -done.by : done.by);
         }}
       />
-      {props.hasKey && <PictureKey isRight={tiltOf(props.of ?? scene.value) > 0} />}
+      {props.hasKey && <PictureKey place={isJob.value ? "level" : tiltOf(props.of ?? scene.value) > 0 ? "at-right" : ""} />}
     </div>
   );
 }
 
-// What dots, arrows and wedges of the picture mean, in the upper corner that no robot reaches.
-function PictureKey(props: { isRight: boolean }) {
+// What dots, arrows and wedges of the picture mean: in the upper corner that no robot reaches or, as the
+// robots of a job on the floor are farther apart, in a row above them.
+function PictureKey(props: { place: "" | "at-right" | "level" }) {
   return (
-    <ul class={`picture-key ${props.isRight ? "at-right" : ""}`}>
+    <ul class={`picture-key ${props.place}`}>
       <li><i class="dot sticks" /> contact sticks</li>
       <li><i class="dot slides" /> slides along the arrow</li>
       <li><i class="dot com" /> centre of mass</li>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stories: eight short scenes in parts. A part asks what will happen or begins with a click, plays, and explains.
+// Stories: nine short scenes in parts. A part asks what will happen or begins with a click, plays, and explains.
 import { batch, effect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
@@ -7,11 +7,12 @@ import { AtHome, presentRun } from "./parts";
 import { PlayerBar, usePlayerKeys } from "./player_bar";
 import { Charts } from "./sequence";
 import { Stage } from "./stage";
+import { Stages } from "./stages";
 import { outcomeText } from "./carry";
 import { STORIES, type Part, type Story } from "./story_texts";
 import type { Recorded } from "../shared/core";
 import {
-  base, controller, core, extraFlag, extraNumber, forks, overrides, player, recorded, scene, seed, setExtra,
+  base, controller, core, extraFlag, extraNumber, forks, isJob, overrides, player, recorded, scene, seed, setExtra,
   setExtraFlag,
 } from "../shared/state";
 import { decision } from "../shared/contact_mode_words";
@@ -141,6 +142,7 @@ export function StoriesView() {
         <div class="scene">
           <Stage run={carried} name={controller.value} id="stage" draggable hasKey periodic={info?.isPeriodic}
             hidesCases={isAsking() && player.time.value <= (part.at ?? 0)} />
+          <Stages run={carried} />
           <PlayerBar isHeld={isAsking()} />
           <Ending />
           {isSeen() && (
@@ -237,8 +239,10 @@ function Ending(): ComponentChildren {
         {[outcomeText(carried), ...wrong].join("; ")}
       </strong>{" "}
       <span class="note" id="tally">
-        {counted(carried.correctionCount, "correction")}, {counted(carried.sent, "message")}, contacts
-        up to {(1000 * Math.max(...carried.peak)).toFixed(0)} mm from <span class="whole">p = 0</span>
+        {counted(carried.correctionCount, "correction")}, {counted(carried.sent, "message")}
+        {!isJob.value && (
+          <>, contacts up to {(1000 * Math.max(...carried.peak)).toFixed(0)} mm from <span class="whole">p = 0</span></>
+        )}
       </span>
     </p>
   );

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The eight stories: what each shows, asks and explains. tests/site/test_stories.py pins how each part ends.
+// The nine stories: what each shows, asks and explains. tests/site/test_stories.py pins how each part ends.
 import type { Overrides } from "../shared/scene_values";
 
 export interface Part {
@@ -38,6 +38,10 @@ const REBOOT = {
   "faults.script": [{ kind: "reboot", robot: "right", at_s: 0.8, duration_s: 0.02 }],
 };
 const FAST_RIGHT = { ...QUIET, "robot.right.bias_m_s": 0.008 };
+const LIFT = { scene: "lift", controller: "shared-sign" };
+const OFF_WHILE_RAISING = {
+  "faults.script": [{ kind: "reboot", robot: "left", at_s: 9.5, duration_s: 5 }],
+};
 const ARRIVES = ["The box arrives.", "The box falls."];
 
 export const STORIES: Story[] = [
@@ -193,6 +197,42 @@ export const STORIES: Story[] = [
           right: 0,
         },
         after: "A robot corrects a contact with p < 0 alone. With its own palm shallow and its partner's palm steep, closing makes only its own contact slide, and it slides up.",
+      },
+    ],
+  },
+  {
+    title: "From the floor",
+    text:
+      "The box stands on the floor. Both robots drive the noses of their palms under it. Each palm ends in a heel, a stop.",
+    parts: [
+      {
+        ...LIFT, at: 1.9, until: 6.8, speed: 2,
+        question: {
+          ask: "The left nose is under first. What will the right one do?",
+          answers: ["Follow, once the left heel stops the box.", "Push the box along for ever."],
+          right: 0,
+        },
+        after: "The left robot brakes, and its heel, 12 mm high, stops the box. Then the right nose, 0.3 mm thick, gets under the rounded edge. Without heels, both would jam: in the view Carry, choose “heels: none”.",
+      },
+      {
+        ...LIFT, set: OFF_WHILE_RAISING, at: 8, speed: 5,
+        task: "Raise the box. Meanwhile, the left robot fails for 5 s.", label: "go on",
+        question: {
+          ask: "The left robot fails for 5 s. And the right arm?",
+          answers: ["It rises, and the box tips.", "It waits for the left robot."],
+          right: 1,
+        },
+        after: "An arm moves only while its robot hears that the partner is ready or moves, too, and is never more than a step ahead. So the box stays nearly level. At the end, both arms sink, and the robots drive away.",
+      },
+      {
+        ...LIFT, set: { "radio.loss": 1 }, speed: 25,
+        task: "Jam the radio from the start.", label: "loss 100 %",
+        question: {
+          ask: "No message arrives. What will the robots do?",
+          answers: ["They raise the box all the same.", "They try three times, and stop."],
+          right: 1,
+        },
+        after: "A robot that is under the box waits for its partner's word, but not for ever. While the noses are on the floor, backing off is safe. Once the arms rise, the robots would hold them, and wait for a person.",
       },
     ],
   },

@@ -37,7 +37,8 @@ STAGES = {
     for phase in phases
 }
 """The stage to which a phase belongs, dock, centre, raise, carry, lower, leave or held."""
-_RETRIES = ("back_off", "stand_back", "failed")  # after an attempt that failed
+RETRIES = ("back_off", "stand_back", "failed")
+"""The phases after an attempt that failed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +125,6 @@ def floor_job(scene: Scene, measured: Any) -> FloorJob:
 
 def _missed(phases: list[JobPhase]) -> str:
     """What the robot that got less far did not achieve, by its last phase of an attempt."""
-    last = {phase.robot: phase.phase for phase in phases if phase.phase not in _RETRIES}
+    last = {phase.robot: phase.phase for phase in phases if phase.phase not in RETRIES}
     order = list(MISSED)
     return MISSED[min(last.values(), key=order.index)]

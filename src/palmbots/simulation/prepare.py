@@ -65,6 +65,8 @@ def prepare(
     refuse_surroundings(scene, spec)
     lifts = check_lift(scene) if spec.uses_floor else ()
     check_palms(spec)
+    if spec.uses_floor:
+        refuse_reference(entry, "a job on the floor")
     if not place.supports_references:
         refuse_reference(entry, f"the {place.name} world")
     timing = bounds_of(scene) if entry.has_time_bounds else None
