@@ -260,16 +260,19 @@ const double* touch_palms(double theta_left, double theta_right, double p_left, 
 }
 PAGE_EXPORT(touch_floor)
 const double* touch_floor(double theta_left, double theta_right, double driven_left,
-                          double driven_right, double raised, double friction) {
+                          double driven_right, double raised, double friction,
+                          std::uint32_t has_right) {
   touched = page::TouchedState::on_floor(
-      scene, {{theta_left, theta_right}, {driven_left, driven_right}, raised, friction});
+      scene, {{theta_left, theta_right}, {driven_left, driven_right}, raised, friction,
+              has_right != 0});
   answer.clear();
   touched.append(answer);
   return give(answer);
 }
-// What is wrong, why the palms stopped early, and what touches, one a line.
+// What is wrong, why the palms stopped early, why they were not moved, and what touches, one a line.
 PAGE_EXPORT(touched_text) const char* touched_text() {
-  answer_text = touched.problem() + "\n" + touched.end() + "\n" + touched.kinds();
+  answer_text = touched.problem() + "\n" + touched.end() + "\n" + touched.refusal() + "\n" +
+                touched.kinds();
   return answer_text.c_str();
 }
 // The contact modes that may occur while the palms move: velocities of the pivots [m/s] and spins,

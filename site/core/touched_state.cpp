@@ -3,6 +3,7 @@
 #include "touched_state.hpp"
 
 #include "palmbots/mechanics/mode_forces.hpp"
+#include "palmbots/sim/palm_way.hpp"
 #include "palmbots/sim/placement.hpp"
 #include "palmbots/sim/standing_start.hpp"
 
@@ -12,6 +13,7 @@ namespace {
 
 // Distance between the object and the inner ends at the start (palmbots.simulation.FloorWorld) [m].
 constexpr double floor_gap = 0.01;
+constexpr double absent = 100;   // how far away a palm is that there is not [m]
 constexpr int most_falls = 100;  // in a motion
 
 // Where the pivots are at one height, a pipe touches the right palm here [m].
@@ -38,20 +40,33 @@ TouchedState TouchedState::on_palms(const Spec& spec, const PerSide<double>& the
   return here;
 }
 
-TouchedState TouchedState::on_floor(const Spec& spec, const FloorState& state) {
+TouchedState TouchedState::on_floor(const Spec& given, const FloorState& state) {
+  Spec spec = given;
+  spec.floor_friction = state.friction;
   TouchedState here(spec);
   here.problem_ = standing_refusal(spec);
   if (!here.problem_.empty()) return here;
   Model<double> model = model_of<double>(spec);
   model.safe_reach = -1;  // the palms may have any angles
   model.limit = no_limits<double>;
-  model.surroundings = Surroundings::on_floor(state.friction);
+  model.surroundings = surroundings_of(spec);
   World<double> world(model, configuration_of(spec, model));
   world.set_phase(CarryPhase::by_hand, spec.fall);
-  const StandingStart start = StandingStart::of(spec, state.theta, {floor_gap, floor_gap});
+  const StandingStart start =
+      StandingStart::of(spec, state.theta, {floor_gap, state.has_right ? floor_gap : absent});
   world.put(start.pivots, state.theta, Pose::of(start.com, 0.0));
+  const bool has_blocks = spec.wall_count + spec.stand_count > 0;
+  if (has_blocks) here.problem_ = refusal_of_start(world.check());
+  if (!here.problem_.empty()) return here;
+  const auto may_move = [&](const PerSide<Vec>& by, const char* when) {
+    const Travel way =
+        Travel::of({world.pivot(left), world.pivot(right)}, state.theta, by, state.theta);
+    here.refusal_ = refusal_of_way(spec, spec.palms, way, {true, state.has_right}, when);
+    return here.refusal_.empty();
+  };
   // After a fall the motion goes on.
   const auto move = [&](PerSide<Vec> by) {
+    if (!may_move(by, "on the way")) return;
     for (int k = 0; k < most_falls && here.end_.empty(); ++k) {
       const Advance<double>& step = world.advance(by, state.theta);
       here.end_ = name_of(step.reason);
@@ -59,8 +74,11 @@ TouchedState TouchedState::on_floor(const Spec& spec, const FloorState& state) {
       by = {by[left] * (1 - step.fraction), by[right] * (1 - step.fraction)};
     }
   };
-  move({Vec{state.driven[left], 0.0}, Vec{-state.driven[right], 0.0}});
-  if (state.raised != 0) move({Vec{0.0, state.raised}, Vec{0.0, state.raised}});
+  if (may_move({}, "at the start")) {
+    move({Vec{state.driven[left], 0.0}, Vec{state.has_right ? -state.driven[right] : 0.0, 0.0}});
+    if (state.raised != 0 && here.refusal_.empty())
+      move({Vec{0.0, state.raised}, Vec{0.0, state.raised}});
+  }
   for (const Touched& one : touched_in(world, contact_tolerance<double> * spec.width)) {
     here.add(one);
   }
@@ -68,7 +86,11 @@ TouchedState TouchedState::on_floor(const Spec& spec, const FloorState& state) {
   here.places_ = {start.pivots[left].x, start.pivots[right].x};
   PairPose at{world.configuration(), 0.0, {pose.cos, pose.sin}};
   for (const std::size_t side : {left, right}) {
-    const Vec pivot = world.pivot(side);
+    Vec pivot = world.pivot(side);
+    if (side == right && !state.has_right) {  // for the picture, beside the object
+      pivot.x = 2 * pose.at.x - world.pivot(left).x;
+      at.configuration.separation = pivot.x - world.pivot(left).x;
+    }
     here.pivots_[side] = pivot - pose.at;
     at.height[side] = pivot.y;
     at.midpoint += 0.5 * pivot.x;

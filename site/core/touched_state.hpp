@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everything that touches the object in one state, and the contact modes that may occur there: on two
-// palms, or between palms that were driven along a floor.
+// palms, or between palms that were driven along a floor, among walls and stands.
 #pragma once
 
 #include <string>
@@ -19,6 +19,7 @@ struct FloorState {
   PerSide<double> driven;
   double raised;
   double friction;  // of the floor
+  bool has_right;   // whether there is a right palm
 };
 
 class TouchedState {
@@ -34,6 +35,8 @@ class TouchedState {
   const std::string& problem() const { return problem_; }
   // Why the palms stopped before they were where they were to be; empty: they did not.
   const std::string& end() const { return end_; }
+  // Why they were not moved at all: what they would pass through.
+  const std::string& refusal() const { return refusal_; }
   // Names of what touches, one a line.
   std::string kinds() const;
 
@@ -55,6 +58,7 @@ class TouchedState {
   double slope_ = 0;
   std::string problem_;
   std::string end_;
+  std::string refusal_;
   std::vector<Touched> touched_;
   Supports supports_{};
   PerSide<Vec> pivots_{};  // from the COM

@@ -263,6 +263,10 @@ void bind_carry(nb::module_& m) {
   nb::dict states;
   for (const StateMeaning& state : Lifting::meanings) states[state.name] = state.meaning;
   m.attr("lift_states") = states;
+  nb::list lift_messages;
+  for (int kind = message_kinds; kind < all_message_kinds; ++kind)
+    lift_messages.append(name_of(static_cast<MessageKind>(kind)));
+  m.attr("lift_messages") = lift_messages;
   nb::dict phases_of_states;
   for (int i = 0; i < Lifting::states; ++i) {
     const bool low = Lifting::role(static_cast<Lifting::State>(i)).arm == ArmMove::follow;

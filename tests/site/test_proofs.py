@@ -126,6 +126,10 @@ def test_every_step_shows_what_the_transcript_says(open_page: Open) -> None:
             for side, words in enumerate(said):
                 row = {key: cells[side] for key, cells in view["rows"].items()}
                 assert row["state"]
+                if lifts := re.fullmatch(r"arm +(\d) (\w+)", words):
+                    assert row["arm"] == ("on the floor" if lifts[1] == "0" else f"{lifts[1]} up")
+                    assert row["state"].endswith(f" {lifts[2]}")
+                    continue
                 if "hears" in words:
                     assert row == {"state": words}
                     continue

@@ -58,18 +58,19 @@ function pythonValue(value: Json): string {
 
 // The program that puts an object on a floor, drives palms under it [mm] and lists the contact modes.
 export function floorLines(base: string, overrides: Overrides, at: {
-  palms: [number, number]; driven: [number, number]; raised: number; friction: number;
+  palms: [number, number]; driven: [number, number]; raised: number; friction: number; isAlone: boolean;
 }): string[] {
   const metres = (mm: number) => Number((mm / 1000).toPrecision(12));
   const scene = needsFile(overrides) ? SCENE_FILE : base;
   const given = [JSON.stringify(scene), `palms_deg=(${at.palms.join(", ")})`];
+  if (at.isAlone) given.push("gaps_m=(0.01, None)");
   if (at.friction !== 0.3) given.push(`floor_friction=${at.friction}`);
   if (!needsFile(overrides) && Object.keys(overrides).length > 0) given.push(`overrides=${pythonValue(overrides)}`);
   const up = metres(at.raised);
   const program = [
     "from palmbots.simulation import FloorWorld",
     `world = FloorWorld(${given.join(", ")})`,
-    `world.move(${metres(at.driven[0])}, ${-metres(at.driven[1])})`,
+    `world.move(${metres(at.driven[0])}, ${at.isAlone ? 0 : -metres(at.driven[1])})`,
     ...(up > 0 ? [`world.move(up_m=(${up}, ${up}))`] : []),
     ...["0.01, -0.01", "-0.01, 0.01"].map((way) => `print(world.contact_modes(${way}))`),
   ];

@@ -37,7 +37,7 @@ interface Exports {
   touch_palms(thetaLeft: number, thetaRight: number, pLeft: number, pRight: number): number;
   touch_floor(
     thetaLeft: number, thetaRight: number, drivenLeft: number, drivenRight: number, raised: number,
-    friction: number,
+    friction: number, hasRight: number,
   ): number;
   touched_text(): number;
   touched_modes(

@@ -17,6 +17,7 @@ export interface Touched {
 export interface TouchedState {
   problem: string; // in one line; empty: none
   end: string; // why the palms stopped early
+  refusal: string; // why they were not moved
   held: boolean; // whether the contacts hold the object if all stick
   contacts: Touched[];
   starts: Xy; // x of the pivots before the palms drive [m]; on a floor
@@ -41,11 +42,13 @@ export interface FloorNumbers {
   driven: Xy; // how far the palms drive inward [m]
   raised: number; // how far they then rise [m]
   friction: number;
+  hasRight: boolean; // whether there is a right palm
 }
 
 function taken(core: Core, at: number): TouchedState {
   const a = core.take(at);
-  const [problem, end, ...kinds] = core.text(core.wasm.touched_text()).split("\n") as [string, string];
+  const [problem, end, refusal, ...kinds] =
+    core.text(core.wasm.touched_text()).split("\n") as [string, string, string];
   const contacts = Array.from({ length: a[1]! }, (_, i): Touched => {
     const [carrier, place, x, y, nx, ny, friction] = a.subarray(2 + 7 * i) as unknown as number[];
     return {
@@ -54,7 +57,7 @@ function taken(core: Core, at: number): TouchedState {
     };
   });
   const rest = a.subarray(2 + 7 * contacts.length);
-  return { problem, end, held: a[0] === 1, contacts, starts: [rest[0]!, rest[1]!], places: rest.slice(2) };
+  return { problem, end, refusal, held: a[0] === 1, contacts, starts: [rest[0]!, rest[1]!], places: rest.slice(2) };
 }
 
 export function touchedOnPalms(core: Core, theta: Xy, p: Xy): TouchedState {
@@ -62,7 +65,7 @@ export function touchedOnPalms(core: Core, theta: Xy, p: Xy): TouchedState {
 }
 
 export function touchedOnFloor(core: Core, theta: Xy, floor: FloorNumbers): TouchedState {
-  return taken(core, core.wasm.touch_floor(...theta, ...floor.driven, floor.raised, floor.friction));
+  return taken(core, core.wasm.touch_floor(...theta, ...floor.driven, floor.raised, floor.friction, Number(floor.hasRight)));
 }
 
 // The contact modes that may occur in the state that was asked for last, while the palms move.

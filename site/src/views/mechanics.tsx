@@ -8,7 +8,7 @@ import { ShapeFields, StateSliders } from "./mechanics_controls";
 import { drawState, handles, mechanicsHeight } from "./mechanics_picture";
 import { NineModes, Squeezes } from "./mechanics_report";
 import { refused } from "./mechanics_shape";
-import { contact, driven, floorFriction, found, inMm, isGeneral, isPipe, onFloor, raised, shown, theta, touched } from "./mechanics_state";
+import { contact, driven, floorFriction, found, inMm, isAlone, isGeneral, isPipe, onFloor, raised, shown, theta, touched } from "./mechanics_state";
 import { TouchedReport } from "./touched_report";
 import { ContactModeMap } from "./contact_mode_map_figure";
 import { AtHome, SceneChoice, presentRun } from "./parts";
@@ -16,7 +16,7 @@ import { Canvas } from "../shared/canvas";
 import { contactLines, floorLines, sceneWords } from "../shared/command";
 import { decision, marginWords, contactModeName, contactModeWords } from "../shared/contact_mode_words";
 import { type Overrides, tiltOf } from "../shared/scene_values";
-import { base, extras, overrides, scene, setExtra } from "../shared/state";
+import { base, extras, overrides, recorded, scene, setExtra } from "../shared/state";
 import { tables } from "../shared/tables";
 
 // Scenes and states in which further kinds of contact occur.
@@ -28,6 +28,14 @@ const EXAMPLES: { id: string; name: string; base: string; overrides: Overrides; 
   {
     id: "from-the-floor", name: "From the floor", base: "plate", overrides: { "object.edge_radius_m": 0.003 },
     extras: { floor: "1", tl: "15", tr: "45", dl: "14", dr: "10" },
+  },
+  {
+    id: "one-palm-and-a-wall", name: "One palm and a wall", base: "plate",
+    overrides: {
+      "object.vertices_m": [[0, 0], [0.1, 0], [0.1, 0.08], [0, 0.08]], "object.com_m": [0.05, 0.04],
+      "object.edge_radius_m": 0.003, "floor.walls": [{ at_m: 0.055, height_m: 0.12 }],
+    },
+    extras: { floor: "1", alone: "1", tl: "8", dl: "80" },
   },
 ];
 
@@ -52,7 +60,7 @@ function Status() {
   const f = onFloor.value ? null : found.value;
   const here = touched.value;
   const reason = (at: number) => `${tables.ends[at]!.name}: ${tables.ends[at]!.meaning}`;
-  const words = refused.value || here?.problem
+  const words = refused.value || here?.problem || here?.refusal
     || (here?.end && `the palms stop here: ${reason(tables.ends.findIndex((end) => end.name === here.end))}`)
     || (f && !f.reaches && "The object does not reach from palm to palm.")
     || (f && f.reason > 0 && !isGeneral.value && reason(f.reason - 1));
@@ -80,7 +88,7 @@ export function MechanicsView() {
         <SceneChoice />
         <button type="button" id="reset" onClick={() => {
           overrides.value = {};
-          for (const name of ["tl", "tr", "pl", "pr", "floor", "dl", "dr", "up", "mf", "mo", "mk"]) setExtra(name, "", "");
+          for (const name of ["tl", "tr", "pl", "pr", "floor", "alone", "dl", "dr", "up", "mf", "mo", "mk"]) setExtra(name, "", "");
         }}>
           reset
         </button>
@@ -163,11 +171,12 @@ export function MechanicsView() {
         lines={onFloor.value
           ? floorLines(base.value, overrides.value, {
             palms: theta.value, driven: driven.value, raised: raised.value, friction: floorFriction.value,
+            isAlone: isAlone.value,
           })
           : isPipe.value ? contactLines(touched.value?.contacts ?? [], Math.tan(tiltOf(scene.value)))
           : [`palmbots contact-modes ${words} ${numbers}`, ...analyzeLines(words)]}
         runs={presentRun()}
-        note="The last command simulates a carry of the object in this view."
+        note={recorded.value && "The last command simulates a carry of the object in this view."}
       />
     </>
   );

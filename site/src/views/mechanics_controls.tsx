@@ -2,9 +2,10 @@
 // The sliders and fields of the view Mechanics: palm angles, contacts or the floor, friction, shapes.
 import { SHAPES, setShape, shape } from "./mechanics_shape";
 import {
-  MOST_DRIVEN, MOST_RAISED, contact, driven, floorFriction, half, isPipe, onFloor, raised, setContact, setDriven, setRaised,
+  MOST_DRIVEN, MOST_RAISED, contact, driven, floorFriction, half, isAlone, isPipe, onFloor, raised, setContact, setDriven, setRaised,
   setTheta, theta,
 } from "./mechanics_state";
+import { KINDS, choose, kind } from "./surroundings";
 import { setExtra, setExtraFlag, setForAll, valuesOf } from "../shared/state";
 import { tables } from "../shared/tables";
 
@@ -27,12 +28,12 @@ export function StateSliders() {
   return (
     <div class="sliders tight">
       {slider("θ_L", "theta-left", theta.value[0], least, 50, 0.5, "°", (v) => setTheta(0, v))}
-      {slider("θ_R", "theta-right", theta.value[1], least, 50, 0.5, "°", (v) => setTheta(1, v))}
+      {!isAlone.value && slider("θ_R", "theta-right", theta.value[1], least, 50, 0.5, "°", (v) => setTheta(1, v))}
       {!onFloor.value && slider("p_L", "p-left", contact.value[0], -1000 * half(0), 1000 * half(0), 0.5, "mm", (v) => setContact(0, v))}
       {!onFloor.value && !isPipe.value && slider("p_R", "p-right", contact.value[1], -1000 * half(1), 1000 * half(1), 0.5, "mm", (v) => setContact(1, v))}
       {onFloor.value && slider("left drives in", "driven-left", driven.value[0], 0, MOST_DRIVEN, 0.1, "mm", (v) => setDriven(0, v))}
-      {onFloor.value && slider("right drives in", "driven-right", driven.value[1], 0, MOST_DRIVEN, 0.1, "mm", (v) => setDriven(1, v))}
-      {onFloor.value && slider("both rise", "raised", raised.value, 0, MOST_RAISED, 0.1, "mm", setRaised)}
+      {onFloor.value && !isAlone.value && slider("right drives in", "driven-right", driven.value[1], 0, MOST_DRIVEN, 0.1, "mm", (v) => setDriven(1, v))}
+      {onFloor.value && slider(isAlone.value ? "it rises" : "both rise", "raised", raised.value, 0, MOST_RAISED, 0.1, "mm", setRaised)}
       <label class="slider">
         <span>friction μ <span class="value">{shown}</span></span>
         <input type="range" id="friction" min={0.05} max={1.2} step={0.01} value={friction[0]}
@@ -59,6 +60,15 @@ export function ShapeFields() {
           onChange={(event) => setExtraFlag("floor", event.currentTarget.checked)} />
         on a floor
       </label>
+      {onFloor.value && (
+        <label class="field" title="A wall stands in place of the right palm, a stand below the object">
+          <span>with</span>
+          <select id="surroundings" value={kind.value}
+            onChange={(event) => choose(event.currentTarget.value as (typeof KINDS)[number])}>
+            {KINDS.map((one) => <option>{one}</option>)}
+          </select>
+        </label>
+      )}
     </div>
   );
 }

@@ -4,8 +4,10 @@ import { signal } from "@preact/signals";
 import type { Handle } from "./handles";
 import { setIfAllowed, shape } from "./mechanics_shape";
 import {
-  DEGREE, chosenMode, found, isGeneral, isPipe, onFloor as isOnFloor, setContact, setTheta, theta, touched,
+  DEGREE, chosenMode, found, isAlone, isGeneral, isPipe, onFloor as isOnFloor, setContact, setTheta, theta,
+  touched,
 } from "./mechanics_state";
+import { blocks, surroundingHandles } from "./surroundings";
 import { driveHandles, palmHandles, radiusHandle } from "./shape_handles";
 import { zeroZone } from "./stage";
 import { type TouchedPicture, drawCloseUp, drawTouched } from "./touched_picture";
@@ -61,7 +63,7 @@ export function drawState(surface: Surface): void {
   const here = touched.value;
   const picture: TouchedPicture = {
     places, contacts: here?.contacts ?? [], mode: chosenMode.value, hasFloor: isOnFloor.value,
-    isThin: s["palm.thickness_m"] === 0,
+    isThin: s["palm.thickness_m"] === 0, blocks: blocks.value, isAlone: isAlone.value,
   };
   const f = found.value;
   if (isGeneral.value) drawTouched(surface, at, p, picture);
@@ -72,8 +74,11 @@ export function drawState(surface: Surface): void {
   const small = Math.max(s["object.edge_radius_m"], s["palm.thickness_m"], s["palm.heel_m"] / 2);
   if (!isGeneral.value && small === 0) return;
   const span = Math.min(0.05, Math.max(0.012, 3.2 * small));
-  for (const side of [0, 1] as const) drawCloseUp(surface, at, p, picture, side, centreOf(side, places), span);
+  for (const side of sides()) drawCloseUp(surface, at, p, picture, side, centreOf(side, places), span);
 }
+
+// The palms that there are.
+const sides = (): (0 | 1)[] => (isAlone.value ? [0] : [0, 1]);
 
 // What the close-up of a side shows: a corner of the object, or the inner end of the palm.
 function centreOf(side: 0 | 1, places: Float64Array): Xy {
@@ -142,7 +147,7 @@ export function handles(): Handle[] {
       setObject({ com_m: [fine(sx), fine(sy)] });
     },
   });
-  for (const side of [0, 1] as const) {
+  for (const side of sides()) {
     const out = side === 0 ? -1 : 1;
     const point = (start: number): Xy => [places[start + 2 * side]!, places[start + 2 * side + 1]!];
     const [inner, outer] = [point(PLACES.inner), point(PLACES.outer)];
@@ -170,7 +175,7 @@ export function handles(): Handle[] {
     });
   }
   list.push(...radiusHandle(at, corners), ...palmHandles(at, places));
-  if (isOnFloor.value) list.push(...driveHandles(at, places, touched.value!.starts));
+  if (isOnFloor.value) list.push(...driveHandles(at, places, touched.value!.starts), ...surroundingHandles(at));
   if (f && !isGeneral.value) for (const side of [0, 1] as const) list.push(coneHandle(side, f, at, world));
   return list.map((handle) => {
     const [x, y] = at.turned(handle.x, handle.y);

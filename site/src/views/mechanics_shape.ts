@@ -46,11 +46,17 @@ function refusalWith(changes: Overrides): string {
   return "";
 }
 
-// Takes these overrides unless the core refuses them.
-export function setIfAllowed(next: Overrides): void {
-  const why = refusalWith(next);
-  if (why) cut.value = { why, overrides: overrides.peek() };
-  else overrides.value = next;
+// Takes these overrides unless the core refuses them, or there is a problem with them then.
+export function setIfAllowed(next: Overrides, problem: () => string = () => ""): void {
+  const before = overrides.peek();
+  let why = refusalWith(next);
+  if (!why) {
+    overrides.value = next;
+    why = problem();
+  }
+  if (!why) return;
+  overrides.value = before;
+  cut.value = { why, overrides: before };
 }
 
 function tried(key: ShapeKey, metres: number): string {

@@ -87,6 +87,9 @@ export const driven = computed<[number, number]>(() => [extraNumber("dl", 0), ex
 export const raised = computed(() => extraNumber("up", 0));
 export const floorFriction = computed(() => extraNumber("mf", 0.3));
 
+// Whether there is no right palm: a wall stands in its place.
+export const isAlone = computed(() => onFloor.value && extraFlag("alone"));
+
 export const MOST_DRIVEN = 300;
 export const MOST_RAISED = 100;
 
@@ -106,11 +109,11 @@ export const touched = computed<TouchedState | null>(() => {
     try {
       machine.check(scene.value);
     } catch (error) {
-      return { problem: (error as Error).message, end: "", held: false, contacts: [], starts: [0, 0], places: new Float64Array() };
+      return { problem: (error as Error).message, end: "", refusal: "", held: false, contacts: [], starts: [0, 0], places: new Float64Array() };
     }
     return touchedOnFloor(machine, angles, {
       driven: [driven.value[0] / 1000, driven.value[1] / 1000], raised: raised.value / 1000,
-      friction: floorFriction.value,
+      friction: floorFriction.value, hasRight: !isAlone.value,
     });
   }
   const { f, contacts } = shown.value;
@@ -140,7 +143,7 @@ export const listed = computed(() => {
   const here = touched.value;
   const machine = core.value;
   if (!here || here.problem || !machine || !isGeneral.value) return [];
-  return MOTIONS.filter((m) => onFloor.value || !m.needsFloor)
+  return MOTIONS.filter((m) => (onFloor.value || !m.needsFloor) && !(isAlone.value && m.id.startsWith("right")))
     .map((m) => ({ ...m, modes: modesOf(machine, here.contacts, m.palms) }));
 });
 export const chosenMotion = computed(() =>

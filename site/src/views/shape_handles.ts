@@ -2,7 +2,7 @@
 // Handles of the view Mechanics for the shape of what touches: the arc at the highest corner on the
 // right, the section of the left palm, and where palms on a floor are.
 import type { Handle } from "./handles";
-import { raised, setDriven, setRaised } from "./mechanics_state";
+import { isAlone, raised, setDriven, setRaised } from "./mechanics_state";
 import { setShape, shape } from "./mechanics_shape";
 import { PLACES } from "../shared/core";
 import type { Xy } from "../shared/object_transform";
@@ -76,7 +76,7 @@ export function palmHandles(at: View, places: Float64Array): Handle[] {
 // At each pivot, one that drives its palm along the floor; above the left one, one that raises both.
 export function driveHandles(at: View, places: Float64Array, starts: Xy): Handle[] {
   const pivot = (side: 0 | 1): Xy => [places[PLACES.pivot + 2 * side]!, places[PLACES.pivot + 2 * side + 1]!];
-  const drives = ([0, 1] as const).map((side): Handle => {
+  const drives = (isAlone.value ? [0] as const : [0, 1] as const).map((side): Handle => {
     const inward = side === 0 ? 1 : -1;
     const [x, y] = pivot(side);
     return {
@@ -88,7 +88,7 @@ export function driveHandles(at: View, places: Float64Array, starts: Xy): Handle
   const [x, y] = pivot(0);
   const from = at.y(y) - 26;
   return [...drives, {
-    id: "raise", kind: "shape", label: "rise of both palms", x: at.x(x), y: from,
+    id: "raise", kind: "shape", label: isAlone.value ? "rise of the palm" : "rise of both palms", x: at.x(x), y: from,
     move: (_, py) => setRaised(raised.peek() + (1000 * (from - py)) / at.scale),
   }];
 }

@@ -8,26 +8,30 @@ import { type View, onFloor } from "../shared/pair_view";
 import { line, write } from "../shared/strokes";
 import { type Palette, sideColour } from "../shared/theme";
 import type { Mode, Range, Touched } from "../shared/touched";
+import type { Block } from "./surroundings";
 
 export interface TouchedPicture {
   places: Float64Array;
   contacts: Touched[];
   mode: Mode | null;
   hasFloor: boolean;
+  blocks: Block[]; // walls and stands on the floor
+  isAlone: boolean; // there is no right palm
   isThin: boolean; // palms without a thickness
 }
 
 const CORNERS = (PLACES.outline - PLACES.plate) / 4;
-const CARRIERS = ["left palm", "right palm", "floor"];
+const PALM_NAMES = ["left palm", "right palm"];
+const nameOf = (one: Touched) => PALM_NAMES[one.carrier] ?? one.kind;
 const WEIGHT = 88; // length of a force as large as the weight [px]
 const MOST_WEIGHTS = 1.6; // at which an arrow is cut
 
 // What the table calls a contact, and what the picture calls it.
 export function contactNames(contacts: Touched[]): { long: string; short: string }[] {
-  return contacts.map(({ carrier }, i) => {
-    const same = contacts.filter((other) => other.carrier === carrier).length;
-    const number = contacts.slice(0, i + 1).filter((other) => other.carrier === carrier).length;
-    const long = CARRIERS[carrier] ?? "wall";
+  return contacts.map((one, i) => {
+    const long = nameOf(one);
+    const same = contacts.filter((other) => nameOf(other) === long).length;
+    const number = contacts.slice(0, i + 1).filter((other) => nameOf(other) === long).length;
     const short = long[0]!.toUpperCase();
     return same > 1 ? { long: `${long} ${number}`, short: `${short}${number}` } : { long, short };
   });
@@ -59,6 +63,11 @@ function drawShapes(surface: Surface, at: View, p: Palette, picture: TouchedPict
     c.strokeStyle = p.edge;
     c.lineWidth = 1.2;
     line(c, -wide, y, wide + surface.width, y);
+    for (const { from, to, height } of picture.blocks) {
+      trace(c, [[at.x(from), y], [at.x(to), y], [at.x(to), at.y(height)], [at.x(from), at.y(height)]]);
+      c.fill();
+      c.stroke();
+    }
   }
   trace(c, pointsOf(at, places, PLACES.outline, places.length));
   c.fillStyle = p.object;
@@ -68,7 +77,7 @@ function drawShapes(surface: Surface, at: View, p: Palette, picture: TouchedPict
   c.strokeStyle = p.objectEdge;
   c.lineWidth = 1.5;
   c.stroke();
-  for (const side of [0, 1]) {
+  for (const side of picture.isAlone ? [0] : [0, 1]) {
     c.strokeStyle = c.fillStyle = sideColour(p, side);
     if (picture.isThin) {
       const [inner, outer] = [PLACES.inner, PLACES.outer].map((start) =>

@@ -4,11 +4,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.scene.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MEANINGS: dict[str, str] = _core.lift_states
 """What a robot does in each phase, in words."""
@@ -39,6 +45,7 @@ STAGES = {
 """The stage to which a phase belongs, dock, centre, raise, carry, lower, leave or held."""
 RETRIES = ("back_off", "stand_back", "failed")
 """The phases after an attempt that failed."""
+_TOUCHES_M = 1e-4  # a vertex no farther above its palm touches it; soft contacts are compressed
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +106,15 @@ def stages(job: FloorJob, robot: str) -> list[tuple[str, float, float]]:
             start = found.pop()[1]
         found.append((stage, start, phase.end_s))
     return found
+
+
+def contacts_on_palms(scene: Scene, trace: xr.Dataset) -> NDArray[np.float64]:
+    """The contact coordinates of a job's trace (n, 2) [m]; NaN: nothing is on this palm."""
+    p, above = (
+        trace[name].transpose("time", "side").to_numpy() for name in ("contact", "vertex_height")
+    )
+    half = [0.5 * scene.palm_of(side).length_m for side in SIDES]
+    return np.where((np.abs(p) <= half) & (above < _TOUCHES_M), p, np.nan)
 
 
 def floor_job(scene: Scene, measured: Any) -> FloorJob:

@@ -10,23 +10,27 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
 
+from palmbots._types import SIDES
 from palmbots.control.registry import describe
 from palmbots.errors import PalmbotsError
 from palmbots.scene.placement import placements
 from palmbots.scene.spec import to_spec
+from palmbots.simulation.floor_job import MEANINGS, contacts_on_palms
 from palmbots.viz.side_view import COLOURS, Moment, Stage
 from palmbots.viz.side_view_scene import Message
 from palmbots.viz.style import controller_title
-from palmbots.viz.timeline import correction_bars
+from palmbots.viz.timeline import correction_bars, message_news, stage_bars
 from palmbots.viz.video_files import check_video, write_video
 
 if TYPE_CHECKING:
+    from palmbots.simulation.floor_job import FloorJob
     from palmbots.simulation.result import Carry
 
 _MESSAGE_SHOWN_S = 0.4
@@ -95,6 +99,9 @@ def stage_at(carry: Carry, rows: np.ndarray, speedup: int = 1) -> tuple[Stage, l
     chosen = trace.isel(time=rows).transpose("time", "side", missing_dims="ignore")
     case, sign = chosen["case"].to_numpy(), chosen["sign"].to_numpy()
     motion, contact = chosen["motion"].to_numpy(), chosen["contact"].to_numpy()
+    job = carry.floor_job
+    if job is not None:
+        contact = contacts_on_palms(carry.scene, chosen)
     messages = _messages_shown(carry, times[rows])
     ending = carry.outcome if carry.reason is None else f"{carry.outcome}: {carry.reason}"
     moments = [
@@ -108,20 +115,37 @@ def stage_at(carry: Carry, rows: np.ndarray, speedup: int = 1) -> tuple[Stage, l
             message=messages[k],
             ending=ending if row == len(times) - 1 else None,
             good=carry.outcome == "delivered",
+            does=None if job is None else _doing(job, float(times[row])),
         )
         for k, row in enumerate(rows)
     ]
     name = controller_title(carry.controller)
     title = f"{name}, seed {carry.seed}" + (f", {speedup} × real time" if speedup > 1 else "")
     cases = (carry.controller_entry or describe(carry.controller)).cases
-    stage = Stage(spec, placement, correction_bars(carry), float(times[-1]), title, cases)
+    bars = correction_bars(carry) if job is None else stage_bars(job)
+    stage = Stage(spec, placement, bars, float(times[-1]), title, cases)
     return stage, moments
 
 
+def _doing(job: FloorJob, time: float) -> tuple[str, str]:
+    """What each robot does in a job on the floor, as briefly as its meaning can be said."""
+    left, right = (
+        next(p.phase for p in reversed(job.phases) if p.robot == side and p.start_s <= time + 1e-9)
+        for side in SIDES
+    )
+    return _briefly(left), _briefly(right)
+
+
+def _briefly(phase: str) -> str:
+    return re.split(r"[;,]| until ", MEANINGS[phase])[0]
+
+
 def _messages_shown(carry: Carry, times: np.ndarray) -> list[Message | None]:
-    """The message to show at each time: the newest one, if it is recent."""
+    """The message to show at each time: the newest one, if it is recent. In a job on the floor, two
+    radios send beacons all the time; only those with new content are shown."""
     shown: list[Message | None] = [None] * len(times)
-    for message in carry.message_log:
+    is_job = carry.floor_job is not None
+    for message in (m for m, is_news in message_news(carry) if is_news or not is_job):
         first, last = np.searchsorted(times, [message.sent_s, message.sent_s + _MESSAGE_SHOWN_S])
         text = message.kind if message.received_s is not None else f"{message.kind} (lost)"
         for k in range(int(first), int(last)):

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
 from palmbots._types import SIDES, Side
-from palmbots.simulation.floor_job import stages
+from palmbots.simulation.floor_job import contacts_on_palms, stages
 from palmbots.viz.style import DROP, HATCH, HUE, INK, LINE, QUIET, ZERO, axis_label
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from palmbots.simulation.floor_job import FloorJob
     from palmbots.simulation.result import Carry
 
-_TOUCHES_M = 1e-4  # a vertex no farther above its palm touches it; soft contacts are compressed
 _NOTE: dict[str, Any] = {
     "xycoords": ("axes fraction", "data"), "textcoords": "offset points", "va": "top"
 }  # fmt: skip
@@ -61,12 +60,9 @@ def contact_reach(view: PanelView) -> float:
 
 def _contact(view: PanelView, side: Side) -> np.ndarray:
     """Contact coordinate [m]; NaN where a job on the floor has nothing on this palm."""
-    p = view.series("contact", side)
     if view.carry.floor_job is None:
-        return p
-    half = 0.5 * view.carry.scene.palm_of(side).length_m
-    on_palm = (np.abs(p) <= half) & (view.series("vertex_height", side) < _TOUCHES_M)
-    return np.where(on_palm, p, np.nan)
+        return view.series("contact", side)
+    return contacts_on_palms(view.carry.scene, view.trace)[:, SIDES.index(side)]
 
 
 def draw_stages(panel: Axes, view: PanelView, job: "FloorJob") -> None:

@@ -5,6 +5,7 @@ The upper part shows the robots and the object to scale (`side_view_scene`). Bel
 for each palm (contact coordinate, zero zone, palm ends) and a time axis with all corrections.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -56,7 +57,7 @@ class Moment:
     case: tuple[str, str]  #: empty for none
     sign: tuple[int, int]
     motion: tuple[int, int]
-    contact: tuple[float, float]  #: m
+    contact: tuple[float, float]  #: m; NaN: nothing is on this palm
     message: Message | None
     ending: str | None  #: text of the outcome in the last frame
     good: bool  #: whether the outcome is a delivery
@@ -91,7 +92,13 @@ class Stage:
         image = self._backdrop.copy()
         left, right = moment.case
         world, notes = self._world.draw(
-            moment.row, (bool(left), bool(right)), moment.motion, moment.message
+            moment.row,
+            (bool(left), bool(right)),
+            [
+                None if math.isnan(p) else motion
+                for motion, p in zip(moment.motion, moment.contact, strict=True)
+            ],
+            moment.message,
         )
         image.paste(world, (0, _TOP))
         draw = ImageDraw.Draw(image)
@@ -186,10 +193,14 @@ class Stage:
     def _point(self, draw: ImageDraw.ImageDraw, moment: Moment) -> None:
         """Pointers on the gauges and on the time axis."""
         for k, side in enumerate(SIDES):
-            x, y, p = self._gauge_x(k, moment.contact[k]), self._gauge_y, moment.contact[k] * 1e3
-            draw.polygon([(x, y - 2), (x - 6, y - 13), (x + 6, y - 13)], INK)
+            p, y = moment.contact[k], self._gauge_y
+            where = "nothing on it"
+            if not math.isnan(p):
+                x = self._gauge_x(k, p)
+                draw.polygon([(x, y - 2), (x - 6, y - 13), (x + 6, y - 13)], INK)
+                where = f"p = {p * 1e3:+.1f} mm"
             sign = {-1: "−", 0: "0", 1: "+"}[moment.sign[k]]
-            text = f"p = {p:+.1f} mm   sensor {sign}".replace("-", "−")
+            text = f"{where}   sensor {sign}".replace("-", "−")
             draw.text((self._gauge_x(k, 0.0), y - 18), text, HUE[side], _font(13), anchor="ms")
         x = self._time_x(moment.time)
         draw.line((x, self._line_y - 21, x, self._line_y + 21), INK, 2)

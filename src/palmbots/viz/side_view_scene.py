@@ -6,6 +6,7 @@ midpoint of the pivots. A sloping floor is drawn with its slope.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -88,9 +89,14 @@ class WorldView:
         self._cos, self._sin = math.cos(angle), math.sin(angle)
 
     def draw(
-        self, row: int, busy: tuple[bool, bool], motion: tuple[int, int], message: Message | None
+        self,
+        row: int,
+        busy: tuple[bool, bool],
+        motion: Sequence[int | None],
+        message: Message | None,
     ) -> tuple[Image.Image, list[Note]]:
-        """The picture of one row, WIDTH by `height` pixels, and what is to be written into it."""
+        """The picture of one row, WIDTH by `height` pixels, and what is to be written into it. The
+        motion of a contact is None where there is none."""
         camera = float(self.placement.pivot[row, :, 0].mean())
         image = Image.new("RGB", (WIDTH * _FINE, self.height * _FINE), BACKGROUND)
         brush = _Brush(ImageDraw.Draw(image), self, row, camera)
@@ -100,8 +106,9 @@ class WorldView:
         brush.object()
         for k, side in enumerate(SIDES):
             brush.palm(k, side)
-        for k in range(2):
-            brush.contact(k, motion[k])
+        for k, moves in enumerate(motion):
+            if moves is not None:
+                brush.contact(k, moves)
         if message is not None:
             notes.append(brush.message(message))
         return image.reduce(_FINE), notes

@@ -17,11 +17,14 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.control.registry import describe
+from palmbots.simulation.floor_job import stages
 from palmbots.viz.style import BACKGROUND, DROP, HATCH, HUE, INK, LEADER, QUIET, RULE
 
 if TYPE_CHECKING:
+    from palmbots.simulation.floor_job import FloorJob
     from palmbots.simulation.result import Carry, Message
 
 _ROW = {"left": 1.0, "right": -1.0}
@@ -32,6 +35,7 @@ _MARKERS: dict[str, Any] = {
     "TiltUp": "^", "Ack": "o", "TiltDown": "v", "Closing": "s", "Raised": "D", "Hello": ".",
     "Plus": "^", "PlusShallow": 6, "Zero": "o", "Minus": "v", "MinusShallow": 7,
 }  # fmt: skip
+_OF_TABLE = frozenset(_core.lift_messages)
 _OTHER = "P"  # marker of kinds that are not in the table
 
 
@@ -56,14 +60,17 @@ def assign_label_rows(
 def message_news(carry: "Carry") -> Iterator[tuple["Message", bool]]:
     """Every message, and whether it differs from the one before of its sender.
 
-    A controller that is not periodic repeats nothing, so all its messages are news.
+    A controller that is not periodic repeats nothing, so all its messages are news. The table of a
+    job on the floor sends beacons by a radio of its own.
     """
     is_periodic = describe(carry.controller).is_periodic
-    last = {"left": "", "right": ""}
+    last: dict[tuple[str, bool], str] = {}
     for message in carry.message_log:
-        is_news = not is_periodic or message.kind != last[message.sender]
-        yield message, is_news
-        last[message.sender] = message.kind
+        is_of_table = message.kind in _OF_TABLE
+        radio = message.sender, is_of_table
+        repeats = is_periodic or is_of_table
+        yield message, not repeats or message.kind != last.get(radio)
+        last[radio] = message.kind
 
 
 def message_key(carry: "Carry") -> list[Line2D]:
@@ -160,6 +167,11 @@ def correction_bars(carry: "Carry") -> list[Bar]:
         for first, last in runs(carry.trace["case"].sel(side=row).to_numpy() == "c"):
             bars.append(Bar(row, row, times[first], times[last], "(c)", True))
     return sorted(bars, key=lambda bar: bar.start)
+
+
+def stage_bars(job: "FloorJob") -> list[Bar]:
+    """The stages of a job on the floor."""
+    return [Bar(side, side, a, b, name, False) for side in SIDES for name, a, b in stages(job, side)]
 
 
 def runs(flags: np.ndarray) -> list[tuple[int, int]]:
