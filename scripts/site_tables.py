@@ -51,7 +51,7 @@ sys.path.insert(0, str(ROOT / "verify"))
 from model_check import Run, claims_of, runs  # noqa: E402
 
 # The page does not have the analysis of jobs on the floor (palmbots.mechanics.lifting). It has what
-# the analysis finds with these heels, and changes no other keys but those on which it does not depend.
+# the analysis finds with these heels, and changes other keys only if it does not read them.
 HEELS_M = (0.0, 0.002, 0.012)
 FREE_IN_JOBS = (
     "robot.noise_m_s", "radio.loss", "radio.outages", "faults.script", "bumps.pushes", "task.dock",
@@ -328,17 +328,18 @@ def checked_jobs(scenes: Iterable[str]) -> list[dict[str, Any]]:
     for name, target, heel in product(scenes, (None, *object_names()), (None, *HEELS_M)):
         given = {"object": target, "palm.heel_m": heel}
         changes = {key: value for key, value in given.items() if value is not None}
+        refusal = ""
+        warnings: tuple[str, ...] = ()
         try:
             job = lifting(load_scene(name, changes))
         except SceneError as error:
-            said = [str(error)], ()
+            refusal = str(error)
         else:
             if job is None:
                 continue
-            said = job.refusals, job.warnings
-        found.append(
-            {"scene": name, "changes": changes, "refusal": "".join(said[0][:1]), "warnings": said[1]}
-        )
+            refusal = job.refusals[0] if job.refusals else ""
+            warnings = () if refusal else job.warnings
+        found.append({"scene": name, "changes": changes, "refusal": refusal, "warnings": warnings})
     return found
 
 
@@ -361,8 +362,8 @@ def robot() -> dict[str, Any]:
 
 
 def counterexamples() -> dict[str, Any]:
-    """All pinned counterexamples. A robot has the number of its state in words, and what is false or
-    empty is left out: they are a large part of the page."""
+    """All pinned counterexamples. A robot has the number of its state in words. What is false or
+    empty is left out, because they are a large part of the page."""
     folder = ROOT / "verify" / "counterexamples"
     found = [
         counterexample(path) for path in sorted(folder.glob("*.txt"), key=lambda path: path.stem)

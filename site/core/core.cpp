@@ -128,13 +128,11 @@ PAGE_EXPORT(object) const double* object() {
 // scene's own is not longer; the friction coefficients of both palms; whether the object is a pipe;
 // whether the job begins or ends on the floor; the height of the floor over the pivots [m].
 PAGE_EXPORT(scene_facts) const double* scene_facts() {
-  answer = {page_scene.timeout,
-            page_scene.is_too_long() ? page_scene.longest_timeout() : 0.0,
-            scene.palms[left].friction,
-            scene.palms[right].friction,
-            scene.width > 0 ? 0.0 : 1.0,
-            uses_floor(scene) ? 1.0 : 0.0,
-            floor_level(scene)};
+  answer = {
+      page_scene.timeout,          page_scene.is_too_long() ? page_scene.longest_timeout() : 0.0,
+      scene.palms[left].friction,  scene.palms[right].friction,
+      scene.width > 0 ? 0.0 : 1.0, uses_floor(scene) ? 1.0 : 0.0,
+      floor_level(scene)};
   return give(answer);
 }
 
@@ -179,9 +177,8 @@ PAGE_EXPORT(run) const double* run(std::uint32_t controller, double seed) {
       controller < policy_controller && controller_infos[controller].stops_in_silence;
   const auto whole = static_cast<std::uint64_t>(seed);
   page::PageTeam team = team_of(controller, whole);
-  carry = uses_floor(scene)
-              ? page::record_job(scene, whole, std::move(team), stops_in_silence)
-              : page::record(scene, whole, std::move(team), forks, stops_in_silence);
+  carry = uses_floor(scene) ? page::record_job(scene, whole, std::move(team), stops_in_silence)
+                            : page::record(scene, whole, std::move(team), forks, stops_in_silence);
   return give(carry.metrics);
 }
 PAGE_EXPORT(rows) const double* rows() { return give(carry.rows); }
@@ -263,16 +260,16 @@ const double* touch_floor(double theta_left, double theta_right, double driven_l
                           double driven_right, double raised, double friction,
                           std::uint32_t has_right) {
   touched = page::TouchedState::on_floor(
-      scene, {{theta_left, theta_right}, {driven_left, driven_right}, raised, friction,
-              has_right != 0});
+      scene,
+      {{theta_left, theta_right}, {driven_left, driven_right}, raised, friction, has_right != 0});
   answer.clear();
   touched.append(answer);
   return give(answer);
 }
 // What is wrong, why the palms stopped early, why they were not moved, and what touches, one a line.
 PAGE_EXPORT(touched_text) const char* touched_text() {
-  answer_text = touched.problem() + "\n" + touched.end() + "\n" + touched.refusal() + "\n" +
-                touched.kinds();
+  answer_text =
+      touched.problem() + "\n" + touched.end() + "\n" + touched.refusal() + "\n" + touched.kinds();
   return answer_text.c_str();
 }
 // The contact modes that may occur while the palms move: velocities of the pivots [m/s] and spins,

@@ -230,8 +230,7 @@ inline RecordedCarry record(const Spec& spec, std::uint64_t seed, PageTeam team,
                             const std::vector<Fork>& forks, bool stops_in_silence) {
   PageCarry carry(spec, seed, std::move(team), PageRecorder(true));
   carry.run(forks);
-  return kept_of(spec, detail::end_of(carry), carry.midpoint(), stops_in_silence,
-                 carry.recorder());
+  return kept_of(spec, detail::end_of(carry), carry.midpoint(), stops_in_silence, carry.recorder());
 }
 
 // The same of a job that begins or ends on the floor.

@@ -107,6 +107,9 @@ void bind_world(nb::module_& m) {
           "check", [](const W& w) { return name_of(w.check()); },
           "Why the object is not held here; empty if it is.")
       .def(
+          "start_refusal", [](const W& w) { return refusal_of_start(w.check()); },
+          "Why the object cannot begin here among walls and stands; empty if it can.")
+      .def(
           "shift",
           [](W& w, std::size_t side, double by) {
             if (side > 1) throw std::out_of_range("side is 0 or 1");

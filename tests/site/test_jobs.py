@@ -15,7 +15,7 @@ from palmbots.simulation.floor_job import MEANINGS, STAGES
 from site_pages import ROOT, Open, assert_reproduced, go, hash_of
 
 sys.path.insert(0, str(ROOT / "scripts"))
-from site_tables import FREE_IN_JOBS, HEELS_M  # noqa: E402
+from site_tables import FREE_IN_JOBS, HEELS_M
 
 # A value of each key on which the analysis does not depend.
 FREE: dict[str, object] = {

@@ -15,8 +15,10 @@ from PIL import Image, ImageSequence
 import palmbots as pb
 from palmbots import viz
 from palmbots.errors import PalmbotsError
-from palmbots.viz.animation import save_animation
+from palmbots.simulation.floor_job import MEANINGS
+from palmbots.viz.animation import save_animation, stage_at
 from palmbots.viz.gif import GifWriter, palette
+from palmbots.viz.timeline import message_news, stage_bars
 
 
 @pytest.fixture(scope="module")
@@ -167,3 +169,30 @@ def test_interrupted_animation_leaves_no_file(tmp_path, short):
     with pytest.raises(KeyboardInterrupt):
         save_animation(short, tmp_path / "c.gif", on_progress=interrupt)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_job_on_the_floor_is_shown_by_its_phases():
+    """Each frame has the phase of each robot, no contact where nothing is on a palm, and only
+    messages with new content; the time axis has the stages."""
+    done = pb.carry("lift", "shared-sign")
+    job, trace = done.floor_job, done.trace
+    assert job is not None and trace is not None
+    times = trace["time"].to_numpy()
+    _, moments = stage_at(done, np.arange(0, len(times), 200))
+    for moment in moments:
+        for k, side in enumerate(("left", "right")):
+            phase = next(
+                p for p in job.phases if p.robot == side and p.start_s <= moment.time < p.end_s
+            )
+            assert moment.does is not None
+            assert MEANINGS[phase.phase].startswith(moment.does[k])
+            stands_off = phase.phase in ("empty", "retreat") or moment.time == 0
+            assert not stands_off or np.isnan(moment.contact[k])
+            assert phase.phase != "carry" or abs(moment.contact[k]) < 0.02
+    said: dict[str, list[str]] = {"left": [], "right": []}
+    for message, is_news in message_news(done):
+        if is_news and message.kind in ("Docking", "Under", "Centring", "Ready", "Raising"):
+            said[message.sender].append(message.kind)
+    assert said["left"] == ["Docking", "Under", "Centring", "Ready", "Raising"]
+    names = ["dock", "centre", "raise", "carry", "lower", "leave"]
+    assert [bar.text for bar in stage_bars(job)] == names + names

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "palmbots/base/number_text.hpp"
+#include "palmbots/mechanics/carry_ends.hpp"
 #include "palmbots/sim/plate_section.hpp"
 #include "palmbots/sim/task_keys.hpp"
 #include "palmbots/world/travel.hpp"
@@ -62,6 +63,19 @@ inline bool crosses(const GroundBlock& block, Vec a, Vec b, double deep) {
   cut(a.x, b.x, block.low + deep, block.high - deep);
   cut(a.y, b.y, -std::numeric_limits<double>::infinity(), block.height - deep);
   return begin < end;
+}
+
+// Why an object cannot begin where it stands among walls and stands; empty: it can. `found`: what
+// ends its motion there.
+inline std::string refusal_of_start(DropReason found) {
+  if (found == DropReason::none) return "";
+  const char* what = found == DropReason::flush     ? "would be in a wall or in a stand"
+                     : found == DropReason::sliding ? "slides away"
+                                                    : "falls over";
+  return sentence(
+      "floor: the object {} where it starts; allowed: walls beside it, and stands beside it or "
+      "under its COM",
+      {what});
 }
 
 // Why palms may not travel like this; empty: they may. `when` begins the refusal. It looks at short

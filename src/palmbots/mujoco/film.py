@@ -25,6 +25,7 @@ from palmbots.mujoco.edge_contacts import edges_of, fit_edges
 from palmbots.mujoco.engine import check_offscreen, mujoco, offscreen
 from palmbots.mujoco.mjcf import camera_height, mjcf
 from palmbots.mujoco.overlay import Overlay
+from palmbots.simulation.floor_job import phase_at
 from palmbots.viz.style import BACKGROUND, DROP, HUE, INK, ZERO
 from palmbots.viz.video_files import check_video, write_video
 
@@ -65,6 +66,7 @@ class VideoRenderer:
         )
         self._ending = carry.outcome if carry.reason is None else f"{carry.outcome}: {carry.reason}"
         self._good = carry.outcome == "delivered"
+        self._job = carry.floor_job
         self.name = f"{carry.controller}, seed {carry.seed}, MuJoCo" + _sloped(carry)
         self._size = size
         self._renderer = offscreen(self._model, size)
@@ -130,7 +132,11 @@ class VideoRenderer:
     def _robot_text(self, row: int, k: int) -> str:
         case = str(self._case[row, k]).strip()
         sign = "−0+"[int(self._sign[row, k]) + 1]
-        return f"{SIDES[k]}: sensor {sign}" + (f", case ({case})" if case else "")
+        phase = ""
+        if self._job is not None:
+            name = phase_at(self._job, SIDES[k], float(self._times[row]))
+            phase = f"{name.replace('_', ' ')}, "
+        return f"{SIDES[k]}: {phase}sensor {sign}" + (f", case ({case})" if case else "")
 
 
 def check_film(path: str | os.PathLike[str]) -> None:

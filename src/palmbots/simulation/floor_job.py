@@ -108,6 +108,12 @@ def stages(job: FloorJob, robot: str) -> list[tuple[str, float, float]]:
     return found
 
 
+def phase_at(job: FloorJob, robot: str, time_s: float) -> str:
+    """The phase of a robot at a time."""
+    began = (p.phase for p in reversed(job.phases) if p.robot == robot and p.start_s <= time_s)
+    return next(began)
+
+
 def contacts_on_palms(scene: Scene, trace: xr.Dataset) -> NDArray[np.float64]:
     """The contact coordinates of a job's trace (n, 2) [m]; NaN: nothing is on this palm."""
     p, above = (

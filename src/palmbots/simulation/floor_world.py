@@ -36,7 +36,6 @@ _MOST_DEG = 80.0
 _PALMS = ("left palm", "right palm")
 _ABSENT_M = 100.0  # how far away a palm is that there is not
 _MOST_FALLS = 100
-_WHY = {"flush": "would be in a wall or in a stand", "sliding": "slides away"}
 _LONGEST_TURN = math.radians(1.0)  # of a palm that follows the floor, in one piece of a motion
 
 
@@ -126,11 +125,8 @@ class FloorWorld:
         left, right = (_ABSENT_M if gap is None else gap for gap in gaps_m)
         pivots, com = _core.standing_start(spec, angles, (left, right))
         self._world.put(pivots, angles, com, 0.0)
-        if blocks_of(spec) and (why := self._world.check()):
-            raise PalmbotsError(
-                f"floor: the object {_WHY.get(why, 'falls over')} where it starts; allowed: walls "
-                "beside it, and stands beside it or under its COM"
-            )
+        if blocks_of(spec) and (why := self._world.start_refusal()):
+            raise PalmbotsError(why)
         self._check_palms(pivots, angles, (((0, 0), (0, 0)), angles), "at the start")
 
     def _grounds_near(self) -> list[str]:

@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image
 
-from palmbots._types import SIDES
 from palmbots.control.registry import describe
 from palmbots.errors import PalmbotsError
 from palmbots.scene.placement import placements
 from palmbots.scene.spec import to_spec
-from palmbots.simulation.floor_job import MEANINGS, contacts_on_palms
+from palmbots.simulation.floor_job import MEANINGS, contacts_on_palms, phase_at
 from palmbots.viz.side_view import COLOURS, Moment, Stage
 from palmbots.viz.side_view_scene import Message
 from palmbots.viz.style import controller_title
@@ -107,7 +106,7 @@ def stage_at(carry: Carry, rows: np.ndarray, speedup: int = 1) -> tuple[Stage, l
     moments = [
         Moment(
             row=k,
-            time=float(times[row]),
+            time=time,
             case=(str(case[k, 0]).strip(), str(case[k, 1]).strip()),
             sign=(int(sign[k, 0]), int(sign[k, 1])),
             motion=(int(motion[k, 0]), int(motion[k, 1])),
@@ -115,9 +114,9 @@ def stage_at(carry: Carry, rows: np.ndarray, speedup: int = 1) -> tuple[Stage, l
             message=messages[k],
             ending=ending if row == len(times) - 1 else None,
             good=carry.outcome == "delivered",
-            does=None if job is None else _doing(job, float(times[row])),
+            does=None if job is None else (_doing(job, "left", time), _doing(job, "right", time)),
         )
-        for k, row in enumerate(rows)
+        for k, (row, time) in enumerate(zip(rows, times[rows].tolist(), strict=True))
     ]
     name = controller_title(carry.controller)
     title = f"{name}, seed {carry.seed}" + (f", {speedup} × real time" if speedup > 1 else "")
@@ -127,17 +126,9 @@ def stage_at(carry: Carry, rows: np.ndarray, speedup: int = 1) -> tuple[Stage, l
     return stage, moments
 
 
-def _doing(job: FloorJob, time: float) -> tuple[str, str]:
-    """What each robot does in a job on the floor, as briefly as its meaning can be said."""
-    left, right = (
-        next(p.phase for p in reversed(job.phases) if p.robot == side and p.start_s <= time + 1e-9)
-        for side in SIDES
-    )
-    return _briefly(left), _briefly(right)
-
-
-def _briefly(phase: str) -> str:
-    return re.split(r"[;,]| until ", MEANINGS[phase])[0]
+def _doing(job: FloorJob, robot: str, time: float) -> str:
+    """What a robot does in a job on the floor, without until when and why."""
+    return re.split(r"[;,]| until ", MEANINGS[phase_at(job, robot, time)])[0]
 
 
 def _messages_shown(carry: Carry, times: np.ndarray) -> list[Message | None]:

@@ -171,7 +171,11 @@ def correction_bars(carry: "Carry") -> list[Bar]:
 
 def stage_bars(job: "FloorJob") -> list[Bar]:
     """The stages of a job on the floor."""
-    return [Bar(side, side, a, b, name, False) for side in SIDES for name, a, b in stages(job, side)]
+    return [
+        Bar(side, side, start, end, name, False)
+        for side in SIDES
+        for name, start, end in stages(job, side)
+    ]
 
 
 def runs(flags: np.ndarray) -> list[tuple[int, int]]:
