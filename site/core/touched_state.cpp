@@ -90,6 +90,7 @@ TouchedState TouchedState::on_floor(const Spec& given, const FloorState& state) 
     if (side == right && !state.has_right) {  // for the picture, beside the object
       pivot.x = 2 * pose.at.x - world.pivot(left).x;
       at.configuration.separation = pivot.x - world.pivot(left).x;
+      at.configuration.contacts[right] = 0;
     }
     here.pivots_[side] = pivot - pose.at;
     at.height[side] = pivot.y;

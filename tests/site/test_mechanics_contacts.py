@@ -111,8 +111,12 @@ def assert_report(page: Page) -> list[str]:
         world = floor_world(page)
         first = world.contact_modes(0.01, -0.01)
         held, count = first.held, len(first.contacts)
+        is_alone = page.locator("#theta-right").count() == 0
         for motion, given in FLOOR_MOTIONS.items():
-            assert_modes(page, motion, world.contact_modes(**given).modes)
+            if is_alone and motion.startswith("right"):
+                expect(page.locator(f"#motion-{motion}")).to_have_count(0)
+            else:
+                assert_modes(page, motion, world.contact_modes(**given).modes)
     else:
         given = state_of(page)
         found = pb.contact_modes(**given)
@@ -249,6 +253,39 @@ def test_palms_drive_and_rise_on_the_floor(open_page: Open) -> None:
     page.locator("#floor-friction").fill("0.6")
     assert report(page) != before
     assert_report(page)
+
+
+def test_a_wall_in_place_of_the_right_palm(open_page: Open) -> None:
+    """It is drawn, dragged and reported, and neither the object nor the palm may be in it."""
+    page = open_page("#mechanics")
+    page.locator("#one-palm-and-a-wall").click()
+    assert assert_report(page) == ["vertex", "wall", "wall"]
+    before = pictures(page, "state-picture")
+    drag(page, "wall", 30, 20)
+    assert pictures(page, "state-picture") != before
+    assert "at_m%22%3A0.065" not in page.evaluate("location.hash")
+    assert_report(page)
+    page.locator("#driven-left").fill("300")
+    expect(page.locator(".over .refusal")).to_have_text(
+        "floor.walls[0]: on the way, the left palm would be in the wall; allowed: places outside it"
+    )
+    page.locator("#driven-left").fill("0")
+    held = page.locator(".command").inner_text()
+    drag(page, "wall", -150, 0)
+    expect(page.locator(".over .refusal")).to_contain_text("would be in a wall or in a stand")
+    assert page.locator(".command").inner_text() == held
+
+
+def test_an_object_on_a_stand(open_page: Open) -> None:
+    page = open_page(hash_of("mechanics", {"scene": "plate", "v.floor": 1}))
+    page.locator("#surroundings").select_option("on a stand")
+    assert assert_report(page) == ["stand", "stand"]
+    drag(page, "stand-right", 40, -20)
+    assert_report(page)
+    page.locator("#driven-left").fill("40")
+    assert_report(page)
+    page.locator("#surroundings").select_option("alone")
+    assert "floor.stands" not in page.locator(".command").inner_text()
 
 
 def test_palms_that_cannot_go_on_say_why(open_page: Open) -> None:

@@ -5,7 +5,7 @@ import {
   MOST_DRIVEN, MOST_RAISED, contact, driven, floorFriction, half, isAlone, isPipe, onFloor, raised, setContact, setDriven, setRaised,
   setTheta, theta,
 } from "./mechanics_state";
-import { KINDS, choose, kind } from "./surroundings";
+import { KINDS, type Kind, choose, kind } from "./surroundings";
 import { setExtra, setExtraFlag, setForAll, valuesOf } from "../shared/state";
 import { tables } from "../shared/tables";
 
@@ -61,13 +61,11 @@ export function ShapeFields() {
         on a floor
       </label>
       {onFloor.value && (
-        <label class="field" title="A wall stands in place of the right palm, a stand below the object">
-          <span>with</span>
-          <select id="surroundings" value={kind.value}
-            onChange={(event) => choose(event.currentTarget.value as (typeof KINDS)[number])}>
-            {KINDS.map((one) => <option>{one}</option>)}
-          </select>
-        </label>
+        <select id="surroundings" aria-label="the object on the floor" value={kind.value}
+          title="A wall takes the place of the right palm"
+          onChange={(event) => choose(event.currentTarget.value as Kind)}>
+          {KINDS.map((one) => <option>{one}</option>)}
+        </select>
       )}
     </div>
   );

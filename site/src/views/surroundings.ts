@@ -16,8 +16,8 @@ export interface Block {
   height: number;
 }
 
-type Kind = "nothing else" | "a wall" | "a stand";
-export const KINDS: Kind[] = ["nothing else", "a wall", "a stand"];
+export const KINDS = ["alone", "with a wall", "on a stand"] as const;
+export type Kind = (typeof KINDS)[number];
 
 const DRAWN_WALL = 0.05; // thickness of a wall in the picture
 const DRAWN_HEIGHT = 0.5; // of an endless wall
@@ -38,7 +38,7 @@ const stands = computed((): Block[] => listed("floor.stands").map(({ from_m, to_
 }));
 export const blocks = computed(() => [...walls.value, ...stands.value]);
 export const kind = computed((): Kind =>
-  walls.value.length > 0 ? "a wall" : stands.value.length > 0 ? "a stand" : "nothing else");
+  walls.value.length > 0 ? "with a wall" : stands.value.length > 0 ? "on a stand" : "alone");
 
 // The same list with other values of the first entry.
 function change(key: string, values: { [name: string]: number }): void {
@@ -53,19 +53,19 @@ function setStand(from: number, to: number, height: number): void {
   change("floor.stands", { from_m: fine(low), to_m: fine(high), height_m: Math.max(0.001, fine(height)) });
 }
 
-// A wall 5 mm beside the object, or a stand below its middle.
+// A wall 5 mm beside the object, or a stand below it that is 5 mm wider on each side.
 export function choose(chosen: Kind): void {
   const { vertices, com } = core.peek()!.object(scene.peek());
   const [low, high] = [Math.min, Math.max].map((most) => most(...vertices.map(([x]) => x! - com[0]))) as [number, number];
   const { "floor.walls": _walls, "floor.stands": _stands, ...next } = overrides.peek();
-  if (chosen === "a wall") next["floor.walls"] = [{ at_m: fine(sense() * (high + 0.005)), height_m: 0.12 }];
-  if (chosen === "a stand") {
-    const ends = [low + 0.04, high - 0.04].map((x) => fine(sense() * x)).sort((a, b) => a - b);
+  if (chosen === "with a wall") next["floor.walls"] = [{ at_m: fine(sense() * (high + 0.005)), height_m: 0.12 }];
+  if (chosen === "on a stand") {
+    const ends = [low - 0.005, high + 0.005].map((x) => fine(sense() * x)).sort((a, b) => a - b);
     next["floor.stands"] = [{ from_m: ends[0]!, to_m: ends[1]!, height_m: 0.05 }];
   }
   batch(() => {
     overrides.value = next;
-    setExtraFlag("alone", chosen === "a wall");
+    setExtraFlag("alone", chosen === "with a wall");
     for (const name of ["dl", "dr", "up"]) setExtra(name, "", "");
   });
 }
