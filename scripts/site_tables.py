@@ -220,7 +220,7 @@ def tables() -> dict[str, Any]:
     scenes = {
         name: meaning
         for name, meaning in built_in_meanings("scenes").items()
-        if {(task := load_scene(name).task).model_dump()["from"], task.to} == {"palms"}
+        if load_scene(name).task.ends == ("palms", "palms")
     }
     objects = built_in_meanings("objects")
     return {
