@@ -48,9 +48,7 @@ def refusals(scene: Scene, found: Lifting) -> Iterator[str]:
 
 def _where(found: Lifting) -> str:
     if found.picks_up:
-        return (
-            "while the noses are on the floor, where the pivots of the palms are at different heights"
-        )
+        return "while the noses are on the floor, where the pivots are at different heights"
     return "in the air, where the contacts are centred"
 
 
@@ -156,8 +154,8 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
     """What may end it."""
     if (found.picks_up or found.from_stand_m is not None) and 1 not in found.where_centred:
         yield (
-            f"property 1 does not hold {_where(found)}: corrections may never centre both contacts, "
-            "or lose the object"
+            f"property 1 does not hold {_where(found)}: corrections may never centre both "
+            "contacts, or lose the object"
         )
     for side in SIDES if found.picks_up else ():
         own, partner = found.palms[side], SIDES[1 - SIDES.index(side)]
