@@ -25,7 +25,7 @@ struct GroundBlock {
   double high;
   double height;
   double friction;
-  double gap = 0.0;  // between its two halves, across the path
+  double gap = 0.0;  // between its two halves, across the path; 0: none
 };
 
 // The floor, then walls (endless behind their faces) and stands.
@@ -43,7 +43,7 @@ inline std::vector<GroundBlock> ground_blocks(const FloorSpec& spec) {
   }
   for (std::size_t k = 0; k < spec.stand_count; ++k) {
     const auto& [from, to, height, friction, gap] = spec.stands[k];
-    add("stand", k, from, to, height, friction, gap);
+    add("stand", k, from, to, height, friction, gap < 0 ? 0.0 : gap);
   }
   return blocks;
 }

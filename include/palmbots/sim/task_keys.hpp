@@ -148,14 +148,14 @@ struct StandSpec {
   double to = 0.0;
   double height = 0.001;
   double friction = -1.0;  // negative: that of the floor
-  double gap = 0.0;        // between the halves, across the path
+  double gap = -1.0;       // between the halves, across the path; negative: none
 };
 inline constexpr Key stand_keys[] = {
     number<&StandSpec::from>("from_m", Unit::m, -10, 10),
     number<&StandSpec::to>("to_m", Unit::m, -10, 10),
     number<&StandSpec::height>("height_m", Unit::m, 0.001, 10),
     number<&StandSpec::friction>("friction", Unit::none, 0, 5),
-    number<&StandSpec::gap>("gap_m", Unit::m, 0, 10),
+    number<&StandSpec::gap>("gap_m", Unit::m, 0.001, 10),
 };
 
 // What stands still around object and palms.

@@ -42,7 +42,7 @@ class Block:
     height_m: float
     friction: float
     gap_m: float = 0.0
-    """Between its two halves, across the path."""
+    """Between its two halves, across the path; 0: it has no gap."""
 
     def part(self, behind_m: float, height_m: float) -> tuple[float, float, float]:
         """From where to where it is, and its height, at most this far behind the face of a wall and
@@ -123,8 +123,9 @@ def _refuse_stand(scene: Scene, spec: _core.Spec, key: str, on: str) -> None:
             f"an entry of floor.stands with from_m < {place} < to_m"
         )
     if not _lets_robots_pass(scene, stand):
+        given = f"value is {stand.gap_m:g}" if stand.gap_m > 0 else "is not set"
         raise SceneError(
-            f"{stand.key}.gap_m: value is {stand.gap_m:g}, and robots of {_WIDTH:g} m pass between "
+            f"{stand.key}.gap_m: {given}, and robots of {_WIDTH:g} m pass between "
             f"its halves; allowed: at least {_least_gap(scene):g}, and less than object.depth_m"
         )
     if stand.gap_m >= scene.object.depth_m:

@@ -81,8 +81,8 @@ class Stand(Section):
     """Height of its top above the floor."""
     friction: float | None = key("floor.stands[].friction")
     """Coulomb coefficient between object and stand. Not set: that of the floor."""
-    gap_m: float = key("floor.stands[].gap_m")
-    """Distance between its two halves, across the path. 0: it has no gap."""
+    gap_m: float | None = key("floor.stands[].gap_m")
+    """Distance between its two halves, across the path. Not set: it has no gap."""
 
 
 class Floor(Section):
