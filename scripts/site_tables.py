@@ -232,7 +232,12 @@ def required_mode(number: int) -> str:
 
 def tables() -> dict[str, Any]:
     """Everything."""
-    scenes = built_in_meanings("scenes")
+    # The page does not draw stands with a gap.
+    scenes = {
+        name: meaning
+        for name, meaning in built_in_meanings("scenes").items()
+        if "stand" not in load_scene(name).task.ends
+    }
     objects = built_in_meanings("objects")
     return {
         "version": __version__,

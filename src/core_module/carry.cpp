@@ -269,7 +269,8 @@ void bind_carry(nb::module_& m) {
   m.attr("lift_messages") = lift_messages;
   nb::dict phases_of_states;
   for (int i = 0; i < Lifting::states; ++i) {
-    const bool low = Lifting::role(static_cast<Lifting::State>(i)).arm == ArmMove::follow;
+    const auto state = static_cast<Lifting::State>(i);
+    const bool low = Lifting::role(state).arm == ArmMove::follow || Lifting::on_trial.has(state);
     const CarryPhase phase = low ? CarryPhase::low : CarryPhase::held;
     phases_of_states[Lifting::meanings[i].name] =
         carry_phase_words[static_cast<std::size_t>(phase)][0];

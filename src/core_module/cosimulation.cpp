@@ -25,9 +25,11 @@ class AnyCoSimulation {
   virtual void observe(const WorldObservation& observation) = 0;
   virtual bool done() const = 0;
   virtual const PerSide<double>& speeds() const = 0;
-  // Where the arms are at the end of the tick [m], and whether they follow the floor.
+  // Where the arms are at the end of the tick [m], whether a nose is on the floor or the object may
+  // touch a stand, and whether they follow the floor.
   virtual PerSide<double> heights() const = 0;
   virtual PerSide<bool> are_low() const = 0;
+  virtual PerSide<bool> follow_floor() const = 0;
   virtual Run run() = 0;
 };
 
@@ -49,6 +51,10 @@ class CoSimulationOf : public AnyCoSimulation {
   }
   PerSide<bool> are_low() const override {
     if constexpr (has_arms) return {job_.is_low(left), job_.is_low(right)};
+    return {};
+  }
+  PerSide<bool> follow_floor() const override {
+    if constexpr (has_arms) return {job_.follows_floor(left), job_.follows_floor(right)};
     return {};
   }
   Run run() override {
@@ -195,12 +201,13 @@ void bind_cosimulation(nb::module_& m) {
       .def_prop_ro(
           "arms",
           [](const CoSimulationHandle& c) {
-            return std::pair(pair_of(c.cosimulation->heights()),
-                             pair_of(c.cosimulation->are_low()));
+            return std::tuple(pair_of(c.cosimulation->heights()),
+                              pair_of(c.cosimulation->are_low()),
+                              pair_of(c.cosimulation->follow_floor()));
           },
-          "Of a job on the floor, after step_controllers(): (heights of the pivots [m] at the end "
-          "of "
-          "the tick, whether each arm follows the floor).")
+          "Of a job on the floor or on a stand, after step_controllers(): (heights of the pivots "
+          "[m] at the end of the tick, whether a nose is on the floor or the object may touch a "
+          "stand, whether each arm follows the floor).")
       .def(
           "observe",
           [](CoSimulationHandle& c, const WorldObservation& observation) {

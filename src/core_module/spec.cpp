@@ -174,7 +174,8 @@ void bind_spec(nb::module_& m) {
             s.arms[left] = arms.first;
             s.arms[right] = arms.second;
           })
-      .def_prop_ro("uses_floor", &uses_floor, "Whether the job begins or ends on the floor.")
+      .def_prop_ro("uses_floor", &uses_floor,
+                   "Whether the job begins or ends on the floor or on a stand.")
       .def_prop_rw(
           "start", [](const Spec& s) { return std::pair(s.start[left], s.start[right]); },
           [](Spec& s, std::pair<double, double> start) {

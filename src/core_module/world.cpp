@@ -206,12 +206,13 @@ void bind_world(nb::module_& m) {
   m.def(
       "ground_blocks",
       [](const Spec& spec) {
-        std::vector<std::tuple<std::string, std::string, Numbers2, double, double>> found;
+        std::vector<std::tuple<std::string, std::string, Numbers2, double, double, double>> found;
         for (const GroundBlock& b : ground_blocks(spec))
-          found.emplace_back(b.key, b.kind, Numbers2{b.low, b.high}, b.height, b.friction);
+          found.emplace_back(b.key, b.kind, Numbers2{b.low, b.high}, b.height, b.friction, b.gap);
         return found;
       },
-      nb::arg("spec"), "Floor, walls and stands: (key, kind, (from, to), height, friction) [m].");
+      nb::arg("spec"),
+      "Floor, walls and stands: (key, kind, (from, to), height, friction, gap) [m].");
   m.def(
       "refusal_of_way",
       [](const Spec& spec, std::pair<bool, bool> is_there, std::pair<Numbers2, Numbers2> pivots,
@@ -224,6 +225,18 @@ void bind_world(nb::module_& m) {
       nb::arg("spec"), nb::arg("is_there"), nb::arg("pivots"), nb::arg("angles"), nb::arg("by"),
       nb::arg("goals"), nb::arg("when"),
       "Why palms may not travel like this among floor, walls and stands; empty: they may.");
+  m.def(
+      "stand_heights",
+      [](const Spec& spec, std::size_t side, double top) {
+        const StandHeights heights = StandHeights::of(spec, side, top);
+        return Numbers2{heights.low, heights.clear};
+      },
+      nb::arg("spec"), nb::arg("side"), nb::arg("top"),
+      "Heights of the pivot of a steep palm below an object on a stand of this height: at which it "
+      "touches the object nowhere, and at which it touches it with its inner end at the latest "
+      "[m].");
+  m.def("standing_level", &standing_level, nb::arg("spec"), nb::arg("moved") = 0.0,
+        "Height of what is under the object at its start, or after it moved so far [m].");
   m.def("standing_refusal", &standing_refusal, nb::arg("spec"),
         "Why the object does not stand on its two contact vertices; empty: it does.");
   m.def(

@@ -7,6 +7,8 @@ The starts are the first ones with margin of `lift_agreement`, which takes longe
 import pytest
 
 from lift_agreement import exact_end, keys_of, mujoco_end, yaw_of
+from random_stands import random_stand
+from sampled import sampled
 
 # Ends that differ, with robots askew by up to 2°, of these 20 starts.
 DIFFERS = {134}
@@ -17,12 +19,26 @@ STARTS = (
 )  # fmt: skip
 
 
+# Those of the first random jobs from a stand or onto one that are neither refused nor warned about.
+STAND_STARTS = (
+    6, 8, 12, 18, 21, 30, 40, 41, 48, 55, 57, 64, 65, 66, 68, 71, 82, 87, 88,
+)  # fmt: skip
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", STARTS)
 def test_random_jobs_end_alike(seed: int) -> None:
     keys = keys_of(seed)
     same = exact_end(keys, seed) == mujoco_end(keys, seed, yaw_of(seed))
     assert same == (seed not in DIFFERS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", sampled(STAND_STARTS, 5))
+def test_random_jobs_from_stands_end_alike(seed: int) -> None:
+    keys = random_stand(seed) | {"mujoco.palm_torque_n_m": 1.0}
+    exact = exact_end(keys, seed, "stand")
+    assert exact == mujoco_end(keys, seed, yaw_of(seed), "stand") == "delivered"
 
 
 @pytest.mark.slow

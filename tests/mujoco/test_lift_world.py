@@ -92,7 +92,7 @@ def test_noses_stay_on_the_floor_while_palms_turn() -> None:
     at = world()
     for tick in range(60):
         angle = math.radians(15) - min(tick + 1, 20) * math.radians(0.5)
-        at.arms = (lowest(angle), lowest(math.radians(15))), (True, True)
+        at.arms = (lowest(angle), lowest(math.radians(15))), (True, True), (True, True)
         at.move((0.0, 0.0), (angle, STEEP[1]))
         at.sight()
         left, right = at.wrists()
@@ -147,7 +147,7 @@ def test_noses_need_the_squeeze_of_the_closed_form(nose_m: float, friction: floa
     half of the weight: both robots arrive at once and push slowly."""
     at = world({"palm.nose_m": nose_m, "palm.friction": friction})
     low = to_spec(at.scene).palms[0].lowest_pivot(STEEP[0])
-    at.arms = (low, low), (True, True)
+    at.arms = (low, low), (True, True), (True, True)
     pushes, places = [], []
     for _ in range(640):
         at.move((0.01, -0.01), STEEP)
@@ -200,7 +200,7 @@ def test_wheels_without_grip_do_not_get_under_the_object() -> None:
     """The check before the start would refuse it: the world is asked directly."""
     at = world({"robot.motor_force_n": 1.0})
     low = lowest(STEEP[0])
-    at.arms = (low, low), (True, True)
+    at.arms = (low, low), (True, True), (True, True)
     stalled = 0
     for _ in range(400):
         at.move((0.03, -0.03), STEEP)

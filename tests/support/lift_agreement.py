@@ -67,14 +67,16 @@ def end_of(scene: Scene, measured: Any) -> str:
     )
 
 
-def exact_end(keys: dict[str, Any], seed: int) -> str:
-    scene = load_scene("lift", keys)
+def exact_end(keys: dict[str, Any], seed: int, name: str = "lift") -> str:
+    scene = load_scene(name, keys)
     return end_of(scene, _core.run(to_spec(scene), CONTROLLER, seed, "double", False))
 
 
-def mujoco_end(keys: dict[str, Any], seed: int, yaw_deg: tuple[float, float]) -> str:
+def mujoco_end(
+    keys: dict[str, Any], seed: int, yaw_deg: tuple[float, float], name: str = "lift"
+) -> str:
     """The same in MuJoCo, where robots stand askew; no check before the start."""
-    scene = load_scene("lift", keys)
+    scene = load_scene(name, keys)
     ready = Prepared(
         scene, resolve(CONTROLLER), world_entry("mujoco"), to_spec(scene), None, warnings=()
     )

@@ -19,6 +19,7 @@ namespace {
 TableTimes<Lifting> times{};
 int top = 0;
 int step_height = 1;
+bool on_stand = false;
 constexpr int kinds = 32;  // of messages; a word is one, and the steps of an arm
 static_assert(palmbots::all_message_kinds <= kinds);
 
@@ -53,8 +54,9 @@ std::uint8_t steps(int side) { return static_cast<std::uint8_t>(pair.height[side
 // The robot after a step.
 mind stepped(int side, int heard, int reading) {
   TableRobot<Lifting> robot = awake(side);
-  robot.clock().own.senses = {reading != NOTHING, is_there(side), reading == FAR_THERE,
-                              steps(side)};
+  const bool is_beneath = reading == BENEATH || reading == FAR_THERE;
+  robot.clock().own.senses = {reading != NOTHING && reading != BENEATH, is_there(side),
+                              reading == FAR_THERE, steps(side), on_stand && is_beneath};
   const Sign sign = reading == OUTWARD                           ? Sign::positive
                     : reading == CENTRED || reading == FAR_THERE ? Sign::zero
                                                                  : Sign::negative;
@@ -71,6 +73,7 @@ void move_arm(int side) {
     case ArmMove::rise: height = static_cast<unsigned char>(height + (height < top)); break;
     case ArmMove::sink: height = static_cast<unsigned char>(height - (height > 0)); break;
     case ArmMove::hold:
+    case ArmMove::reach:  // heights are measured from where it touches
     case ArmMove::follow: break;
   }
 }
@@ -86,8 +89,9 @@ extern "C" {
 
 struct pair pair;
 
-void set_program(int cycles, int reach, int height, int step) {
+void set_program(int cycles, int reach, int height, int step, int from_stand) {
   set_lease(cycles);
+  on_stand = from_stand != 0;
   // Ages are counted here; a controller gets a fresh message or none.
   times = {1, 1, palmbots::table_limits<Lifting>({0, 0, 0.1 * reach, 0}, 1)};
   top = height;

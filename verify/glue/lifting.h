@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of jobs that begin or end on the floor, as shipped (palmbots/control/lifting.hpp): plain C
+/* The table of jobs that begin or end on the floor or on a stand, as shipped (palmbots/control/lifting.hpp): plain C
  * around palmbots/control/table_robot.hpp.
  */
 #ifndef PALMBOTS_VERIFY_LIFTING_H
@@ -11,8 +11,9 @@
 extern "C" {
 #endif
 
-/* What a robot may feel in a step; FAR_THERE: that it has travelled the distance of its task. */
-enum { NOTHING, INWARD, CENTRED, OUTWARD, FAR_THERE, READINGS };
+/* What a robot may feel in a step; BENEATH: that it is below an object on a stand, which its palm does
+ * not touch; FAR_THERE: that it has travelled the distance of its task. */
+enum { NOTHING, INWARD, CENTRED, OUTWARD, FAR_THERE, BENEATH, READINGS };
 
 /* palmbots::TableRobot without its times, and without the message that it hears. */
 struct mind {
@@ -24,13 +25,15 @@ struct mind {
 
 struct pair {
   struct mind mind[2];
-  unsigned char height[2]; /* of the pivots over the floor, in cycles of motion */
+  unsigned char height[2]; /* of the pivots over the floor, or over where they were when
+                            * the palms touched the object on a stand, in cycles of motion */
 };
 extern struct pair pair;
 
 /* The limits of the table follow from `reach` (palmbots::TableTiming); arms carry at the height `top`,
- * and a step of the table is so high. All times in cycles, `reach` in tenths of one. The right robot leads. */
-void set_program(int lease, int reach, int top, int step);
+ * and a step of the table is so high. All times in cycles, `reach` in tenths of one. The right robot
+ * leads. `from_stand`: the object is on a stand at first. */
+void set_program(int lease, int reach, int top, int step, int from_stand);
 /* The left robot stands by until the right one is under the object. */
 void one_first(void);
 void robot_boot(int side);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Two robots in a job that begins or ends on the floor: the shipped table (palmbots/control/lifting.hpp),
+/* Two robots in a job that begins or ends on the floor or on a stand: the shipped table (palmbots/control/lifting.hpp),
  * called as C.
  *
  * One turn of the loop is one cycle: a step of each robot in either order, and the motion of its arm.
@@ -42,6 +42,7 @@ c_code {
 
 byte ARMED;  /* sum of the above */
 byte FIRST;  /* 1: one robot docks first */
+byte STAND;  /* 1: the object is on a stand at first */
 byte LEASE;  /* cycles for which a message counts */
 byte DELAY;  /* cycles that a message takes at most when the radio is calm */
 byte REACH;  /* tenths of a cycle, from which the limits of the table follow */
@@ -159,6 +160,7 @@ active proctype cycle()
     c_code {
       now.ARMED = parameter("ARMED");
       now.FIRST = parameter("FIRST");
+      now.STAND = parameter("STAND");
       now.LEASE = parameter("LEASE");
       now.DELAY = parameter("DELAY");
       now.REACH = parameter("REACH");
@@ -169,7 +171,7 @@ active proctype cycle()
       now.NOTICE = parameter("NOTICE");
       now.CALMS = parameter("CALMS");
       now.reboots = parameter("REBOOTS");
-      set_program(now.LEASE, now.REACH, now.TOP, now.STEP);
+      set_program(now.LEASE, now.REACH, now.TOP, now.STEP, now.STAND);
       robot_boot(LEFT);
       robot_boot(RIGHT);
       if (now.FIRST) one_first();

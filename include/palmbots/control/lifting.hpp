@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The phases of a job that begins or ends on the floor, as a table: both robots pick the object up,
-// carry it and put it down. One table for both robots; each runs it beside its controller.
+// The phases of a job that begins or ends on the floor or on a stand, as a table: both robots pick
+// the object up, carry it and put it down. One table for both robots; each runs it beside its
+// controller.
 //
 // A robot's controller corrects the contact as in any carry, from `centre` to `lower`, and drives
 // along the path in `carry` only. Before and after, the table drives the wheels itself.
@@ -9,12 +10,16 @@
 //             waits there with its brakes on; the object slides along its palm, to the heel if need
 //             be, while the partner gets under it
 //   stand_by  one robot first: the other one begins here and docks when the first one is under
+//   touch     from a stand: when the robot has reached its place below the object by its odometry,
+//             its arm rises until a switch closes, and holds (`meet`, `poised`) until its partner's
+//             does. Contacts are not centred there: a palm that moved outward would only lose its own
 //   centre    both are under it: the ordinary corrections, still on the floor
 //   raise     an arm moves only while a message younger than the lease says that the partner is
 //             ready, or moves as well, and never more than a step ahead of its partner's: a robot
 //             that loses messages again and again would fall behind. So do both arms that lower
 //   leave     both palms away, one of them steep, until nothing presses them. The last one is steep:
-//             so it drags the object least
+//             so it drags the object least. On a stand nothing presses them then: the arms have sunk
+//             until the palms are clear of the object
 //
 // A robot knows −, 0, + and whether a switch is closed at all, its timers, its odometry, and what its
 // partner said within the lease. It cannot notice that its wheels stall. Every wait on the floor has
@@ -37,16 +42,19 @@ namespace palmbots {
 
 // What an arm is commanded to do.
 enum class ArmMove : std::uint8_t {
-  follow,  // the nose of the palm rests on the floor, also while the palm turns
+  follow,  // the nose of the palm rests on the floor, also while the palm turns; or, at a stand, the
+           // palm is below the object
+  reach,   // up until something presses the palm
   hold,
   rise,  // to the height at which the pair carries
-  sink,  // until the nose is on the floor
+  sink,  // until the nose is on the floor, or the palm below the top of a stand
 };
 
 // Who commands palm and wheels in a state.
 enum class Driver : std::uint8_t {
   table,
   controller_in_place,  // which does not travel
+  while_pressed,        // the same while something presses the palm; otherwise the wheels stand
   controller,
 };
 
@@ -55,9 +63,12 @@ struct LiftSenses {
   bool touches = false;     // a switch is closed
   bool arm_there = false;   // the arm has reached the height last commanded
   bool far_enough = false;  // it has travelled the distance of the task
-  // How many steps its arm is above the height at which it stands on the floor. Between, it is on its
-  // way to the next step up, or down to this one.
+  // How many steps its arm is above the height at which it stands on the floor, at which its palm
+  // touched an object on a stand, or to which it sinks there. Between, it is on its way to the next
+  // step up, or down to this one.
   std::uint8_t steps = 0;
+  // By its odometry, it has reached its place below an object on a stand in this attempt.
+  bool beneath = false;
 
   constexpr bool operator==(const LiftSenses&) const = default;
 };
@@ -92,8 +103,12 @@ struct LiftMemory {
   constexpr void meet(TableConditions<B>& met, const auto&, const auto& robot,
                       const auto&...) const {
     met.touches = senses.touches;
-    const bool travels = robot.now().message == MessageKind::carrying;
-    met.reached = travels ? senses.far_enough : senses.arm_there;
+    switch (robot.now().message) {
+      case MessageKind::carrying: met.reached = senses.far_enough; break;
+      case MessageKind::docking:
+      case MessageKind::holding: met.reached = senses.beneath; break;
+      default: met.reached = senses.arm_there;
+    }
     met.gave_up = tries >= most_tries;
     const MessageKind heard = robot.clock().heard();
     const bool partner_rises = heard == MessageKind::ready || heard == MessageKind::raising;
@@ -138,10 +153,13 @@ struct Lifting {
     failed,
     held,
     stand_by,
+    touch,
+    meet,
+    poised,
   };
   using S = State;
   using M = MessageKind;
-  static constexpr int states = 23;
+  static constexpr int states = 26;
   static constexpr State initial = S::dock;
 
   // The name of each state, and its meaning for people.
@@ -170,6 +188,9 @@ struct Lifting {
       {"held", "holds everything after a boot, until it hears its partner"},
       {"stand_by",
        "stands beside the object with its brakes on, until its partner's palm is under it"},
+      {"touch", "is below an object on a stand; raises its arm until its palm touches the object"},
+      {"meet", "its palm touches an object on a stand; waits for its partner's"},
+      {"poised", "both palms touch the object on the stand; waits for its partner to be ready"},
   };
 
   enum class Limit : std::uint8_t { dock, wait, centre, leave, back };
@@ -227,6 +248,9 @@ struct Lifting {
       /* failed        */ {' ', stands, M::backing},
       /* held          */ {' ', stands, M::holding},
       /* stand_by      */ {' ', stands_shallow, M::docking, wait},
+      /* touch         */ {' ', stands, M::docking, wait},
+      /* meet          */ {' ', stands, M::under, wait},
+      /* poised        */ {' ', stands, M::ready},
   };
 
   // What arm and controller do in each state.
@@ -245,8 +269,8 @@ struct Lifting {
       /* up            */ {ArmMove::hold, Driver::controller_in_place},
       /* carry         */ {ArmMove::hold, Driver::controller},
       /* arrived       */ {ArmMove::hold, Driver::controller_in_place},
-      /* lower         */ {ArmMove::sink, Driver::controller_in_place},
-      /* lower_hold    */ {ArmMove::hold, Driver::controller_in_place},
+      /* lower         */ {ArmMove::sink, Driver::while_pressed},
+      /* lower_hold    */ {ArmMove::hold, Driver::while_pressed},
       /* down          */ {ArmMove::follow, Driver::table},
       /* leave_steep   */ {ArmMove::follow, Driver::table},
       /* leave_shallow */ {ArmMove::follow, Driver::table},
@@ -258,20 +282,31 @@ struct Lifting {
       /* failed        */ {ArmMove::follow, Driver::table},
       /* held          */ {ArmMove::hold, Driver::controller_in_place},
       /* stand_by      */ {ArmMove::follow, Driver::table},
+      /* touch         */ {ArmMove::reach, Driver::table},
+      /* meet          */ {ArmMove::hold, Driver::table},
+      /* poised        */ {ArmMove::hold, Driver::table},
   };
 
   using P = ContactCondition;
   using Set = EnumSet<State>;
-  static constexpr Set on_trial = {S::dock,  S::under,    S::centre,
-                                   S::ready, S::recentre, S::stand_by};
+  static constexpr Set on_trial = {S::dock,     S::under, S::centre, S::ready, S::recentre,
+                                   S::stand_by, S::touch, S::meet,   S::poised};
   static constexpr Set docking = {S::dock, S::stand_by};
   static constexpr Set leaving = {S::leave_steep, S::leave_shallow};
+  // In these a robot puts the object down, or has put it down.
+  static constexpr Set ending = {S::arrived,     S::lower,         S::lower_hold, S::down,
+                                 S::leave_steep, S::leave_shallow, S::empty,      S::retreat,
+                                 S::done};
   // In one of these states the partner may have raised its arm, or the object has been put down. A robot
   // stores that.
-  static constexpr Set assisting = Set::all() - Set{S::dock,     S::under,      S::centre, S::stand_by,
-                                                    S::back_off, S::stand_back, S::failed};
+  static constexpr Set assisting =
+      Set::all() - Set{S::dock,     S::under,      S::centre, S::stand_by,
+                       S::back_off, S::stand_back, S::failed, S::touch,
+                       S::meet};
   static constexpr State initial_assisting = S::held;
   static constexpr MessageSet raised = {M::raising, M::lifted};
+  static constexpr MessageSet is_under = {M::under,   M::centring, M::ready,
+                                          M::raising, M::lifted,   M::holding};
   static constexpr MessageSet joins = {M::centring, M::ready, M::raising, M::lifted, M::holding};
   static constexpr MessageSet rises = {M::ready, M::raising, M::lifted, M::carrying};
   static constexpr MessageSet landed = {M::down, M::leaving, M::empty, M::backing};
@@ -283,12 +318,17 @@ struct Lifting {
       // in state      contact          hears                                  if               go to
       {on_trial,       P::any,          M::backing,                            {},              S::back_off},
       // pick up
+      {S::dock,        P::any,          any_message,                           If::reached,     S::touch},
       {docking,        P::not_negative, any_message,                           If::touches,     S::under},
       {S::stand_by,    P::any,          M::under,                              {},              S::dock},
       {S::stand_by,    P::any,          any_message,                           If::timed_out,   S::back_off},
       {S::dock,        P::any,          any_message,                           If::timed_out,   S::back_off},
-      {S::under,       P::any,          joins,                                 {},              S::centre},
-      {S::under,       P::any,          M::under,                              {},              S::centre},
+      {S::touch,       P::any,          any_message,                           If::touches,     S::meet},
+      {S::touch,       P::any,          any_message,                           If::timed_out,   S::back_off},
+      {S::meet,        P::any,          is_under,                              {},              S::poised},
+      {S::meet,        P::any,          any_message,                           If::timed_out,   S::back_off},
+      {S::poised,      P::any,          rises,                                 {},              S::raise},
+      {S::under,       P::any,          is_under,                              {},              S::centre},
       {S::under,       P::any,          any_message,                           If::timed_out,   S::back_off},
       {S::centre,      P::zero,         joins,                     {If::turned, If::touches},   S::ready},
       {S::centre,      P::any,          any_message - raised,                  If::timed_out,   S::back_off},
@@ -330,6 +370,7 @@ struct Lifting {
       // after a boot
       {S::held,        P::any,          M::backing,                            {},              S::back_off},
       {S::held,        P::zero,         {M::ready, M::raising},    {If::turned, If::touches},   S::raise_hold},
+      {S::held,        P::any,          {M::ready, M::raising},                If::reached,     S::raise_hold},
       {S::held,        P::any,          {M::lifted, M::carrying},              {},              S::carry},
       {S::held,        P::any,          sinks,                                 {},              S::lower_hold},
   };

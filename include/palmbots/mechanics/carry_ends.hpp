@@ -32,7 +32,7 @@ inline constexpr std::size_t drop_reasons = 11;
 enum class CarryPhase : std::uint8_t {
   placed,   // before anything moves
   held,     // both palms hold the object, above the floor
-  low,      // a nose is on the floor
+  low,      // a nose is on the floor, or the object may touch a stand
   by_hand,  // palms without robots, over a floor
 };
 inline constexpr std::size_t carry_phases = 4;
@@ -40,8 +40,8 @@ inline constexpr std::size_t carry_phases = 4;
 // The name of each phase, and its meaning for users.
 inline constexpr const char* carry_phase_words[carry_phases][2] = {
     {"placed", "at the start of a carry, and after a bump"},
-    {"held", "in a carry, and in a job while both noses are off the floor"},
-    {"low", "in a job while a nose is on the floor"},
+    {"held", "in a carry, and in a job while the palms are above the floor and any stand"},
+    {"low", "in a job while a nose is on the floor, or the object may touch a stand"},
     {"by_hand", "in `FloorWorld`, and in the view Mechanics of the page"},
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job that begins or ends on the floor, in the exact world: robots with arms (sim/lift_robots.hpp),
-// and the floor in the world.
+// A job that begins or ends on the floor or on a stand, in the exact world: robots with arms
+// (sim/lift_robots.hpp), and the floor in the world.
 //
 // WHEELS. Wheels that stall (mechanics/carry_ends.hpp) stand for the rest of the tick. No robot
 // notices that. The odometry of wheels that spin counts on.
@@ -25,14 +25,14 @@ class LiftCarry : public LiftRobots<Inner, Recorder> {
     model.safe_reach = -1;  // that of level pivots
     model.surroundings = surroundings_of(spec);
     world_ = world_of(spec, model, seed);
-    spec.begins_on == StandsOn::floor ? stand() : hold();
+    is_given() ? hold() : stand();
     first_ = world_.pose().at;
-    set_phase(spec.begins_on != StandsOn::floor);
+    set_phase(is_given());
     note_phases(0.0);
   }
 
   void run() {
-    metrics_.reason = spec_.begins_on == StandsOn::floor ? DropReason::none : world_.check();
+    metrics_.reason = is_given() ? world_.check() : DropReason::none;
     while (!this->done()) {
       recorder_.make_room();
       tick();
@@ -53,7 +53,10 @@ class LiftCarry : public LiftRobots<Inner, Recorder> {
       Base::spec_;
   using Base::think, Base::tick_;
 
-  // The object stands on the floor, and the noses are beside it.
+  // Whether both palms hold the object from the start.
+  bool is_given() const { return spec_.begins_on == StandsOn::palms; }
+
+  // The object stands on the floor or on a stand, and the noses are beside it.
   void stand() {
     const StandingStart start = StandingStart::of(spec_);
     world_.put(start.pivots, {spec_.palms[left].steep, spec_.palms[right].steep},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Co-simulation of a job that begins or ends on the floor: its robots (sim/lift_robots.hpp) without a
-// world, for an external simulator. The protocol is that of `CoSimulation`; the simulator moves the
-// arms as well.
+// Co-simulation of a job that begins or ends on the floor or on a stand: its robots
+// (sim/lift_robots.hpp) without a world, for an external simulator. The protocol is that of
+// `CoSimulation`; the simulator moves the arms as well.
 #pragma once
 
 #include <utility>
@@ -21,7 +21,7 @@ class LiftCoSimulation : public LiftRobots<Inner> {
       : Base(spec, seed, std::move(inner), true), slack_(slack), observation_(first) {
     for (const std::size_t side : {left, right})
       set_points_[side] = PalmAngle<double>::at(spec.palms[side].steep);
-    if (spec.begins_on != StandsOn::floor)
+    if (spec.begins_on == StandsOn::palms)
       this->hold_at(0.5 * (first.heights[left] + first.heights[right]));
     metrics_.reason = first.reason;
     robots_.midpoint = first.midpoint;

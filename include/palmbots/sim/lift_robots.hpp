@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The robots of a job that begins or ends on the floor, whatever moves the object: robots, radio and
-// controllers as in any carry (sim/robot_pair.hpp), with arms beside wheels and wrists, and phases.
+// The robots of a job that begins or ends on the floor or on a stand, whatever moves the object:
+// robots, radio and controllers as in any carry (sim/robot_pair.hpp), with arms beside wheels and
+// wrists, and phases.
 //
 // ARMS. An arm that follows the floor is compliant: the nose rests on the floor, however fast the palm
 // turns. Otherwise the height of the pivot changes at the arm's rate at most. An arm that rises stops
 // at its height with an error that is constant in a job. A step of the table is what an arm moves in a
 // lease and a delay. Measured from where each stands on the floor, two arms that move differ by a step
-// and a tick at most, which the model checker proves (docs/theory/verification.md).
+// and a tick at most, which the model checker proves (docs/theory/verification.md). At a stand heights
+// are measured from where each palm touched the object, or from below the object.
 //
 // SWITCHES. A palm's switches feel what lies on its top side, and what presses the heel as the outer
 // end. They do not feel what touches the nose. Where nothing presses, a robot reads −.
@@ -58,15 +60,31 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
       const double share = 2 * ((words[rank(side)] + 0.5) / whole) - 1;
       carry_height_[side] = spec.arms[side].carry_height + share * spec.arms[side].height_error;
       floor_[side] = spec.palms[side].lowest_pivot(sin_cos(spec.palms[side].steep));
+      for (const bool ends : {false, true}) {
+        lowest_[ends][side] = floor_[side];
+        if (!is_stand(ends)) continue;
+        const double top = standing_level(spec, ends ? spec.direction * spec.distance : 0.0);
+        const StandHeights heights = StandHeights::of(spec, side, top);
+        lowest_[ends][side] = heights.low;
+        clear_[side] = larger(clear_[side], heights.clear);
+      }
+      if (is_stand(false)) way_below_[side] = StandingStart::of(spec).way_below(spec, side);
     }
-    height_ = floor_;
+    height_ = lowest_[false];
+    lifted_from_ = height_;
   }
 
   Recorder& recorder() { return recorder_; }
   std::vector<PerSide<double>> take_heights() { return std::move(heights_); }
   const std::vector<LiftPhase>& phases() const { return phases_; }
-  // Whether an arm follows the floor.
-  bool is_low(std::size_t side) const { return team_.arm(side) == ArmMove::follow; }
+  // Whether a nose is on the floor, or the object may touch a stand.
+  bool is_low(std::size_t side) const {
+    const ArmMove arm = team_.arm(side);
+    return arm == ArmMove::follow || arm == ArmMove::reach || height_[side] < clear_[side];
+  }
+  bool follows_floor(std::size_t side) const {
+    return team_.arm(side) == ArmMove::follow && !is_stand(is_ending(side));
+  }
 
  protected:
   using Base::close, Base::metrics_, Base::rank, Base::read, Base::robots_, Base::seed_;
@@ -90,8 +108,12 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
       senses[side].touches = pressed[side];
       senses[side].arm_there = arm_there_[side];
       senses[side].far_enough = travelled_[side] >= spec_.distance;
-      senses[side].steps = static_cast<std::uint8_t>(
-          std::floor(larger(height_[side] - floor_[side], 0.0) / step_height_));
+      const double zero = is_ending(side) ? lowest_[true][side] : lifted_from_[side];
+      senses[side].steps =
+          static_cast<std::uint8_t>(std::floor(larger(height_[side] - zero, 0.0) / step_height_));
+      if (team_.state(side) == State::back_off) is_beneath_[side] = false;
+      is_beneath_[side] |= is_stand(false) && mirrored(side, rolled_[side]) >= way_below_[side];
+      senses[side].beneath = is_beneath_[side];
       // Nothing presses: no false reading either.
       felt_[side] = pressed[side] ? places[side] : 0.0;
       if (!pressed[side]) places[side] = -half;
@@ -116,16 +138,24 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
     const double most = spec_.arms[side].rate * spec_.period;
     double goal = larger(height_[side], floor);
     arm_there_[side] = true;
+    const bool ends = is_ending(side);
+    const double bottom = is_stand(ends) ? larger(lowest_[ends][side], floor) : floor;
     switch (team_.arm(side)) {
-      case ArmMove::follow: goal = floor; break;
+      case ArmMove::follow:
+        goal = is_stand(ends) ? larger(height_[side] - most, bottom) : floor;
+        break;
+      case ArmMove::reach:
+        goal = larger(smaller(height_[side] + most, clear_[side]), floor);
+        lifted_from_[side] = goal;
+        break;
       case ArmMove::hold: break;
       case ArmMove::rise:
         goal = larger(smaller(height_[side] + most, carry_height_[side]), floor);
         arm_there_[side] = goal >= carry_height_[side];
         break;
       case ArmMove::sink:
-        goal = larger(height_[side] - most, floor);
-        arm_there_[side] = goal <= floor;
+        goal = larger(height_[side] - most, bottom);
+        arm_there_[side] = goal <= bottom;
         break;
     }
     return goal - height_[side];
@@ -133,10 +163,11 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
 
   // The wheels of a robot have rolled so far towards +x in this tick [m].
   void count_travel(std::size_t side, double by) {
+    rolled_[side] += by;
     if (team_.state(side) == State::carry) travelled_[side] += spec_.direction * by;
   }
 
-  // `stands`: the object is on the floor alone.
+  // `stands`: no palm touches the object.
   void end_tick(DropReason reason, double fraction, bool stands) {
     if (reason != DropReason::none) {
       metrics_.reason = reason;
@@ -174,13 +205,24 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   }
   bool both(State state) const { return team_.state(left) == state && team_.state(right) == state; }
   bool is_done(bool stands) const {
-    if (spec_.ends_on == StandsOn::floor) return both(State::done) && stands;
+    if (spec_.ends_on != StandsOn::palms) return both(State::done) && stands;
     return both(State::arrived) || both(State::lower);
   }
+
+  bool is_stand(bool ends) const {
+    return (ends ? spec_.ends_on : spec_.begins_on) == StandsOn::stand;
+  }
+  bool is_ending(std::size_t side) const { return Lifting::ending.has(team_.state(side)); }
 
   bool records_;
   double step_height_;              // of the table's steps [m]
   PerSide<double> floor_{};         // the pivot of a steep palm on the floor [m]
+  PerSide<double> lowest_[2]{};     // to which an arm sinks at either end of the job [m]
+  PerSide<double> clear_{};         // above it, the object touches no stand [m]
+  PerSide<double> lifted_from_{};   // where each palm touched the object [m]
+  PerSide<double> way_below_{};     // until a palm is below an object on a stand [m]
+  PerSide<double> rolled_{};        // since the start, towards +x [m]
+  PerSide<bool> is_beneath_{};      // see LiftSenses
   PerSide<double> carry_height_{};  // at which each arm stops rising [m]
   PerSide<double> travelled_{};     // while carrying, in the direction of travel [m]
   PerSide<double> felt_{};          // where each palm is pressed; 0: nowhere [m]

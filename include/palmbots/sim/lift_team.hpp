@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The team of a job that begins or ends on the floor: any team of a carry, with the table that lifts
-// (control/lifting.hpp) beside the controller of each robot.
+// The team of a job that begins or ends on the floor or on a stand: any team of a carry, with the
+// table that lifts (control/lifting.hpp) beside the controller of each robot.
 //
 // The messages of the table travel by a radio of their own, with the properties of the scene's; what
 // both send at the same time does not collide. While the table drives a robot, the controller sees a
@@ -27,7 +27,7 @@ class LiftTeam {
         expects_turns(inner.expects_turns),
         inner_(std::move(inner)),
         phases_(phases_of(spec, seed)) {
-    if (spec.begins_on == StandsOn::floor) {
+    if (spec.begins_on != StandsOn::palms) {
       if (spec.docking == Docking::one_first)
         phases_.wake(1 - leader_of(spec)).enter(State::stand_by);
       return;
@@ -55,7 +55,7 @@ class LiftTeam {
     const PerSide<Command>& given = inner_.step(tick, shown, log);
     for (const std::size_t side : {left, right}) {
       commands_[side] = driver(side) == Driver::table ? own[side] : given[side];
-      if (driver(side) == Driver::controller_in_place) commands_[side].stop = true;
+      if (driver(side) != Driver::controller) commands_[side].stop = true;
     }
     count_messages();
     return commands_;
@@ -101,7 +101,12 @@ class LiftTeam {
             Faults::of(spec, seed)};
   }
 
-  Driver driver(std::size_t side) const { return Lifting::role(state(side)).driver; }
+  Driver driver(std::size_t side) const {
+    const Driver driver = Lifting::role(state(side)).driver;
+    if (driver != Driver::while_pressed) return driver;
+    const bool is_pressed = phases_.robot(side).clock().own.senses.touches;
+    return is_pressed ? Driver::controller_in_place : Driver::table;
+  }
   bool is_correcting(std::size_t side) const { return driver(side) != Driver::table; }
 
   void count_messages() {

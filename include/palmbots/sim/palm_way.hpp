@@ -26,6 +26,7 @@ struct GroundBlock {
   double high;
   double height;
   double friction;
+  double gap = 0.0;  // between its two halves, across the path; 0: none
 };
 
 // The floor, then walls (endless behind their faces) and stands.
@@ -33,17 +34,17 @@ inline std::vector<GroundBlock> ground_blocks(const FloorSpec& spec) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   std::vector<GroundBlock> blocks{{"floor", "floor", -inf, inf, 0.0, spec.floor_friction}};
   const auto add = [&](const char* kind, std::size_t k, double low, double high, double height,
-                       double friction) {
+                       double friction, double gap = 0.0) {
     blocks.push_back({sentence("floor.{}s[{}]", {kind, std::to_string(k)}), kind, low, high, height,
-                      friction < 0 ? spec.floor_friction : friction});
+                      friction < 0 ? spec.floor_friction : friction, gap});
   };
   for (std::size_t k = 0; k < spec.wall_count; ++k) {
     const auto& [at, height, friction] = spec.walls[k];
     add("wall", k, at < 0 ? -inf : at, at < 0 ? at : inf, height, friction);
   }
   for (std::size_t k = 0; k < spec.stand_count; ++k) {
-    const auto& [from, to, height, friction] = spec.stands[k];
-    add("stand", k, from, to, height, friction);
+    const auto& [from, to, height, friction, gap] = spec.stands[k];
+    add("stand", k, from, to, height, friction, gap < 0 ? 0.0 : gap);
   }
   return blocks;
 }
@@ -101,6 +102,7 @@ inline std::string refusal_of_way(const FloorSpec& floor, const PalmSpec (&palms
       PlateSection plate = plate_section(palms[side], palms[side].thickness);
       for (Vec& corner : plate) corner = frames[side].origin + frames[side].to_world(corner);
       for (const GroundBlock& block : blocks) {
+        if (block.gap > 0.0) continue;  // palms pass between its halves
         for (std::size_t i = 0; i < plate.size(); ++i) {
           const Vec next = plate[(i + 1) % plate.size()];
           if (!crosses(block, plate[i], next, dips * palms[side].length)) continue;

@@ -53,9 +53,10 @@ struct Spec : ObjectSpec,
   }
 };
 
-// Whether the job begins or ends on the floor; otherwise the object is on the palms all the time.
+// Whether the job begins or ends on the floor or on a stand; otherwise the object is on the palms all
+// the time.
 inline bool uses_floor(const Spec& spec) {
-  return spec.begins_on == StandsOn::floor || spec.ends_on == StandsOn::floor;
+  return spec.begins_on != StandsOn::palms || spec.ends_on != StandsOn::palms;
 }
 
 // The side of the robot that leads, that is the front one in the direction of travel.

@@ -172,7 +172,7 @@ inline constexpr double most_floor_time = 60;
 inline double time_limit_of(const SceneValues& scene) {
   if (scene.has<"task.timeout_s">()) return scene.of<"task.timeout_s">();
   const double floor_time =
-      most_floor_time * (scene.of<"task.from">() + scene.of<"task.to">());  // 1 each: floor
+      most_floor_time * ((scene.of<"task.from">() > 0) + (scene.of<"task.to">() > 0));
   double speed = std::numeric_limits<double>::infinity();
   double speedup = 0;
   for (const std::size_t side : {left, right}) {

@@ -14,17 +14,32 @@ namespace palmbots {
 // Distance between the object and the inner ends where a job begins on the floor [m].
 inline constexpr double approach_distance = 0.03;
 
-// The height at which the object begins: that of the highest stand under its contact vertices, or of
-// the floor [m].
-inline double standing_level(const Spec& spec) {
+// The height at which the object begins, or ends after it moved by `moved`: that of the highest stand
+// under its contact vertices, or of the floor [m].
+inline double standing_level(const Spec& spec, double moved = 0.0) {
   double level = 0.0;
   for (std::size_t i = 0; i < spec.stand_count; ++i) {
     const StandSpec& stand = spec.stands[i];
-    if (stand.from < spec.com_right && stand.to > -spec.com_left)
+    if (stand.from < moved + spec.com_right && stand.to > moved - spec.com_left)
       level = larger(level, stand.height);
   }
   return level;
 }
+
+// Heights of the pivot of a steep palm below an object that lies level on a stand of this height [m].
+struct StandHeights {
+  double low;    // the palm touches the object nowhere, whatever the error of its height
+  double clear;  // at which it touches the object with its inner end at the latest
+
+  static StandHeights of(const Spec& spec, std::size_t side, double top) {
+    const PalmSpec& palm = spec.palms[side];
+    const SinCos<double> at = sin_cos(palm.steep);
+    const double radius = contact_radii(spec.outline)[side];
+    const double middle = top + radius - (palm.offset + radius) * at.cos;
+    const double end = 0.5 * palm.length * at.sin + spec.arms[side].height_error;
+    return {middle - end, middle + end};
+  }
+};
 
 // Positions of the pivots and of the COM, which is above x = 0; the floor is y = 0 [m].
 struct StandingStart {
@@ -54,10 +69,25 @@ struct StandingStart {
     return start;
   }
 
-  // Where a job begins: the palms are steep.
+  // Where a job begins: the palms are steep, and below the top of a stand.
   static StandingStart of(const Spec& spec) {
-    return of(spec, {spec.palms[left].steep, spec.palms[right].steep},
-              {approach_distance, approach_distance});
+    StandingStart start = of(spec, {spec.palms[left].steep, spec.palms[right].steep},
+                             {approach_distance, approach_distance});
+    if (spec.begins_on != StandsOn::stand) return start;
+    for (const std::size_t side : {left, right})
+      start.pivots[side].y = StandHeights::of(spec, side, standing_level(spec)).low;
+    return start;
+  }
+
+  // How far a robot drives from there until its steep palm is below the object, so that it touches at
+  // the contact coordinate of the scene's start [m].
+  double way_below(const Spec& spec, std::size_t side) const {
+    const PalmSpec& palm = spec.palms[side];
+    const SinCos<double> at = sin_cos(palm.steep);
+    const double lever = palm.offset + contact_radii(spec.outline)[side];
+    const double vertex = side == left ? spec.com_left : spec.com_right;
+    return outward<double>(side) * pivots[side].x - vertex + spec.start[side] * at.cos -
+           lever * at.sin;
   }
 };
 

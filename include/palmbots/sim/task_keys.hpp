@@ -141,18 +141,21 @@ inline constexpr Key wall_keys[] = {
     number<&WallSpec::friction>("friction", Unit::none, 0, 5),
 };
 
-// A block on the floor, from x to x.
+// A block on the floor, from x to x. With a gap it consists of two halves beside the path of the
+// robots.
 struct StandSpec {
   double from = 0.0;
   double to = 0.0;
   double height = 0.001;
   double friction = -1.0;  // negative: that of the floor
+  double gap = -1.0;       // between the halves, across the path; negative: none
 };
 inline constexpr Key stand_keys[] = {
     number<&StandSpec::from>("from_m", Unit::m, -10, 10),
     number<&StandSpec::to>("to_m", Unit::m, -10, 10),
     number<&StandSpec::height>("height_m", Unit::m, 0.001, 10),
     number<&StandSpec::friction>("friction", Unit::none, 0, 5),
+    number<&StandSpec::gap>("gap_m", Unit::m, 0.001, 10),
 };
 
 // What stands still around object and palms.
@@ -185,7 +188,7 @@ inline constexpr Key world_keys[] = {
 };
 
 // What an object stands on before a job, or after it.
-enum class StandsOn : std::uint8_t { palms, floor };
+enum class StandsOn : std::uint8_t { palms, floor, stand };
 
 // Which robots drive at first to get under an object on the floor: both, or the one that leads.
 enum class Docking : std::uint8_t { together, one_first };
@@ -203,7 +206,7 @@ struct TaskSpec {
   double safe_reach = -1;  // see ModelParams; −1: unknown
 };
 inline constexpr Choices direction_choices(0, "forward", "backward");
-inline constexpr Choices support_choices(0, "palms", "floor");
+inline constexpr Choices support_choices(0, "palms", "floor", "stand");
 inline constexpr Choices docking_choices(0, "together", "one-first");
 inline constexpr Key task_keys[] = {
     choice<&TaskSpec::begins_on>("from", support_choices),

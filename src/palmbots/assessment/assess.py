@@ -156,9 +156,8 @@ class Assessment(Result):
         """The verdict in one sentence: what speaks against the scene, and what to use."""
         best = best_of(self.counts)
         if best is None:
-            ends = [getattr(self.scene.task, key) for key in ("from", "to")]
-            if "floor" in ends and self.answers.carried.verdict == "no":
-                return "the object cannot be picked up from the floor and put down"
+            if self.scene.task.ends != ("palms", "palms") and self.answers.carried.verdict == "no":
+                return "the object cannot be picked up and put down"
             if self.answers.load.verdict == "no":
                 return "the object is too heavy for these robots"
             return "no carry arrives with any shipped controller"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Why a job on the floor cannot begin and what may end it, in words, from the closed forms of
-`palmbots.mechanics.lifting`."""
+"""Why a job on the floor or on a stand cannot begin and what may end it, in words, from the closed
+forms of `palmbots.mechanics.lifting`."""
 
 from __future__ import annotations
 
@@ -20,23 +20,21 @@ if TYPE_CHECKING:
 def refusals(scene: Scene, found: Lifting) -> Iterator[str]:
     """Why the job cannot begin."""
     for side in SIDES:
-        yield from _refusals_of_arm(scene, found, side)
+        if found.is_on_floor:
+            yield from _refusals_of_arm(scene, found, side)
+        yield from _refusals_of_stand(scene, found, side)
+    if found.from_stand_m is not None:
+        yield from _refusals_of_noses(found)
     if found.picks_up:
         for side in SIDES:
             yield from _refusals_of_dock(scene, found, side)
-        if found.held_gap_m < 0:
-            width, least = found.body.width, found.body.width - found.held_gap_m
-            yield (
-                f"object.vertices_m: the contact vertices are {millimetres(width)} apart, and the "
-                "noses of the palms meet below the object; allowed: at least "
-                f"{millimetres(least)}, or shorter palms (palm.length_m)"
-            )
-        missing = [n for n in (0, 2) if n not in found.on_floor]
+        yield from _refusals_of_noses(found)
+    if found.picks_up or found.from_stand_m is not None:
+        missing = [n for n in (0, 2) if n not in found.where_centred]
         if missing:
             yield (
-                f"palm.shallow_deg, palm.steep_deg: property {numbers_of(missing)} does not "
-                "hold while the noses are on the floor, where the pivots of the palms are at "
-                "different heights, so corrections lose the object; allowed: pairs of angles with "
+                f"palm.shallow_deg, palm.steep_deg: property {numbers_of(missing)} does not hold "
+                f"{_where(found)}, so corrections lose the object; allowed: pairs of angles with "
                 "which it holds"
             )
     taken = [found.palms[side].floor_friction.right for side in _keeping(scene)]
@@ -45,6 +43,22 @@ def refusals(scene: Scene, found: Lifting) -> Iterator[str]:
             f"floor.friction: value is {found.floor_friction:g}, so the palm that leaves last "
             f"takes the object along; allowed: at least {rounded_up(min(taken), 3):g}, or "
             "palm.steep_deg nearer to the friction angle"
+        )
+
+
+def _where(found: Lifting) -> str:
+    if found.picks_up:
+        return "while the noses are on the floor, where the pivots are at different heights"
+    return "in the air, where the contacts are centred"
+
+
+def _refusals_of_noses(found: Lifting) -> Iterator[str]:
+    if found.held_gap_m < 0:
+        width, least = found.body.width, found.body.width - found.held_gap_m
+        yield (
+            f"object.vertices_m: the contact vertices are {millimetres(width)} apart, and the "
+            "noses of the palms meet below the object; allowed: at least "
+            f"{millimetres(least)}, or shorter palms (palm.length_m)"
         )
 
 
@@ -76,6 +90,24 @@ def _refusals_of_arm(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
         yield (
             f"arm.carry_height_m: value is {arm.carry_height_m:g}, which does not raise the "
             f"{side} palm off the floor; allowed: more than {rounded_up(own.pivot_m.right, 4):g}"
+        )
+
+
+def _refusals_of_stand(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
+    own, arm = found.palms[side], scene.arm.of(side)
+    lowest = max(own.pivot_m.right, arm.lowest_pivot_m)
+    tops = found.from_stand_m, found.to_stand_m
+    for top, below in zip(tops, (own.below_from_m, own.below_to_m), strict=True):
+        if top is not None and below is not None and below < lowest:
+            yield (
+                f"floor.stands[].height_m: value is {top:g}, and the {side} palm does not fit "
+                f"below the object; allowed: at least {rounded_up(top + lowest - below, 4):g}"
+            )
+    least = own.clear_m + arm.height_error_m
+    if own.clear_m > 0 and arm.carry_height_m <= least:
+        yield (
+            f"arm.carry_height_m: value is {arm.carry_height_m:g}, where the object may still "
+            f"touch the stand; allowed on the {side} side: more than {rounded_up(least, 4):g}"
         )
 
 
@@ -120,10 +152,10 @@ def _refusals_of_dock(scene: Scene, found: Lifting, side: Side) -> Iterator[str]
 
 def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
     """What may end it."""
-    if found.picks_up and 1 not in found.on_floor:
+    if (found.picks_up or found.from_stand_m is not None) and 1 not in found.where_centred:
         yield (
-            "property 1 does not hold while the noses are on the floor, where the pivots are at "
-            "different heights: corrections may never centre both contacts, or lose the object"
+            f"property 1 does not hold {_where(found)}: corrections may never centre both "
+            "contacts, or lose the object"
         )
     for side in SIDES if found.picks_up else ():
         own, partner = found.palms[side], SIDES[1 - SIDES.index(side)]

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Can a scene's robots pick its object up from the floor and put it down: by what margin, and what
-limits?
+"""Can a scene's robots pick its object up from the floor or a stand and put it down: by what
+margin, and what limits?
 
 `lifting` evaluates the closed forms of `lifting_forces` for a scene whose job begins or ends on the
-floor; `check_lift` raises an error for a job that cannot work, before anything moves. Forces are
-those of the scene's object, masses of the robots are those of the MuJoCo model.
+floor or on a stand; `check_lift` raises an error for a job that cannot work, before anything moves.
+Forces are those of the scene's object, masses of the robots are those of the MuJoCo model.
 Source: docs/theory/lifting.md.
 """
 
@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import palmbots._core as _core
 from palmbots._types import SIDES, BySide, MaybeNaN
@@ -83,6 +84,13 @@ class PalmLift:
     """The least palm angle at which the wrist is not too low."""
     carry_height_m: float
     """Height of its pivot while the pair carries."""
+    below_from_m: float | None
+    """Height of its pivot below the object on the stand on which the job begins, where the palm
+    touches it nowhere; None: there is none."""
+    below_to_m: float | None
+    """The same where the job ends."""
+    clear_m: float
+    """Height of its pivot from which on the object touches no stand; 0: there is none."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +98,13 @@ class Lifting:
     """Picking up and putting down: margins and what limits."""
 
     picks_up: bool
+    """From the floor."""
     puts_down: bool
+    """On the floor."""
+    from_stand_m: float | None
+    """Height of the stand on which the job begins; None: there is none."""
+    to_stand_m: float | None
+    """The same where the job ends."""
     palms: BySide[PalmLift]
     edge_radius_m: float
     floor_friction: float
@@ -112,7 +126,7 @@ class Lifting:
     """The same if the object also has to touch the palms nowhere else."""
     arms_differ_m: float
     """The largest height difference of two arms that move together: that of the pivots on the
-    floor + rate × (lease + delay + tick) + the errors of both."""
+    floor or at a stand + rate × (lease + delay + tick) + the errors of both."""
     refusals: tuple[str, ...]
     """Why the job cannot begin."""
     warnings: tuple[str, ...]
@@ -120,6 +134,17 @@ class Lifting:
     plates: tuple[tuple[Plate, Plate], tuple[Plate, Plate]] = field(metadata=NOT_IN_JSON)
     """(left, right), shallow and steep."""
     body: Standing = field(metadata=NOT_IN_JSON)
+
+    @property
+    def is_on_floor(self) -> bool:
+        """Whether the job begins or ends on the floor."""
+        return self.picks_up or self.puts_down
+
+    @property
+    def where_centred(self) -> tuple[int, ...]:
+        """The properties that hold where both contacts are centred first: on the floor, or in the
+        air."""
+        return self.on_floor if self.picks_up else self.in_air
 
     @derived
     def works(self) -> bool:
@@ -142,10 +167,17 @@ class Lifting:
 
     def verdict_lines(self) -> Iterator[Item]:
         """Whether the job can begin, and why not."""
-        what = {(True, True): "picks up and puts down", (True, False): "picks up"}.get(
-            (self.picks_up, self.puts_down), "puts down"
+        ends = (self.picks_up, self.from_stand_m), (self.puts_down, self.to_stand_m)
+        places = [
+            "the floor" if on_floor else None if top is None else f"a stand of {millimetres(top)}"
+            for on_floor, top in ends
+        ]
+        what = " and ".join(
+            f"{does} {place}"
+            for does, place in zip(("picks up from", "puts down on"), places, strict=True)
+            if place is not None
         )
-        yield Line(verdict(self.works, "LIFTS", "FAILS"), bold(f"  the pair {what} on the floor"))
+        yield Line(verdict(self.works, "LIFTS", "FAILS"), bold(f"  the pair {what}"))
         for refusal in self.refusals:
             yield Line(refusal, indent=2)
 
@@ -154,8 +186,9 @@ class Lifting:
         yield bold("Picking up and putting down")
         heads = ("left", "right")
         yield Table(list(self._rows()), ("", *heads), right=heads)
+        on_floor = f"with the noses on the floor: {numbers_of(self.on_floor)}; "
         yield (
-            f"properties with the noses on the floor: {numbers_of(self.on_floor)}; pivots level: "
+            f"properties {on_floor if self.is_on_floor else 'with '}pivots level: "
             f"{numbers_of(self.in_air)}"
         )
         yield (
@@ -185,12 +218,21 @@ class Lifting:
         if self.puts_down:
             yield row("floor friction, leaves steep", lambda one: _number(one.floor_friction.right))
             yield row("  leaves shallow", lambda one: _number(one.floor_friction.left))
-        yield row("pivot on the floor, shallow", lambda one: _mm(one.pivot_m.left))
-        yield row("  steep", lambda one: _mm(one.pivot_m.right))
+        if self.is_on_floor:
+            yield row("pivot on the floor, shallow", lambda one: _mm(one.pivot_m.left))
+            yield row("  steep", lambda one: _mm(one.pivot_m.right))
+        if self.from_stand_m is not None:
+            yield row("pivot below the object, at first", lambda one: _mm(one.below_from_m or 0.0))
+        if self.to_stand_m is not None:
+            yield row("pivot below the object, at last", lambda one: _mm(one.below_to_m or 0.0))
+        if (self.from_stand_m, self.to_stand_m) != (None, None):
+            yield row("  least on the floor", lambda one: _mm(one.pivot_m.right))
+            yield row("pivot when clear of stands", lambda one: _mm(one.clear_m))
+            yield row("  while the pair carries", lambda one: _mm(one.carry_height_m))
 
 
 def lifting(scene: Scene) -> Lifting | None:
-    """The analysis of a scene; None: its job neither begins nor ends on the floor.
+    """The analysis of a scene; None: its job neither begins nor ends on the floor or on a stand.
 
     Raises:
         SceneError: the path is curved, or the object does not stand on its contact vertices.
@@ -199,7 +241,7 @@ def lifting(scene: Scene) -> Lifting | None:
     if not spec.uses_floor:
         return None
     check_stands(spec)
-    begins, ends = (getattr(scene.task, key) == "floor" for key in ("from", "to"))
+    tops = _tops(scene, spec)
     body = standing(spec, scene.object.mass_kg * _G)
     shallow = tuple(plate_on_floor(palm, palm.shallow) for palm in spec.palms)
     steep = tuple(plate_on_floor(palm, palm.steep) for palm in spec.palms)
@@ -207,18 +249,22 @@ def lifting(scene: Scene) -> Lifting | None:
     docks = tuple(docking(body, plates[1], side) for side in (0, 1))
     rises, centred = PivotRises(spec), PivotRises(spec, _CENTRED)
     result = Lifting(
-        picks_up=begins,
-        puts_down=ends,
+        picks_up=scene.task.ends[0] == "floor",
+        puts_down=scene.task.ends[1] == "floor",
+        from_stand_m=tops[0],
+        to_stand_m=tops[1],
         palms=BySide.of(_palm(scene, spec, body, plates, docks[k], k) for k in (0, 1)),
         edge_radius_m=body.radii[0],
         floor_friction=scene.floor.friction,
         nose_gap_m=_nose_gap(body, plates[1]),
-        held_gap_m=_held_gap(body, plates[1], [dock.needs_heel for dock in docks]),
+        held_gap_m=_held_gap(
+            body, plates[1], [dock.needs_heel and scene.task.ends[0] == "floor" for dock in docks]
+        ),
         on_floor=tuple(sorted(rises.on_floor())),
         in_air=tuple(sorted(rises.in_air())),
         permitted_rise_m=centred.permitted_m(clear=False),
         clear_rise_m=centred.permitted_m(),
-        arms_differ_m=_arms_differ(scene, spec) + _start_rise(plates),
+        arms_differ_m=_arms_differ(scene, spec) + _start_rise(scene, spec, plates),
         refusals=(),
         warnings=(),
         plates=plates,
@@ -232,7 +278,8 @@ def lifting(scene: Scene) -> Lifting | None:
 
 
 def check_lift(scene: Scene) -> tuple[str, ...]:
-    """The warnings about a job that begins or ends on the floor; none for any other job.
+    """The warnings about a job that begins or ends on the floor or on a stand; none for any other
+    job.
 
     Raises:
         SceneError: the job cannot work.
@@ -262,7 +309,8 @@ def _palm(
     shallow, steep = plates
     own, palm = steep[side], spec.palms[side]
     push, heaviest = _traction(scene, spec, body, steep, dock, side)
-    arm = scene.arm.of(SIDES[side])
+    arm, tops = scene.arm.of(SIDES[side]), _tops(scene, spec)
+    heights = partial(_core.stand_heights, spec, side)
     return PalmLift(
         nose_height_m=own.nose,
         thickest_m=body.radii[side] * (1 - math.sin(own.friction)),
@@ -284,6 +332,18 @@ def _palm(
         pivot_m=BySide(shallow[side].pivot, own.pivot),
         least_angle_deg=math.degrees(_least_angle(palm, arm.lowest_pivot_m)),
         carry_height_m=arm.carry_height_m,
+        below_from_m=None if tops[0] is None else heights(tops[0])[0],
+        below_to_m=None if tops[1] is None else heights(tops[1])[0],
+        clear_m=max((heights(top)[1] for top in tops if top is not None), default=0.0),
+    )
+
+
+def _tops(scene: Scene, spec: _core.Spec) -> tuple[float | None, float | None]:
+    """Heights of the stands on which the job begins and ends."""
+    begins, ends = (on == "stand" for on in scene.task.ends)
+    return (
+        _core.standing_level(spec) if begins else None,
+        _core.standing_level(spec, spec.direction * spec.distance) if ends else None,
     )
 
 
@@ -359,11 +419,24 @@ def _arms_differ(scene: Scene, spec: _core.Spec) -> float:
     return max(arm.rate_m_per_s for arm in arms) * late + sum(arm.height_error_m for arm in arms)
 
 
-def _start_rise(plates: tuple[tuple[Plate, Plate], tuple[Plate, Plate]]) -> float:
-    """The largest height difference of the pivots on the floor, with which both arms begin to rise;
-    later either palm may turn."""
-    left, right = ([pair[k].pivot for pair in plates] for k in (0, 1))
-    return max(max(left) - min(right), max(right) - min(left))
+def _start_rise(
+    scene: Scene, spec: _core.Spec, plates: tuple[tuple[Plate, Plate], tuple[Plate, Plate]]
+) -> float:
+    """The largest height difference of the pivots with which both arms begin to rise; later either
+    palm may turn. On the floor noses are level; on a stand contacts are."""
+    rises = [0.0]
+    if "floor" in scene.task.ends:
+        left, right = ([pair[k].pivot for pair in plates] for k in (0, 1))
+        rises += [max(left) - min(right), max(right) - min(left)]
+    for top in _tops(scene, spec):
+        if top is not None:
+            low = [_core.stand_heights(spec, k, top)[0] for k in (0, 1)]
+            touching = [
+                sum(_core.stand_heights(spec, k, top)) / 2 - spec.start[k] * math.sin(palm.steep)
+                for k, palm in enumerate(spec.palms)
+            ]
+            rises += [abs(low[1] - low[0]), abs(touching[1] - touching[0])]
+    return max(rises)
 
 
 def _mm(value: float) -> str:

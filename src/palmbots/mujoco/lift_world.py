@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scene in MuJoCo for a job that begins or ends on the floor: robots whose arms rise and sink.
+"""The scene in MuJoCo for a job that begins or ends on the floor or on a stand: robots whose arms
+rise and sink.
 
 An arm is a vertical slide. While it follows the floor, its motor aims at the height at which the
 nose of its palm just touches the floor, and presses it down with `_PRESS_N` at most. Otherwise it
@@ -32,11 +33,11 @@ Pair = tuple[float, float]
 
 
 class LiftWorld(MujocoWorld):
-    """A scene in MuJoCo whose object stands on the floor before or after the job."""
+    """A scene in MuJoCo whose object stands on the floor or on a stand before or after the job."""
 
-    arms: tuple[Pair, tuple[bool, bool]]
-    """Heights to which the pivots rise or sink in the next `move` [m], at constant rates, and
-    whether each arm follows the floor."""
+    arms: tuple[Pair, tuple[bool, bool], tuple[bool, bool]]
+    """Heights to which the pivots rise or sink in the next `move` [m], at constant rates; whether a
+    nose is on the floor or the object may touch a stand; whether each arm follows the floor."""
 
     def __init__(
         self,
@@ -48,7 +49,7 @@ class LiftWorld(MujocoWorld):
         """`headings`: at which the robots start, and which they keep because they measure their
         headings with these errors, anticlockwise seen from above [rad]."""
         self._headings = headings
-        self._stands = self._begins_low = getattr(scene.task, "from") == "floor"
+        self._stands = self._begins_low = scene.task.ends[0] != "palms"
         self._slow_s = [0.0, 0.0]
         self._weight = arm_weight(scene)
         self._halves = [0.5 * scene.palm_of(side).length_m for side in SIDES]
@@ -58,10 +59,10 @@ class LiftWorld(MujocoWorld):
 
     def move(self, speeds: Pair, angles: Pair) -> None:
         """Simulate one control period, with the arms as well."""
-        heights, low = self.arms
+        heights, _, follows = self.arms
         for k in (0, 1):
             motor = self._motors[k]
-            weakest = self._weight - _PRESS_N if low[k] else -STRONGEST_N
+            weakest = self._weight - _PRESS_N if follows[k] else -STRONGEST_N
             self.model.actuator_forcerange[motor[0], 0] = weakest
             self.data.ctrl[motor] = (heights[k] - self._heights[k]) / self._period
             self._heights[k] = heights[k]
@@ -69,7 +70,7 @@ class LiftWorld(MujocoWorld):
         super().move(speeds, angles)
         for k, (now, then) in enumerate(zip(self._distances(), before, strict=True)):
             is_slow = (
-                low[k]
+                follows[k]
                 and abs(speeds[k]) > _MOVES_M_S
                 and (now - then) / speeds[k] < _SLOW * self._period
             )
@@ -90,7 +91,8 @@ class LiftWorld(MujocoWorld):
         ]
         self._heights = [self.layout.height + raised for raised in self.layout.raised]
         left, right = self._heights
-        self.arms = (left, right), (self._begins_low, self._begins_low)
+        on_floor = self.scene.task.ends[0] == "floor"
+        self.arms = (left, right), (self._begins_low, self._begins_low), (on_floor, on_floor)
         for k, side in enumerate(SIDES):
             self._turn_robot(m.joint(f"{side}_body").qposadr[0], k)
 

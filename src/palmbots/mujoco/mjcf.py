@@ -35,6 +35,7 @@ from palmbots.viz.style import BACKGROUND, OBJECT, QUIET, SKY, TILES, ZERO
 Xz: TypeAlias = tuple[float, float]
 Arc: TypeAlias = tuple[float, float, float]  # x, z, radius
 
+_DEEP = 0.5  # m, across the path: of a half of a stand, and half of a wall
 _SLAB = 0.004  # m, thickness of the plates along the lower edges of the object
 
 
@@ -66,7 +67,7 @@ def layout(scene: Scene, pivot_heights_m: tuple[float, float] = (0.0, 0.0)) -> L
     `pivot_heights_m`: of the pivots over where the scene has them.
     """
     spec = to_spec(scene, unrolled=True)
-    if getattr(scene.task, "from") == "floor":
+    if scene.task.ends[0] != "palms":
         return _standing(spec)
     height = -floor_level(spec)
     if lifts(scene):
@@ -85,7 +86,7 @@ def layout(scene: Scene, pivot_heights_m: tuple[float, float] = (0.0, 0.0)) -> L
 
 
 def _standing(spec: _core.Spec) -> Layout:
-    """The start of a job whose object stands on the floor."""
+    """The start of a job whose object stands on the floor or on a stand."""
     ((left, height), (right, other)), (x, z) = _core.standing_start(spec)
     vertex = x - spec.com_left, z - spec.com_height
     return Layout(spec, height, (0.0, other - height), (left, right), vertex, 0.0)
@@ -209,18 +210,24 @@ def _ridges(world: ET.Element, scene: Scene) -> list[str]:
 
 
 def _blocks(world: ET.Element, at: Layout) -> dict[str, float]:
-    """Walls and stands as boxes, which touch the object only; their friction by their names."""
+    """Walls and stands as boxes, which touch the object only; their friction by their names. A
+    stand with a gap consists of two."""
     dx, dz = at.spec.com_left, at.spec.com_height
     com = at.vertex[0] + dx * math.cos(at.turn) - dz * math.sin(at.turn)
     frictions = {}
     for k, block in enumerate(blocks_of(at.spec)):
         low, high, tall = block.part(1.0, 1.0)
-        frictions[name := f"block_{k + 1}"] = block.friction
-        ET.SubElement(
-            world, "geom", {"class": "touch"}, name=name, type="box",
-            size=numbers((high - low) / 2, 0.5, tall / 2), group="0", rgba=rgba(QUIET),
-            pos=numbers(com + (low + high) / 2, 0.0, tall / 2),
-        )  # fmt: skip
+        gap = block.gap_m / 2
+        halves = {"": (-_DEEP, _DEEP)}
+        if gap > 0:
+            halves = {"_starboard": (-gap - _DEEP, -gap), "_port": (gap, gap + _DEEP)}
+        for half, (near, far) in halves.items():
+            frictions[name := f"block_{k + 1}{half}"] = block.friction
+            ET.SubElement(
+                world, "geom", {"class": "touch"}, name=name, type="box",
+                size=numbers((high - low) / 2, (far - near) / 2, tall / 2), group="0",
+                rgba=rgba(QUIET), pos=numbers(com + (low + high) / 2, (near + far) / 2, tall / 2),
+            )  # fmt: skip
     return frictions
 
 

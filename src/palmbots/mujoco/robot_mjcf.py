@@ -51,8 +51,9 @@ def arm_weight(scene: Scene) -> float:
 
 
 def lifts(scene: Scene) -> bool:
-    """Whether the arms of a scene rise and sink: its job begins or ends on the floor."""
-    return "floor" in (getattr(scene.task, "from"), scene.task.to)
+    """Whether the arms of a scene rise and sink: its job begins or ends on the floor or on a
+    stand."""
+    return scene.task.ends != ("palms", "palms")
 
 
 def box_inertia(mass: float, x: float, y: float, z: float) -> tuple[float, float, float]:

@@ -90,7 +90,11 @@ def with_plain_names(own: type[_AnySection]) -> type[_AnySection]:
         plain_name(name): (field.annotation, field) for name, field in own.model_fields.items()
     }
     made: Any = create_model(
-        own.__name__, __base__=Section, __module__=own.__module__, __doc__=own.__doc__, **fields
+        own.__name__,
+        __base__=own.__base__,
+        __module__=own.__module__,
+        __doc__=own.__doc__,
+        **fields,
     )
     return made
 

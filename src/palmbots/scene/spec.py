@@ -83,13 +83,14 @@ def refuse_heels(scene: Scene) -> None:
 
 
 def refuse_floor(scene: Scene, what: str) -> None:
-    """Raise `SceneError` for a job that begins or ends on the floor, where `what` has no arms."""
-    key = "from" if getattr(scene.task, "from") == "floor" else "to"
-    if getattr(scene.task, key) == "floor":
-        raise SceneError(
-            f'task.{key}: "floor" needs arms that rise and fall, which {what} not have; '
-            "allowed: palms, or carry --world quasistatic"
-        )
+    """Raise `SceneError` for a job that begins or ends on the floor or on a stand, where `what` has
+    no arms."""
+    for key, on in zip(("from", "to"), scene.task.ends, strict=True):
+        if on != "palms":
+            raise SceneError(
+                f'task.{key}: "{on}" needs arms that rise and fall, which {what} not have; '
+                "allowed: palms, or carry --world quasistatic"
+            )
 
 
 def to_spec(scene: Scene, *, unrolled: bool = False) -> _core.Spec:

@@ -70,7 +70,8 @@ class Wall(Section):
 
 
 class Stand(Section):
-    """A block on the floor with a level top and two edges. An object above one starts on it."""
+    """A block on the floor with a level top and two edges. An object above one starts on it. With a
+    gap it consists of two halves beside the path of the robots."""
 
     from_m: float = key("floor.stands[].from_m")
     """Where it begins, from the COM of the object at its start in the direction of travel."""
@@ -80,6 +81,8 @@ class Stand(Section):
     """Height of its top above the floor."""
     friction: float | None = key("floor.stands[].friction")
     """Coulomb coefficient between object and stand. Not set: that of the floor."""
+    gap_m: float | None = key("floor.stands[].gap_m")
+    """Distance between its two halves, across the path. Not set: it has no gap."""
 
 
 class Floor(Section):
@@ -91,7 +94,8 @@ class Floor(Section):
     """Walls, at most one on each side of the object: a list of tables {at_m, height_m,
     friction}."""
     stands: tuple[Stand, ...] = records("floor.stands")
-    """Stands: a list of tables {from_m, to_m, height_m, friction}."""
+    """Stands: a list of tables {from_m, to_m, height_m, friction,
+    gap_m}."""
 
 
 class World(Section):
@@ -106,16 +110,23 @@ class World(Section):
     palm."""
 
 
+class _Ends(Section):
+    @property
+    def ends(self) -> tuple[str, str]:
+        """What the object is on before and after the job."""
+        return vars(self)["from"], vars(self)["to"]
+
+
 @with_plain_names
-class Task(Section):
+class Task(_Ends):
     """[task] Where the object begins and ends, distance, direction, path and slope."""
 
     from_: str = key("task.from")
-    """What the object is on before the job. palms: the job begins when both palms hold it. floor:
-    the robots pick it up."""
+    """What the object is on before the job. palms: the job begins when both palms hold it. floor,
+    stand: the robots pick it up."""
     to: str = key("task.to")
-    """What the object is on after the job. palms: the job ends at its distance. floor: the robots
-    put it down there and leave."""
+    """What the object is on after the job. palms: the job ends at its distance. floor, stand: the
+    robots put it down there and leave."""
     dock: str = key("task.dock")
     """Which robots begin to pick the object up. together: both. one-first: the one that leads; the
     other one stands with its brakes on until its partner's palm is under the object. After an

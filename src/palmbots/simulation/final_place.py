@@ -135,10 +135,10 @@ def final_place(
     count = whole_number("jobs", jobs, FEWEST, MOST)
     chosen, entry = load_scene(scene, overrides), resolve(controller)
     refuse_reference(entry, "the final place")
-    if "palms" in (getattr(chosen.task, "from"), chosen.task.to):
+    if "palms" in chosen.task.ends:
         raise PalmbotsError(
-            "scene: the job does not begin and end on the floor; allowed: a scene with "
-            'task.from = "floor" and task.to = "floor"'
+            "scene: the job does not begin and end on the floor or on a stand; allowed: a scene "
+            'with task.from and task.to = "floor" or "stand"'
         )
     prepared = prepare(chosen, entry)
     shared = None if entry.is_python else entry.for_core(prepared.spec)

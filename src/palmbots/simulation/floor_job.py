@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A job that begins or ends on the floor: its phases, where the object ends, why it failed."""
+"""A job that begins or ends on the floor or on a stand: its phases, where the object ends, why it
+failed."""
 
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ TASK_PHASES: dict[str, str] = _core.phases_of_lift_states
 # What a job did not achieve that ends in one of these phases, in their order.
 _GOALS = {
     "did not get under the object": (
-        "stand_by", "dock", "under", "stand_back", "back_off", "failed",
+        "stand_by", "dock", "touch", "meet", "poised", "under", "stand_back", "back_off", "failed",
     ),
     "did not centre the contacts on the floor": ("centre", "ready", "recentre"),
     "did not raise the object": ("raise", "raise_hold", "up"),
@@ -81,7 +82,7 @@ class SmallFall(Fall):
 
 @dataclass(frozen=True, slots=True)
 class FloorJob:
-    """The course and the result of a job that begins or ends on the floor."""
+    """The course and the result of a job that begins or ends on the floor or on a stand."""
 
     phases: tuple[JobPhase, ...]
     """The first 128 phases of both robots, in the order in which they began."""

@@ -95,7 +95,7 @@ class PlateLimits:
 
 def is_on_floor(scene: Scene) -> bool:
     """Whether the job of a scene begins or ends on the floor."""
-    return "floor" in (getattr(scene.task, "from"), scene.task.to)
+    return "floor" in scene.task.ends
 
 
 def own_values_of(scene: Scene) -> dict[str, float]:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws a job on the floor phase by phase: palms and object at one moment of each, to scale.
+"""Draws a job on the floor or on a stand phase by phase: palms and object at one moment of each, to
+scale.
 
 The moments are those of the carry; a phase in which the robots never were together is left out.
 Arrows show how wheels and arms move.
@@ -47,11 +48,12 @@ MOMENTS = (
     _both("approach", "dock", share=0.2),
     Moment("dock: the first one waits", frozenset({"dock"}), frozenset({"under"}), 0.5),
     _both("under", "under", share=1.0),
+    Moment("touch: from below the object", frozenset({"touch"}), frozenset({"touch", "meet"}), 0.7),
     _both("centre", "centre", "ready", "recentre"),
     _both("raise", "raise", "raise_hold"),
     _both("carry", "carry"),
     _both("lower", "lower", "lower_hold"),
-    Moment("leave: the last palm", _LEAVE, frozenset({"empty"}), 0.5),
+    Moment("leave", _LEAVE, frozenset({"empty"}), 0.5),
     _both("retreat", "retreat"),
 )
 """What is drawn, in the order of a job."""
@@ -64,10 +66,10 @@ _SIDE_IN, _TALL_IN, _HEAD_IN = 2.75, 1.75, 0.5
 
 
 def draw_lift_phases(carry: Carry) -> Figure:
-    """Draw the phases of a job that begins or ends on the floor.
+    """Draw the phases of a job that begins or ends on the floor or on a stand.
 
     Raises:
-        PalmbotsError: the carry has no trace, or it neither begins nor ends on the floor.
+        PalmbotsError: the carry has no trace, or it is no such job.
     """
     if carry.trace is None or carry.floor_job is None:
         raise PalmbotsError(
@@ -129,7 +131,8 @@ def _draw_moment(
     left, right = panel.get_xlim()
     panel.axhspan(floor - 0.05, floor, color=FLOOR, lw=0)
     panel.plot((left, right), (floor, floor), color=QUIET, lw=0.8)
-    for low, high, foot, top in drawn_blocks(to_spec(carry.scene, unrolled=True)):
+    blocks = drawn_blocks(to_spec(carry.scene, unrolled=True))
+    for low, high, foot, top in blocks:
         panel.add_patch(Rectangle((low, foot), high - low, top - foot, fc=FLOOR, ec=QUIET))
     outline = place.outline[k]
     panel.add_patch(Polygon(outline, fc=OBJECT, ec=INK, lw=0.8))
@@ -159,9 +162,12 @@ def _draw_moment(
         if inside and abs(rate) > 5 * _MOVES_M_S:
             out = (-0.03, 0.03)[s]
             _arrow(panel, (x + out, y), (0.0, math.copysign(_ARROW_M, rate)), side)
-    on_floor = outline[outline[:, 1] < floor + _TOUCHES_M]
-    for x, y in on_floor[on_floor[:, 0].argsort()[[0, -1]]] if len(on_floor) else ():
-        panel.plot(x, y, "s", ms=4.5, mfc=BACKGROUND, mec=INK, mew=0.9, zorder=6)
+    grounds = [(left, right, floor), *((low, high, top) for low, high, _, top in blocks)]
+    for low, high, top in grounds:
+        x, y = outline.T
+        on = outline[(abs(y - top) < _TOUCHES_M) & (low <= x) & (x <= high)]
+        for at_x, at_y in on[on[:, 0].argsort()[[0, -1]]] if len(on) else ():
+            panel.plot(at_x, at_y, "s", ms=4.5, mfc=BACKGROUND, mec=INK, mew=0.9, zorder=6)
 
 
 def _arrow(panel: Axes, start: tuple[float, float], by: tuple[float, float], side: str) -> None:
@@ -176,7 +182,7 @@ def _draw_legend(figure: Figure) -> None:
     handles = [
         *(Line2D([], [], color=HUE[s], lw=2, label=f"{s} palm") for s in SIDES),
         Line2D([], [], marker="D", mfc=ZERO, ms=5, label="contact on a palm", **mark),
-        Line2D([], [], marker="s", mfc=BACKGROUND, ms=4.5, label="contact on the floor", **mark),
+        Line2D([], [], marker="s", mfc=BACKGROUND, ms=4.5, label="on floor or stand", **mark),
         Line2D([], [], marker="o", mfc=BACKGROUND, ms=3.5, label="pivot", **mark),
         Line2D([], [], marker="+", ls="", color=INK, label="centre of mass"),
     ]

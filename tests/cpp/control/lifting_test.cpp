@@ -26,6 +26,7 @@ void random_jobs(unsigned number) {
     job.blackouts = chance() % 4 == 0;
     for (int& gap : job.gaps) gap = 20 + static_cast<int>(chance() % 200);
     job.one_first = chance() % 3 == 0;
+    job.stands = chance() % 3 == 0;
     LiftWorld world(job);
     const bool done = world.run();
     delivered += done;
@@ -123,6 +124,10 @@ void deaf() {
 void messages() {
   const Names same[] = {{"stand_by", "dock"},
                         {"centre", "recentre"},
+                        {"ready", "poised"},
+                        {"under", "meet"},
+                        {"dock", "touch"},
+                        {"stand_by", "touch"},
                         {"raise", "raise_hold"},
                         {"lower", "lower_hold"},
                         {"leave_steep", "leave_shallow"},
@@ -131,10 +136,9 @@ void messages() {
   for (int a = 0; a < Lifting::states; ++a) {
     const std::string_view one = Lifting::meanings[a].name;
     const MessageKind message = Lifting::outputs[a].message;
-    const bool goes_up = is_one_of(one, {"ready", "raise", "raise_hold", "up", "carry"});
+    const bool goes_up = is_one_of(one, {"ready", "poised", "raise", "raise_hold", "up", "carry"});
     CHECK(Lifting::rises.has(message) == goes_up);
-    const bool may_be_up = stage(one) >= 3 || one == "held";
-    CHECK(Lifting::assisting.has(static_cast<Lifting::State>(a)) == may_be_up);
+    CHECK(Lifting::assisting.has(static_cast<Lifting::State>(a)) == may_be_up(one));
     CHECK(Lifting::sinks.has(message) ==
           (stage(one) >= 7 || is_one_of(one, {"stand_back", "back_off", "failed"})));
     for (int b = 0; b < a; ++b) {

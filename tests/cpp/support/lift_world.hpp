@@ -44,7 +44,7 @@ inline bool is_one_of(std::string_view name, Names names) {
 
 // The phases of the guide in their order. A robot goes to the next one, or stays in a group.
 inline int stage(std::string_view name) {
-  const Names order[] = {{"stand_by", "dock"},
+  const Names order[] = {{"stand_by", "dock", "touch", "meet", "poised"},
                          {"under"},
                          {"centre"},
                          {"ready", "recentre"},
@@ -65,7 +65,18 @@ inline int stage(std::string_view name) {
   return -1;
 }
 
+// Whether a robot in this state may have raised the object, as far as its partner knows.
+inline bool may_be_up(std::string_view name) {
+  return stage(name) >= 3 || is_one_of(name, {"poised", "held"});
+}
+
 inline bool may_follow(std::string_view from, std::string_view to) {
+  const Names on_stand{"touch", "meet", "poised"};
+  if (is_one_of(from, on_stand) || is_one_of(to, on_stand)) {
+    const std::string_view order[] = {"dock", "touch", "meet", "poised", "raise"};
+    const auto* at = std::find(std::begin(order), std::end(order), from);
+    return (at != std::end(order) && at + 1 != std::end(order) && at[1] == to) || to == "back_off";
+  }
   if (to == "back_off" && from != "held") return stage(from) >= 0 && stage(from) <= 3;
   if (from == "back_off") return to == "stand_back";
   if (from == "stand_back") return to == "dock" || to == "failed";
@@ -95,6 +106,7 @@ struct LiftJob {
   int deaf = -1;           // which side hears nothing in `up` until its partner has arrived
   bool is_glued = false;   // the object stays on the palms
   bool one_first = false;  // the robot that follows stands by until its partner is under
+  bool stands = false;     // the object is on a stand before and after
   unsigned seed = 0;
 
   bool is_faultless() const { return loss == 0 && !restarts && !is_silent && !blackouts; }
@@ -119,13 +131,15 @@ struct LiftSide {
   int off_until = 0;  // [ticks]
   bool assisted = false;
   bool arm_there = true;
+  bool is_below = false;  // the palm is below an object on a stand, and does not touch it
+  bool beneath = false;   // as the robot knows
   std::deque<Packet> inbox{};
   std::map<std::string, int> last{};  // when it was last in each state [ticks]
   std::string phases{};
   int docks = 0;
 
   std::string_view name() const { return name_of(robot.state()); }
-  bool touches() const { return p >= -half; }
+  bool touches() const { return p >= -half && !is_below; }
   bool is_off(int now) const { return now < off_until; }
 };
 
@@ -166,6 +180,7 @@ class LiftWorld {
     LiftSide made{LiftRobot(times, {job_.leader == i, false})};
     if (job_.one_first && job_.leader != i) made.robot.enter(Lifting::State::stand_by);
     made.p = -half - job_.gaps[i];
+    made.is_below = job_.stands;
     return made;
   }
 
@@ -206,7 +221,7 @@ class LiftWorld {
     own.inbox.clear();
     own.since = now_;
     // It holds if its partner may have the object in the air, and else begins.
-    CHECK(own.name() == (stage(before) >= 3 || before == "held" ? "held" : "dock"));
+    CHECK(own.name() == (may_be_up(before) ? "held" : "dock"));
   }
 
   void knock(int i) {
@@ -237,8 +252,9 @@ class LiftWorld {
       in.age = static_cast<std::uint16_t>(now_ - own.inbox.front().sent);
       own.inbox.pop_front();
     }
+    own.beneath = job_.stands && before != "back_off" && (own.beneath || own.p >= 0);
     own.robot.clock().own.senses = {own.touches(), own.arm_there, own.travelled >= distance,
-                                    static_cast<std::uint8_t>(own.height / step)};
+                                    static_cast<std::uint8_t>(own.height / step), own.beneath};
     const RobotOutput out = own.robot.step(in);
     own.assisted = out.assists;
     // What it is about to do fits what it feels.
@@ -267,7 +283,7 @@ class LiftWorld {
     LiftSide& own = sides_[i];
     own.phases += " " + std::string(own.name());
     if (own.name() == "dock" && before == "stand_by")
-      CHECK(heard_of(i, {"under"}));
+      CHECK(heard_of(i, {"under", "meet"}));
     else if (own.name() == "dock")
       ++own.docks;
     if (own.name() == "under" && before == "dock" && job_.one_first && job_.is_faultless())
@@ -277,6 +293,10 @@ class LiftWorld {
     if (own.name() == "centre")
       CHECK(heard_of(i, {"under", "centre", "ready", "recentre", "raise", "raise_hold", "up"}));
     if (own.name() == "under") CHECK(own.p >= -zone - 1);
+    if (own.name() == "touch") CHECK(job_.stands && own.p >= 0);
+    if (own.name() == "meet") CHECK(own.touches());
+    if (own.name() == "poised")
+      CHECK(heard_of(i, {"meet", "poised", "raise", "raise_hold", "up", "held"}));
     if (own.name() == "up") CHECK(own.height == top || job_.restarts);
     if (own.name() == "down") CHECK(own.height == 0);
     if (own.name() == "empty") CHECK(!own.touches());
@@ -332,6 +352,7 @@ class LiftWorld {
     const double before = own.height;
     switch (role.arm) {
       case ArmMove::follow: CHECK(own.height == 0); break;
+      case ArmMove::reach: own.is_below = below(i, 20) != 0; break;
       case ArmMove::hold: break;
       case ArmMove::rise: own.height = std::min<double>(top, own.height + rate); break;
       case ArmMove::sink: own.height = std::max<double>(0, own.height - rate); break;
@@ -340,10 +361,11 @@ class LiftWorld {
                     : role.arm == ArmMove::sink ? own.height == 0
                                                 : true;
     if (own.height > before) {
-      CHECK(heard_of(i, {"ready", "raise", "raise_hold", "up", "carry"}));
+      CHECK(heard_of(i, {"ready", "poised", "raise", "raise_hold", "up", "carry"}));
       CHECK(own.touches());
     }
     if (own.height < before) {
+      own.is_below = own.is_below || (job_.stands && own.height < 5);
       CHECK(heard_of(i, {"arrived", "lower", "lower_hold", "down", "leave_steep", "leave_shallow",
                          "empty", "retreat", "done"}));
     }
@@ -373,6 +395,7 @@ class LiftWorld {
     }
     // A palm that is not steep takes the object along, and the partner's slides off.
     const bool was = own.touches();
+    if (job_.stands && own.p < -half) own.is_below = true;
     if (was && job_.is_glued) return;
     if (!own.steep && own.touches() && other.touches()) return;
     own.p -= 1;

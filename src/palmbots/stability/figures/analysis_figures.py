@@ -98,7 +98,7 @@ def _of_regions(analysis: Analysis) -> _Figures:
     yield "figure5", operating_region(analysis)
     yield "figure6", permitted_com(analysis)
     yield "figure7", tactile_zones(analysis)
-    if analysis.lifting is not None:
+    if analysis.lifting is not None and analysis.lifting.is_on_floor:
         yield "lifting-forces", lifting_forces(analysis)
 
 

@@ -50,7 +50,7 @@ class _State:
 def lifting_forces(analysis: Analysis) -> Figure:
     """The states that decide whether an object is picked up and put down, with their forces."""
     found = analysis.lifting
-    if found is None:
+    if found is None or not found.is_on_floor:
         raise PalmbotsError(
             "figure: lifting-forces needs a job that begins or ends on the floor; allowed: a scene "
             'with task.from or task.to = "floor"'
