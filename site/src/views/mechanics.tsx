@@ -32,8 +32,8 @@ const EXAMPLES: { id: string; name: string; base: string; overrides: Overrides; 
   {
     id: "one-palm-and-a-wall", name: "One palm and a wall", base: "plate",
     overrides: {
-      "object.vertices_m": [[0, 0], [0.12, 0], [0.12, 0.12], [0, 0.12]], "object.com_m": [0.06, 0.06],
-      "object.edge_radius_m": 0.003, "floor.walls": [{ at_m: 0.065, height_m: 0.2 }],
+      "object.box_m": [0.12, 0.12], "object.com_m": [0.06, 0.06], "object.edge_radius_m": 0.003,
+      "floor.walls": [{ at_m: 0.065, height_m: 0.2 }],
     },
     extras: { floor: "1", alone: "1", tl: "15", dl: "50" },
   },
