@@ -19,10 +19,15 @@ def expect_hash(page: Page, carried: pb.simulation.Carry) -> None:
     expect(page.locator("#hash")).to_have_text(carried.trace_hash)
 
 
+def on_the_page() -> list[str]:
+    """The built-in scenes that the page has: it draws no stands with a gap."""
+    return [name for name in built_in_scenes() if "stand" not in pb.load_scene(name).task.ends]
+
+
 def test_every_controller_and_scene(open_page: Open) -> None:
     page = open_page("#carry?t=1")
     for controller in shipped_names():
-        for seed, scene in enumerate(built_in_scenes()):
+        for seed, scene in enumerate(on_the_page()):
             try:
                 carried = pb.carry(scene, controller, seed=seed, record=False)
             except SceneError:  # a controller that cannot keep its time bounds

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jobs that begin or end on the floor: which ones the page carries, their phases, and why one failed.
+// Jobs that begin or end on the floor or on a stand: which ones the page carries, their phases, and why one failed.
 import type { Phase, Recorded, SceneFacts } from "./core";
 import { fromPaper } from "./scene";
 import { refuse } from "./scene_shape";
@@ -29,7 +29,7 @@ export function checkJob(base: string, overrides: Overrides, scene: Scene, facts
   if (found) return;
   const isBuiltIn = checked.some((one) => one.scene === base);
   const own = Object.keys(overrides).find((one) => ![...free, "object", "palm.heel_m"].includes(one));
-  const key = isBuiltIn ? (own ?? "palm.heel_m") : get(scene, "task.from") === "floor" ? "task.from" : "task.to";
+  const key = isBuiltIn ? (own ?? "palm.heel_m") : (get(scene, "task.from") ?? "palms") !== "palms" ? "task.from" : "task.to";
   refuse(
     key, get(scene, key), "may make the job on the floor impossible, and the page cannot check that",
     "that of a built-in scene here, or palmbots carry scene.toml on your computer",
