@@ -4,6 +4,7 @@
 from pathlib import Path
 
 import palmbots as pb
+from palmbots.assessment.carried import Carried
 
 OVERRUN = {
     "tactile.zero_half_width_m": 0.0001, "robot.noise_m_s": 0, "robot.acceleration_m_s2": 20,
@@ -14,6 +15,7 @@ OVERRUN = {
 def test_early_warnings_are_reported_or_else_listed() -> None:
     reported: list[str] = []
     found = pb.carry_and_report(overrides=OVERRUN, seeds=1, on_warning=reported.append)
+    assert isinstance(found, Carried)
     assert reported and found.warnings[: len(reported)] == tuple(reported)
     listed = pb.carry_and_report(overrides=OVERRUN, seeds=1)
     assert listed == found
@@ -31,6 +33,7 @@ def test_files_stand_in_the_report(tmp_path: Path) -> None:
 def test_counting_is_offered_where_it_takes_long() -> None:
     """A reference is never counted without being asked; the command names scene and controller."""
     found = pb.carry_and_report("paper", "exact-p", overrides={"task.distance_m": 0.02})
+    assert isinstance(found, Carried)
     assert found.scene_statistics is None
     assert "-c exact-p --world quasistatic --seeds 100" in repr(found)
     single = pb.carry_and_report(

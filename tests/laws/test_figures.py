@@ -28,6 +28,7 @@ import palmbots as pb
 from palmbots import viz
 from palmbots.assessment.page import _outcomes
 from palmbots.control.registry import shipped_names
+from palmbots.mujoco.route_carry import carry_route
 from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
 from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
 from palmbots.scene.scene import Scene
@@ -38,6 +39,7 @@ from palmbots.viz import style
 from recordings import HIDDEN, gilbert, packets_csv, recorded
 from sampled import amounts
 from shape_files import svg, written
+from short_route import short_plan
 from short_validation import short_validation
 from study_fixtures import SMALL
 
@@ -86,6 +88,8 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     curved = pb.carry("paper", world="mujoco", overrides=ARC)
     yield "carry", curved  # one more panel
     yield "plan_view", curved
+    yield "route", short_plan()
+    yield "route", carry_route(plan=short_plan())
     yield "lift_phases", pb.carry("lift", "shared-sign")
     yield "sweep", pb.compare("paper", values=[0.0, 0.2], carries=2, overrides=SHORT)
     analysis = pb.analyze("paper")

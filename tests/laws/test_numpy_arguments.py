@@ -94,7 +94,9 @@ CALLS: dict[str, dict[str, Any]] = {
 CALLS["simulation.run_batch"]["controller"] = CALLS["simulation.run_seeds"]["controller"] = "silent"
 ELSEWHERE = {
     "mujoco.compare_on_curve": "takes a minute",
+    "mujoco.carry_route": "takes a minute",
     "mujoco.find_speed_limits": "takes minutes",
+    "mujoco.plan_route": "takes a minute",
     "mujoco.save_still": "needs a screen or EGL",
     "mujoco.save_video": "needs a screen or EGL",
     "optimum.compare_with_law": "takes minutes",

@@ -28,6 +28,7 @@ from commands import FUNCTIONS, Run
 from dds_loopback import dds_environment
 from palmbots._util.result_schema import result_schema
 from palmbots._util.results import Result
+from palmbots.assessment.carried_route import CarriedRoute
 from palmbots.cli.declared_commands import commands_of, declared_commands, results_of
 from palmbots.cli.json_schemas import schema_of, with_scene
 from palmbots.cli.main import build_app
@@ -36,6 +37,7 @@ from palmbots.learn import EpisodeResult
 from palmbots.mujoco.curve_comparison import CurveComparison
 from palmbots.mujoco.curve_trial import CurveTrial
 from palmbots.mujoco.drift_budget import DriftBudget
+from palmbots.mujoco.route_carry import carry_route
 from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
 from palmbots.optimum import FrontPoint
 from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
@@ -50,6 +52,7 @@ from palmbots.views.run_replay import RunReplay, Verified
 from recordings import HIDDEN, packets_csv, recorded
 from schema_refusals import assert_fits_exactly
 from shape_files import svg, written
+from short_route import TYPED, short_plan
 from short_validation import short_validation
 from study_fixtures import SMALL
 
@@ -183,6 +186,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "Bounds": lambda folder: bounds_of(Scene()),
     "DriftBudget": lambda folder: DRIFT,
     "Carry": lambda folder: pb.carry("paper", overrides=SHORT),
+    "CarriedRoute": lambda folder: CarriedRoute(**vars(carry_route(plan=short_plan()))),
     "Carried": lambda folder: pb.carry_and_report("paper", overrides=SHORT),
     "Certificate": lambda folder: certificate(),
     "CheckResult": checked,
@@ -233,6 +237,8 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
         [packets_csv(folder, "packets.csv", "index", np.arange(200.0))], radio=True
     ),
     "ReplayResult": lambda folder: pb.replay(logged(folder)),
+    "RouteCarry": lambda folder: carry_route(plan=short_plan(), seeds=1),
+    "RoutePlan": lambda folder: short_plan(),
     "RunReplay": lambda folder: RunReplay(
         (
             Verified("left-000003.mcap", "left", 3, False, 2500, 2500, None),
@@ -321,6 +327,8 @@ NEAR = ("--set", "task.distance_m=0.2")
 CALLS: list[tuple[str, tuple[str, ...]]] = [
     ("carry", ("--seed", "3", *NEAR)),
     ("carry", ("--world", "mujoco", *NEAR)),
+    ("carry", ("around-wall", "-c", "shared-sign", "--seeds", "1", *TYPED)),
+    ("route", ("around-wall", "-c", "shared-sign", "--routes", "1", *TYPED)),
     ("analyze", ()),
     ("assess", ("--turn-radius-m", "0", "--set", "task.distance_m=0.05")),
     ("design", ("--resolution-deg", "10", "--angle-range-deg", "5", "15", *NEAR)),

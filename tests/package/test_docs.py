@@ -20,6 +20,7 @@ from palmbots.cli.main import build_app
 from palmbots.optimum.opening import Grid
 from palmbots.optimum.optimal_controllers import _policy
 from sampled import in_soak
+from short_route import TYPED
 from short_validation import FEW_LINES
 
 ROOT = Path(__file__).parent.parent.parent
@@ -64,6 +65,8 @@ FEW = {
     "carry -c optimal-stopping": ["--set", "task.distance_m=0.1"],
     "carry --set radio.loss=1": ["--seeds", "1"],
     "carry lift": ["--seeds", "1"],
+    "carry around-wall": [*TYPED],
+    "route": ["--routes", "1", *TYPED],
     "compare": ["--carries", "2"],
     "curve": ["--carries", "1", "--turn-angle-deg", "7", "--set", "robot.speed_m_s=0.18"],
     "design": ["--resolution-deg", "3", "--set", "task.distance_m=0.1"],

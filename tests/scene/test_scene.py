@@ -41,7 +41,7 @@ def test_default_scene_is_paper_which_gives_every_key():
         "robot.traction_n",
     }
     optional |= {"mujoco.axle_m", "robot.period_s", "robot.error_trace", "radio.trace"} | {
-        k for k in KEYS if k.startswith("task.path.")
+        k for k in KEYS if k.startswith(("task.path.", "task.route."))
     }
     optional |= {k for k in KEYS if k.startswith("radio.station.")}
     assert given_keys | optional == {k for k in KEYS if ".left." not in k and ".right." not in k}
@@ -58,7 +58,10 @@ def test_numbers_of_the_paper():
 
 
 def test_other_built_in_scenes_differ_from_paper_in_few_keys():
-    assert built_in_scenes() == ["figure8", "lift", "paper", "paper-offset", "pipe", "plate", "stand"]
+    own = ["around-wall", "figure8", "lift", "paper", "paper-offset", "pipe", "plate", "stand"]
+    assert built_in_scenes() == own
+    route = {"task.route": None}
+    assert load_scene("around-wall", route) == load_scene("lift")
     assert load_scene("paper-offset") == load_scene(PAPER, {"palm.pivot_offset_m": 0.01})
     figure8 = load_scene("figure8")
     assert figure8.robot.noise_m_s == 0

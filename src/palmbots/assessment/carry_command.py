@@ -17,6 +17,7 @@ from palmbots._util.report import Line, quiet
 from palmbots._util.text import duration
 from palmbots._util.user_paths import user_path
 from palmbots.assessment.carried import Carried
+from palmbots.assessment.carried_route import CarriedRoute, carry_stages, refuse_on_route
 from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.scene.command_text import command_text
@@ -68,7 +69,7 @@ def carry_and_report(
     on_warning: Hook = None,
     on_item: Hook = None,
     on_stage: Hook = None,
-) -> Carried:
+) -> Carried | CarriedRoute:
     """Carry the object once and report the result.
 
     The report ends with how often this scene fails with this controller, over many seeds, and which
@@ -107,7 +108,14 @@ def carry_and_report(
     place = None if out is None else user_path(out)
     folder = _folder(place)
     _check_options(animation, video, view, world, folder)
-    prepared = prepare(load_scene(scene, overrides), resolve(controller), world)
+    given = load_scene(scene, overrides)
+    if given.task.route.is_set:
+        refuse_on_route(precision=precision != "double", fork=forks, view=view)
+        return carry_stages(
+            given, controller, world=world, seed=seed, seeds=seeds, place=place, folder=folder,
+            animation=animation or "gif", video=video, on_warning=warn, on_stage=report,
+        )  # fmt: skip
+    prepared = prepare(given, resolve(controller), world)
     chosen, entry = prepared.scene, prepared.controller
     check_precision(prepared.world, precision)
     seed_of(seed)

@@ -237,7 +237,7 @@ def lifting(scene: Scene) -> Lifting | None:
     Raises:
         SceneError: the path is curved, or the object does not stand on its contact vertices.
     """
-    spec = to_spec(scene)
+    spec = to_spec(scene, unrolled=True)
     if not spec.uses_floor:
         return None
     check_stands(spec)

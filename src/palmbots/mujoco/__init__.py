@@ -13,8 +13,15 @@ if TYPE_CHECKING:
     from palmbots.mujoco.drift_budget import DriftBudget as DriftBudget
     from palmbots.mujoco.drift_forecast import forecast_drift as forecast_drift
     from palmbots.mujoco.figures.plan_view import draw_plan_view as draw_plan_view
+    from palmbots.mujoco.figures.route_view import draw_route as draw_route
     from palmbots.mujoco.film import save_still as save_still
     from palmbots.mujoco.film import save_video as save_video
+    from palmbots.mujoco.route_carry import RouteCarry as RouteCarry
+    from palmbots.mujoco.route_carry import StageResult as StageResult
+    from palmbots.mujoco.route_carry import carry_route as carry_route
+    from palmbots.mujoco.route_carry import plan_route as plan_route
+    from palmbots.mujoco.route_plan import RoutePlan as RoutePlan
+    from palmbots.mujoco.route_plan import RouteStage as RouteStage
     from palmbots.mujoco.validation.agreement_figure import draw_validation as draw_validation
     from palmbots.mujoco.validation.speed_figure import draw_speed_limits as draw_speed_limits
     from palmbots.mujoco.validation.speed_limits import SpeedLimits as SpeedLimits

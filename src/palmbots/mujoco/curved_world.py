@@ -11,6 +11,7 @@ the object and the palm overlap; their ends are computed at every tick (`edge_co
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import palmbots._core as _core
 from palmbots._types import SIDES
@@ -23,7 +24,7 @@ from palmbots.mujoco.path_curve import LEAD_M, Curve, Spot, curve_of
 from palmbots.mujoco.robot_mjcf import lifts
 from palmbots.mujoco.world import MujocoWorld, Point
 from palmbots.scene.chassis import axle_out, chassis
-from palmbots.scene.scene import Scene
+from palmbots.scene.scene import Scene, load_scene
 
 _AHEAD = 0.1  # m, distance within which a robot aims to return to its path
 _GAIN = 5.0  # 1/s, gain with which it turns to its heading
@@ -32,8 +33,10 @@ _OUT = (-1.0, 1.0)
 
 def world_of(scene: Scene, engine: Engine = DEFAULT, measures: bool = True) -> MujocoWorld:
     """The world of a scene: on a straight or a curved path, or with arms."""
-    kind = LiftWorld if lifts(scene) else CurvedWorld if scene.task.path.is_curved else MujocoWorld
-    return kind(scene, engine, measures)
+    is_curved = scene.task.path.is_curved
+    if lifts(scene):
+        return (CurvedLiftWorld if is_curved else LiftWorld)(scene, engine, measures)
+    return (CurvedWorld if is_curved else MujocoWorld)(scene, engine, measures)
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,7 @@ def line_of(scene: Scene) -> Line:
         raise SceneError(
             "mujoco.ridges: lie across a straight path; allowed: none, or task.path.kind = straight"
         )
-    left, right = layout(scene).pivots
+    left, right = layout(held(scene)).pivots
     spread = right - left + 2 * axle_out(scene)
     curve = curve_of(task.path, task.distance_m + spread, spread)
     lead = LEAD_M if task.path.lead_in_m is None else task.path.lead_in_m
@@ -87,16 +90,25 @@ def line_of(scene: Scene) -> Line:
     return Line(curve, sense, -(lead + spread / 2), spread)
 
 
+def held(scene: Scene) -> Scene:
+    """The scene with the object on both palms at the start, also where the robots pick it up."""
+    if getattr(scene.task, "from") == "palms":
+        return scene
+    return load_scene(scene, {"task.from": "palms"})
+
+
 class CurvedWorld(MujocoWorld):
     """A scene on its curved path in MuJoCo."""
 
-    def __init__(self, scene: Scene, engine: Engine = DEFAULT, measures: bool = True) -> None:
+    def __init__(
+        self, scene: Scene, engine: Engine = DEFAULT, measures: bool = True, **start: Any
+    ) -> None:
+        """`start`: of a job on the floor, see `LiftWorld`."""
         self.line = line_of(scene)
-        half = self.line.spread / 2
-        self._distance = [-half, half]  # of the axles along the path
-        at = layout(scene)
-        self._axle = chassis(at.height, axle_out(scene)).axle
-        super().__init__(scene, engine, measures)
+        at, out = layout(scene), axle_out(scene)
+        self._distance = [at.pivots[0] - out, at.pivots[1] + out]  # of the axles along the path
+        self._axle = chassis(at.height, out).axle
+        super().__init__(scene, engine, measures, **start)
 
     def sight(self, first: bool = False) -> _core.WorldObservation:
         """Observe the present instant; the contacts are computed first."""
@@ -155,3 +167,15 @@ class CurvedWorld(MujocoWorld):
 
     def _fit(self) -> None:
         fit_edges(self.model, self.data, self._edges)
+
+
+class CurvedLiftWorld(CurvedWorld, LiftWorld):
+    """A job that begins or ends on the floor, on a curved path in MuJoCo."""
+
+    def _com_x(self) -> float:
+        """The position of the COM along the path."""
+        spec, at, mat = self.layout.spec, self._object_pos.tolist(), self._object_mat.tolist()
+        x, y = (
+            at[i] + mat[3 * i] * spec.com_left + mat[3 * i + 2] * spec.com_height for i in (0, 1)
+        )
+        return self.line.nearest(x, y, 0.5 * sum(self._distance))

@@ -12,7 +12,7 @@ from palmbots._util.text import millimetres as _mm
 from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
 
-_NEAR = 0.8  # fraction of the budget above which there is a warning
+NEAR = 0.8  # fraction of the budget above which there is a warning
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,7 +40,7 @@ class DriftBudget(Result):
             return "kept"
         if self.mean_m > self.budget_m:
             return "beyond"
-        return "near" if self.most_m > _NEAR * self.budget_m else "kept"
+        return "near" if self.most_m > NEAR * self.budget_m else "kept"
 
     def lines(self) -> Iterator[Item]:
         """One line that states the verdict, then drift, budget and misalignment."""

@@ -15,7 +15,7 @@ length l it needs l tan β more clearance, of both sides together, or it jams.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise, product
 from typing import Any
@@ -27,7 +27,7 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.control.registry import ControllerLike, resolve
 from palmbots.errors import SceneError
-from palmbots.mujoco.curved_world import Line, line_of, world_of
+from palmbots.mujoco.curved_world import Line, held, line_of, world_of
 from palmbots.mujoco.drift_budget import DriftBudget
 from palmbots.mujoco.slip_statics import Pair, slip
 from palmbots.scene.command_text import command_text
@@ -38,6 +38,7 @@ SEEDS = 16
 _CALIBRATION = (
     1.25  # measured: 1.09, 1.26, 1.26 and 1.20 on circles of 4, 2, 1 and 0.7 m, 12 seeds each
 )
+_COVERED = 1.001  # of a misalignment, times another one that covers it
 _BETAS = np.linspace(0.0, 1.0, 5)  # fractions of the largest misalignment of the path
 _OFFSETS = np.linspace(-1.0, 1.0, 5)  # fractions of half the palm's width
 
@@ -64,7 +65,7 @@ def contact_compliance(scene: Scene) -> float:
     It depends on the masses of object and palms, so it is measured at rest, with the object level
     on all its contacts.
     """
-    return max(1e-6, -0.5 * sum(world_of(scene, measures=False).lifts))
+    return max(1e-6, -0.5 * sum(world_of(held(scene), measures=False).lifts))
 
 
 class Forecast:
@@ -74,10 +75,18 @@ class Forecast:
         SceneError: lips would jam, or the path is not possible for this pair.
     """
 
-    def __init__(self, scene: Scene, controller: ControllerLike = "distributed") -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        controller: ControllerLike = "distributed",
+        rates: SlipRates | None = None,
+    ) -> None:
+        """`rates`: those of the same pair; used if they cover the misalignment on this path."""
         self.scene, self.controller = scene, resolve(controller)
         self.line = line_of(scene)
         self.askew = _max_misalignment(self.line)
+        if rates is not None and self.askew <= _COVERED * rates.askew:
+            self.rates = rates
         self._spec = to_spec(scene, unrolled=True)
         palms = [scene.palm_of(side) for side in SIDES]
         self.lips = all(palm.lip_height_m > 0 for palm in palms)
@@ -98,17 +107,24 @@ class Forecast:
     def seed(self, seed: int) -> NDArray[np.float64]:
         """The drift (ticks, sides) [m] of the carry of one seed, to the left seen towards +x."""
         run: Any = _core.run(self._spec, self.controller.for_core(self._spec), seed, "double", True)
-        trace = run.trace
+        return self.drift(run.trace)
+
+    def drift(
+        self, trace: Mapping[str, NDArray[np.float64]], start: tuple[float, float] = (0.0, 0.0)
+    ) -> NDArray[np.float64]:
+        """The same for a carry with this trace, whose contacts are at these places across their
+        palms when it starts [m]."""
         slides = np.diff(trace["contact_m"], axis=0)
         angles = trace["palm_rad"][:-1]
         misalignment = self._misalignment_at(trace["midpoint_m"][:-1])
-        rates = self._rates
+        rates = self.rates
         shallow = np.array([palm.shallow for palm in self._spec.palms])
         steep = np.array([palm.steep for palm in self._spec.palms])
         up = np.clip((angles - shallow) / (steep - shallow), 0, 1)
         drift = np.zeros_like(trace["contact_m"])
-        at = [0.0, 0.0]
-        sliding = np.flatnonzero(np.abs(slides).max(axis=1) > 0).tolist()
+        at = [*start]
+        drift[:] = at
+        sliding = np.flatnonzero((np.abs(slides).max(axis=1) > 0) & (misalignment != 0)).tolist()
         for tick, following in pairwise([*sliding, len(slides)]):
             beta = float(misalignment[tick])
             sense = 1.0 if beta >= 0 else -1.0
@@ -131,7 +147,8 @@ class Forecast:
         return self.line.sense * (ahead - behind) / 2
 
     @cached_property
-    def _rates(self) -> _Rates:
+    def rates(self) -> SlipRates:
+        """The lateral slip of this pair up to the largest misalignment on its path."""
         spec = self._spec
         whole = spec.com_left + spec.com_right
         pair = Pair(
@@ -142,16 +159,16 @@ class Forecast:
             com_height=spec.com_height,
             give=contact_compliance(self.scene),
         )
-        return _Rates(pair, [(p.shallow, p.steep) for p in spec.palms], self.askew)
+        return SlipRates(pair, [(p.shallow, p.steep) for p in spec.palms], self.askew)
 
 
-class _Rates:
+class SlipRates:
     """Lateral slip for each metre of sliding, interpolated between computed states."""
 
     def __init__(self, pair: Pair, angles: Sequence[tuple[float, float]], askew: float) -> None:
-        self._askew, self._half = max(askew, 1e-6), pair.half
+        self.askew, self._half = max(askew, 1e-6), pair.half
         left, right, closing, betas, offsets = np.meshgrid(
-            *angles, [False, True], self._askew * _BETAS, pair.half * _OFFSETS, indexing="ij"
+            *angles, [False, True], self.askew * _BETAS, pair.half * _OFFSETS, indexing="ij"
         )
         rates = slip(pair, (left, right), betas, closing, offsets).rate
         rates[:, :, :, 0] = 0.0  # on a straight path nothing pushes the object to one side
@@ -160,7 +177,7 @@ class _Rates:
     def at(self, up: Sequence[float], closing: bool, beta: float, offset: float) -> float:
         """The rate, towards the centre; `up`: palm angles from shallow (0) to steep (1)."""
         table = self._table
-        b = min(beta / self._askew, 1.0) * (len(_BETAS) - 1)
+        b = min(beta / self.askew, 1.0) * (len(_BETAS) - 1)
         a = (min(max(offset / self._half, -1.0), 1.0) + 1) / 2 * (len(_OFFSETS) - 1)
         i, j = min(int(b), len(_BETAS) - 2), min(int(a), len(_OFFSETS) - 2)
         fb, fa = b - i, a - j

@@ -15,6 +15,7 @@ They do not feel what touches the nose.
 import math
 from typing import Any
 
+import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.mujoco.contact_forces import PalmLoads
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
@@ -45,10 +46,13 @@ class LiftWorld(MujocoWorld):
         engine: Engine = DEFAULT,
         measures: bool = True,
         headings: Pair = (0.0, 0.0),
+        displaced: Pair = (0.0, 0.0),
     ) -> None:
         """`headings`: at which the robots start, and which they keep because they measure their
-        headings with these errors, anticlockwise seen from above [rad]."""
-        self._headings = headings
+        headings with these errors, anticlockwise seen from above [rad]. `displaced`: how far the
+        middle of the object is towards +y of the robots' axis at the start [m], and its angle to
+        this axis, anticlockwise [rad]."""
+        self._headings, self._displaced = headings, displaced
         self._stands = self._begins_low = scene.task.ends[0] != "palms"
         self._slow_s = [0.0, 0.0]
         self._weight = arm_weight(scene)
@@ -76,6 +80,21 @@ class LiftWorld(MujocoWorld):
             )
             self._slow_s[k] = self._slow_s[k] + self._period if is_slow else 0.0
 
+    def sight(self, first: bool = False) -> _core.WorldObservation:
+        """Observe the present instant. Lateral positions count while the object is held."""
+        peak = self.lateral_peak if any(self.arms[1]) and not first else None
+        found = super().sight(first)
+        if peak is not None:
+            self.lateral_peak = peak
+        return found
+
+    @property
+    def object_pose(self) -> tuple[float, float, float]:
+        """Place of the middle between both contact edges (x, y) [m], and the angle of the object,
+        anticlockwise seen from above [rad]."""
+        (ax, ay, _), (bx, by, _) = self._vertices()
+        return 0.5 * (ax + bx), 0.5 * (ay + by), math.atan2(by - ay, bx - ax)
+
     @property
     def warnings(self) -> list[str]:
         """Warnings about the start."""
@@ -95,6 +114,8 @@ class LiftWorld(MujocoWorld):
         self.arms = (left, right), (self._begins_low, self._begins_low), (on_floor, on_floor)
         for k, side in enumerate(SIDES):
             self._turn_robot(m.joint(f"{side}_body").qposadr[0], k)
+        if self._begins_low:
+            self._displace(m.joint("object").qposadr[0])
 
     def _turn_robot(self, at: int, k: int) -> None:
         """Turn a robot about its pivot to the heading at which it starts."""
@@ -102,6 +123,13 @@ class LiftWorld(MujocoWorld):
         arm = float(q[at]) - pivot
         q[at : at + 2] = pivot + arm * math.cos(heading), arm * math.sin(heading)
         q[at + 3 : at + 7] = math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading)
+
+    def _displace(self, at: int) -> None:
+        """Move the object, whose frame is at its left contact edge, to where it stands."""
+        q, (aside, turn), half = self.data.qpos, self._displaced, 0.5 * self.layout.spec.width
+        q[at] += half * (1 - math.cos(turn))
+        q[at + 1] += aside - half * math.sin(turn)
+        q[at + 3 : at + 7] = math.cos(0.5 * turn), 0.0, 0.0, math.sin(0.5 * turn)
 
     def _turning(self, k: int, speed: float) -> float:
         return super()._turning(k, speed) + HEADING * self._headings[k]

@@ -27,7 +27,7 @@ from palmbots.scene.path_section import Path, Point
 RADIUS_M, SWEEP_DEG, EASE_M, LEAD_M = 2.0, 45.0, 0.1, 0.1  # if the scene does not state them
 _STEP_M = 0.002  # between two samples; its chord deviates 2 µm from a circle of 0.25 m
 _FINEST, _LONGEST_M = 64, 2_000.0
-_SHARPEST_TURN = math.radians(170)  # of a corner that is rounded
+SHARPEST_TURN = math.radians(170)  # of a corner that is rounded
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,19 +161,25 @@ def _rounded(path: Path) -> Curve:
             free += after
             continue
         arc = _arc(0.0, math.copysign(1 / path.radius_m, turn), abs(turn), ease)
-        end = _along(arc).at(arc[-1][0])
-        used = end.x - end.y / math.tan(turn)  # of both legs, from the corner
-        if abs(turn) > _SHARPEST_TURN or used > free or used > after:
+        used = corner_length(turn, path.radius_m, ease)
+        if abs(turn) > SHARPEST_TURN or used > free or used > after:
             raise SceneError(
                 f"task.path.waypoints_m[{k}]: the corner turns by {math.degrees(abs(turn)):.0f}° "
                 f"and needs {used:.3g} m of both lines; allowed: turns of at most "
-                f"{math.degrees(_SHARPEST_TURN):.0f}°, longer lines or a smaller radius_m"
+                f"{math.degrees(SHARPEST_TURN):.0f}°, longer lines or a smaller radius_m"
             )
         start = knots[-1][0] + free - used
         knots += [(start + s, bend) for s, bend in arc]
         free = after - used
     knots.append((knots[-1][0] + free, 0.0))
     return _along(knots)
+
+
+def corner_length(turn: float, radius: float, ease: float = EASE_M) -> float:
+    """How much of both lines a rounded corner takes, from the corner [m]."""
+    arc = _arc(0.0, math.copysign(1 / radius, turn), abs(turn), ease)
+    end = _along(arc).at(arc[-1][0])
+    return end.x - end.y / math.tan(turn)
 
 
 def _too_far(length: float) -> SceneError:

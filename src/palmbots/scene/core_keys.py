@@ -17,10 +17,10 @@ from palmbots.scene.fields import OneOf, Range, from_list, is_switch, whole
 
 OUTSIDE_CORE = (
     "palm.width_m", "palm.lip_height_m", "palm.lip_clearance_m", "robot.error_trace", "radio.trace",
-    "task.path", "mujoco.wheel_radius_mismatch", "mujoco.switch", "mujoco.step_s",
+    "task.path", "task.route", "mujoco.wheel_radius_mismatch", "mujoco.switch", "mujoco.step_s",
 )  # fmt: skip
 """Beginnings of keys of a scene that only Python reads: of the MuJoCo world, of the curve of a
-path, and names of recordings."""
+path, of routes, and names of recordings."""
 
 ROWS: dict[str, dict[str, Any]] = {row["name"]: row for row in _core.scene_keys()}
 """The rows of the core's table by name. ``[]`` in a name stands for the records of a list."""

@@ -7,6 +7,7 @@ itself is computed in `palmbots.mujoco.path_curve`.
 """
 
 import csv
+import itertools
 import math
 from typing import Annotated, Any, Literal, Self
 
@@ -107,16 +108,7 @@ class Path(Section):
                 f"a list of 3 to {_MOST_POINTS} points [x, y], or file",
                 "waypoints_m",
             )
-        for k, (one, two) in enumerate(
-            zip(self.waypoints_m, self.waypoints_m[1:], strict=False), start=1
-        ):
-            if math.dist(one, two) < _LEAST_STEP_M:
-                raise field_error(
-                    list(two),
-                    f"is {math.dist(one, two):g} m from the waypoint before it",
-                    f"at least {_LEAST_STEP_M:g} m from each waypoint to the next",
-                    f"waypoints_m[{k}]",
-                )
+        refuse_near_points(self.waypoints_m)
         return self
 
     @property
@@ -132,6 +124,18 @@ class Path(Section):
         if self.waypoints_m is not None:
             table["waypoints_m"] = tuple((x, 0.0 - y) for x, y in self.waypoints_m)
         return Path.model_validate(table)
+
+
+def refuse_near_points(points: tuple[Point, ...]) -> None:
+    """Raise the fault of a scene for waypoints that are too close to each other."""
+    for k, (one, two) in enumerate(itertools.pairwise(points), start=1):
+        if math.dist(one, two) < _LEAST_STEP_M:
+            raise field_error(
+                list(two),
+                f"is {math.dist(one, two):g} m from the waypoint before it",
+                f"at least {_LEAST_STEP_M:g} m from each waypoint to the next",
+                f"waypoints_m[{k}]",
+            )
 
 
 def read_points(name: object) -> list[list[float]]:

@@ -121,6 +121,7 @@ class Scene(Section):
         table["start"] = {"left_m": self.start.right_m, "right_m": self.start.left_m}
         task["direction"] = "backward" if task["direction"] == "forward" else "forward"
         task["path"] = self.task.path.mirrored().model_dump()
+        task["route"] = self.task.route.mirrored().model_dump()
         return Scene.model_validate(table)
 
     def to_toml(self) -> str:
@@ -143,15 +144,27 @@ class Scene(Section):
         return plain(value)
 
     def _check_path(self) -> None:
-        """Refuse a radius smaller than the robots' distance; `path_curve` checks the rest."""
-        radius, least = self.task.path.radius_m, self.object.width_m
-        if radius is not None and radius < least:
-            raise field_error(
-                radius,
-                f"is too tight for robots {least:g} m apart",
-                f"a number in m, from {least:g} to 10000",
-                "task.path.radius_m",
-            )
+        """Refuse a radius smaller than the robots' distance, and a route beside a curved path or
+        from palms; `path_curve` and `route_plan` check the rest."""
+        task, least = self.task, self.object.width_m
+        radii = {"path": task.path.radius_m}
+        if task.route.is_set:
+            radii["route"] = task.route.radius_m
+            for key in ("from", "to"):
+                if (stands := getattr(task, key)) != "floor":
+                    problem = "is on the palms, but a route (task.route) leads from floor to floor"
+                    raise field_error(stands, problem, "floor", f"task.{key}")
+            if task.path.is_curved:
+                problem = "is a path beside a route (task.route), which has curves of its own"
+                raise field_error(task.path.kind, problem, "straight", "task.path.kind")
+        for section, radius in radii.items():
+            if radius is not None and radius < least:
+                raise field_error(
+                    radius,
+                    f"is too tight for robots {least:g} m apart",
+                    f"a number in m, from {least:g} to 10000",
+                    f"task.{section}.radius_m",
+                )
 
 
 SceneLike: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Scene

@@ -5,6 +5,7 @@
 from palmbots._types import Side
 from palmbots.scene.core_keys import key, records
 from palmbots.scene.path_section import Path
+from palmbots.scene.route_section import Route
 from palmbots.scene.section import Section, with_plain_names
 
 
@@ -119,7 +120,7 @@ class _Ends(Section):
 
 @with_plain_names
 class Task(_Ends):
-    """[task] Where the object begins and ends, distance, direction, path and slope."""
+    """[task] Where the object begins and ends, distance, direction, path, route and slope."""
 
     from_: str = key("task.from")
     """What the object is on before the job. palms: the job begins when both palms hold it. floor,
@@ -147,3 +148,4 @@ class Task(_Ends):
     """Time constant of the first-order filter for these accelerations, because wheels, palms and
     contacts are compliant. 0: no filter."""
     path: Path = Path()
+    route: Route = Route()

@@ -93,6 +93,11 @@ def check_precision(world: WorldEntry, precision: str) -> None:
 
 def check_scene(world: WorldEntry, scene: Scene) -> None:
     """Raise `SceneError` for a scene that needs something which this world does not support."""
+    if scene.task.route.is_set:
+        raise SceneError(
+            "task.route: takes several carries, one for each stage; allowed: no route, or the "
+            "commands palmbots carry and palmbots route"
+        )
     if scene.task.path.is_curved and not world.supports_curved:
         others = _others(lambda entry: entry.supports_curved)
         raise SceneError(
