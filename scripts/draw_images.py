@@ -57,6 +57,9 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "palmbots study what-matters --plot": {"what-matters.png": "what-matters.study/study.png"},
     "palmbots carry --world mujoco --set task.path.kind=s --set task.path.radius_m=1 "
     "--set task.distance_m=2.27 --out out": {"curve-plan.png": "out/plan.png"},
+    "palmbots carry around-wall -c shared-sign --world mujoco --animation none --out out": {
+        "route.png": "out/route.png"
+    },
     "palmbots validate --out out": {"validation.png": "out/validation.png"},
     "palmbots speed-limits --out out": {"speed.png": "out/speed.png"},
 }
