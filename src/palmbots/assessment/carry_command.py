@@ -33,6 +33,7 @@ Film: TypeAlias = Literal["gif", "mp4", "none"] | None
 Forks: TypeAlias = list[tuple[float, int]] | None
 Hook: TypeAlias = Callable[..., None] | None
 Place: TypeAlias = FilePath | None
+Report: TypeAlias = Carried | CarriedRoute
 
 _SEEDS = 100  # none of 100 is less than 3 % with 95 %
 _HINTS = {"dropped": analyze_hint, "stalled": touch_start_hint}
@@ -69,7 +70,7 @@ def carry_and_report(
     on_warning: Hook = None,
     on_item: Hook = None,
     on_stage: Hook = None,
-) -> Carried | CarriedRoute:
+) -> Report:
     """Carry the object once and report the result.
 
     The report ends with how often this scene fails with this controller, over many seeds, and which

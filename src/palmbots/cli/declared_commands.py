@@ -15,7 +15,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
+from types import UnionType
+from typing import Any, get_args
 
 import palmbots
 from palmbots._util.command import Option, command, writes
@@ -205,7 +206,8 @@ def results_of(one: Declared) -> list[Any]:
     if one.returned in ("Path", "list[Path]"):
         return [Files]
     scope = vars(importlib.import_module(one.module))
-    return [eval(kind, dict(scope)) for kind in one.returned.split(" | ")]
+    found = eval(one.returned, dict(scope))
+    return list(get_args(found)) if isinstance(found, UnionType) else [found]
 
 
 def _commands(found: Iterable[Declared]) -> list[Declared]:
