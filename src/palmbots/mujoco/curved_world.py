@@ -69,8 +69,8 @@ def line_of(scene: Scene) -> Line:
     """The path of a scene.
 
     Raises:
-        SceneError: the path is too tight or too long for the pair, or the scene has a slope or
-            ridges.
+        SceneError: the path is too tight or too long for the pair, or the scene has a slope,
+            ridges, walls or stands.
     """
     task = scene.task
     if task.slope_deg != 0:
@@ -78,10 +78,15 @@ def line_of(scene: Scene) -> Line:
             f"task.slope_deg: {task.slope_deg:g} would tilt palms sideways on a curved path; "
             "allowed: 0, or task.path.kind = straight"
         )
-    if scene.mujoco.ridges:
-        raise SceneError(
-            "mujoco.ridges: lie across a straight path; allowed: none, or task.path.kind = straight"
-        )
+    for key, given in (
+        ("mujoco.ridges", scene.mujoco.ridges),
+        ("floor.walls", scene.floor.walls),
+        ("floor.stands", scene.floor.stands),
+    ):
+        if given:
+            raise SceneError(
+                f"{key}: lie across a straight path; allowed: none, or task.path.kind = straight"
+            )
     left, right = layout(held(scene)).pivots
     spread = right - left + 2 * axle_out(scene)
     curve = curve_of(task.path, task.distance_m + spread, spread)

@@ -159,12 +159,6 @@ class Pair:
                 "task.route.waypoints_m: is not set; allowed: a route, for example the scene "
                 "around-wall"
             )
-        if scene.floor.walls or scene.floor.stands:
-            key = "walls" if scene.floor.walls else "stands"
-            raise SceneError(
-                f"floor.{key}: {plural(len(getattr(scene.floor, key)), key[:-1])} across a "
-                "straight path; allowed: none on a route, or task.route.walls_m"
-            )
         if any(scene.palm_of(side).lip_height_m > 0 for side in SIDES):
             raise SceneError(
                 "palm.lip_height_m: lips hold the object, so its drift is not forecast; allowed: "
