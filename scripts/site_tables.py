@@ -236,7 +236,7 @@ def tables() -> dict[str, Any]:
     scenes = {
         name: meaning
         for name, meaning in built_in_meanings("scenes").items()
-        if "stand" not in load_scene(name).task.ends
+        if "stand" not in (task := load_scene(name).task).ends and not task.route.is_set
     }
     objects = built_in_meanings("objects")
     return {
