@@ -87,6 +87,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     yield "carry", curved  # one more panel
     yield "plan_view", curved
     yield "lift_phases", pb.carry("lift", "shared-sign")
+    yield "lift_phases", pb.carry("lone", "shared-sign")
     yield "sweep", pb.compare("paper", values=[0.0, 0.2], carries=2, overrides=SHORT)
     analysis = pb.analyze("paper")
     for name in ("stability-geometry", "friction-cones", "meeting-points", "operating-region",

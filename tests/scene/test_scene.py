@@ -58,7 +58,8 @@ def test_numbers_of_the_paper():
 
 
 def test_other_built_in_scenes_differ_from_paper_in_few_keys():
-    assert built_in_scenes() == ["figure8", "lift", "paper", "paper-offset", "pipe", "plate", "stand"]
+    names = ["figure8", "lift", "lone", "paper", "paper-offset", "pipe", "plate", "stand"]
+    assert built_in_scenes() == names
     assert load_scene("paper-offset") == load_scene(PAPER, {"palm.pivot_offset_m": 0.01})
     figure8 = load_scene("figure8")
     assert figure8.robot.noise_m_s == 0
