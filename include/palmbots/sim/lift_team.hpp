@@ -69,7 +69,7 @@ class LiftTeam {
     const PerSide<Command>& given = inner_.step(tick, shown, log);
     for (const std::size_t side : {left, right}) {
       commands_[side] = driver(side) == Driver::table ? own[side] : given[side];
-      if (driver(side) != Driver::controller) commands_[side].stop = true;
+      if (driver(side) == Driver::controller_in_place) commands_[side].stop = true;
     }
     count_messages();
     return commands_;
