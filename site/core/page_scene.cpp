@@ -13,6 +13,7 @@
 #include "palmbots/sim/scene_values.hpp"
 #include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/sim/spec_of_scene.hpp"
+#include "palmbots/sim/standing_start.hpp"
 #include "palmbots/sim/start_refusal.hpp"
 
 namespace palmbots::page {
@@ -54,7 +55,11 @@ PageScene read_scene(std::string_view lines, NumberStream in) {
     scene.object.insert(scene.object.end(), {vertex.x, vertex.y});
   }
   if (scene.problems.empty()) {
-    scene.refusal = load_refusal(values, scene.spec, false);
+    if (is_alone(scene.spec))
+      scene.refusal =
+          "task.dock: value is alone, and this page carries with two robots; allowed: together or "
+          "one-first, or the command palmbots carry";
+    if (scene.refusal.empty()) scene.refusal = load_refusal(values, scene.spec, false);
     if (scene.refusal.empty()) scene.refusal = palm_refusal(scene.spec);
     scene.warnings = value_warnings(values);
     scene.of_limits = limit_warnings(values, scene.spec);

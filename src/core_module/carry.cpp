@@ -34,9 +34,9 @@ Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team,
   return run;
 }
 
-template <class Team>
+template <class Table = Lifting, class Team>
 Run run_lift(const Spec& spec, std::uint64_t seed, bool record, Team team) {
-  LiftCarry<Team> carry(spec, seed, std::move(team), record);
+  LiftCarry<Team, TraceRecorder, Table> carry(spec, seed, std::move(team), record);
   carry.run();
   Run run = run_of_lift(carry);
   run.ambiguous = carry.world().ambiguous_events();
@@ -65,6 +65,10 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
   if (uses_floor(spec)) {
     if (single || !forks.empty())
       throw std::invalid_argument("a job on the floor is in double precision, without forks");
+    if (is_alone(spec)) {
+      const nb::gil_scoped_release release;
+      return run_lift<Lone>(spec, seed, record, NoController{});
+    }
     const auto lift_with = [&]<class Team>(Team team) {
       if constexpr (calls_python<Team>) return run_lift(spec, seed, record, std::move(team));
       const nb::gil_scoped_release release;
@@ -149,8 +153,7 @@ nb::object trace(const Run& run) {
 nb::list phases(const Run& run) {
   nb::list list;
   for (const LiftPhase& phase : run.phases) {
-    list.append(
-        nb::make_tuple(phase.side, name_of(phase.state), phase.start * run.period, phase.moved));
+    list.append(nb::make_tuple(phase.side, phase.name, phase.start * run.period, phase.moved));
   }
   return list;
 }
@@ -261,20 +264,25 @@ void bind_carry(nb::module_& m) {
   m.attr("carry_phases") = carry_phases_of();
   m.attr("carry_ends") = carry_ends_of();
   nb::dict states;
-  for (const StateMeaning& state : Lifting::meanings) states[state.name] = state.meaning;
-  m.attr("lift_states") = states;
   nb::list lift_messages;
   for (int kind = message_kinds; kind < all_message_kinds; ++kind)
     lift_messages.append(name_of(static_cast<MessageKind>(kind)));
   m.attr("lift_messages") = lift_messages;
   nb::dict phases_of_states;
-  for (int i = 0; i < Lifting::states; ++i) {
-    const auto state = static_cast<Lifting::State>(i);
-    const bool low = Lifting::role(state).arm == ArmMove::follow || Lifting::on_trial.has(state);
-    const CarryPhase phase = low ? CarryPhase::low : CarryPhase::held;
-    phases_of_states[Lifting::meanings[i].name] =
-        carry_phase_words[static_cast<std::size_t>(phase)][0];
-  }
+  const auto add = [&]<class Table>(Table) {
+    for (int i = 0; i < Table::states; ++i) {
+      const auto state = static_cast<typename Table::State>(i);
+      const bool low = Table::alone || Table::role(state).arm == ArmMove::follow ||
+                       Table::on_trial.has(state);
+      const CarryPhase phase = low ? CarryPhase::low : CarryPhase::held;
+      states[Table::meanings[i].name] = Table::meanings[i].meaning;
+      phases_of_states[Table::meanings[i].name] =
+          carry_phase_words[static_cast<std::size_t>(phase)][0];
+    }
+  };
+  add(Lifting{});
+  add(Lone{});
+  m.attr("lift_states") = states;
   m.attr("phases_of_lift_states") = phases_of_states;
   nb::class_<Run>(m, "Run", "A finished carry.")
       .def_prop_ro("outcome", [](const Run& r) { return name_of(r.metrics.outcome); })

@@ -77,6 +77,9 @@ class CoSimulationOf : public AnyCoSimulation {
 std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::object& controller,
                                                    std::uint64_t seed, double slack,
                                                    const WorldObservation& first) {
+  if (uses_floor(spec) && is_alone(spec))
+    return std::make_unique<CoSimulationOf<LiftCoSimulation<NoController, Lone>>>(
+        spec, seed, NoController{}, slack, first);
   return with_given_team(controller, spec, seed,
                          [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
                            if (uses_floor(spec))

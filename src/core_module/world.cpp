@@ -253,6 +253,10 @@ void bind_world(nb::module_& m) {
       "ends "
       "are at these distances from it, at the height of what it stands on [m].");
   m.def(
+      "first_angles",
+      [](const Spec& spec) { return Numbers2{first_angle(spec, left), first_angle(spec, right)}; },
+      nb::arg("spec"), "Angles of the palms where a job begins [rad].");
+  m.def(
       "takes_single_steps",
       [](const Spec& spec) { return takes_single_steps(model_of<double>(spec)); }, nb::arg("spec"),
       "Whether lanes take the steps of a carry one by one: a contact vertex is rounded, a nose or "

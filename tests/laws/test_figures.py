@@ -91,6 +91,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     yield "route", short_plan()
     yield "route", carry_route(plan=short_plan())
     yield "lift_phases", pb.carry("lift", "shared-sign")
+    yield "lift_phases", pb.carry("lone", "shared-sign")
     yield "sweep", pb.compare("paper", values=[0.0, 0.2], carries=2, overrides=SHORT)
     analysis = pb.analyze("paper")
     for name in ("stability-geometry", "friction-cones", "meeting-points", "operating-region",

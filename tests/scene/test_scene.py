@@ -58,7 +58,9 @@ def test_numbers_of_the_paper():
 
 
 def test_other_built_in_scenes_differ_from_paper_in_few_keys():
-    own = ["around-wall", "figure8", "lift", "paper", "paper-offset", "pipe", "plate", "stand"]
+    own = [
+        *("around-wall", "figure8", "lift", "lone", "paper", "paper-offset", "pipe", "plate", "stand")
+    ]
     assert built_in_scenes() == own
     route = {"task.route": None}
     assert load_scene("around-wall", route) == load_scene("lift")

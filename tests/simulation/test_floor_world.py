@@ -219,3 +219,35 @@ def test_what_topples_on_a_slope_is_refused() -> None:
             continue
         with pytest.raises(pb.PalmbotsError, match="does not stand on its contact vertices"):
             FloorWorld(overrides=keys, floor_friction=1)
+
+
+def test_an_object_does_not_fall_through_a_nose() -> None:
+    """A palm drives under an object at a wall. The far corner drops back to the floor where the
+    contact passes from the nose to the palm; the near arc then stays outside the nose."""
+    radius, half, theta = 0.003, 0.075, math.radians(8.0)
+    world = FloorWorld(
+        "lift",
+        palms_deg=(8.0, 15.0),
+        gaps_m=(0.001, None),
+        overrides={
+            "object.vertices_m": [[0, 0], [0.1, 0], [0.1, 0.08], [0, 0.08]],
+            "object.com_m": [0.05, 0.04],
+            "object.edge_radius_m": radius,
+            "floor.walls": [{"at_m": 0.0505}],
+        },
+    )
+    falls = 0
+    for _ in range(60):
+        state = world.move(0.0005)
+        assert not state.end
+        falls += len(state.falls)
+        (x, y), tilt = state.com_m, math.radians(state.tilt_deg)
+        along, up = radius - 0.05, radius - 0.04
+        centre = (
+            x + along * math.cos(tilt) - up * math.sin(tilt),
+            y + along * math.sin(tilt) + up * math.cos(tilt),
+        )
+        pivot = state.pivots_m.left
+        nose = pivot[0] + half * math.cos(theta), pivot[1] - half * math.sin(theta)
+        assert math.dist(centre, nose) >= radius - 1e-9
+    assert falls > 0

@@ -377,6 +377,16 @@ struct Lifting {
   // clang-format on
 
   static constexpr const Role& role(State state) { return roles[static_cast<int>(state)]; }
+
+  static constexpr bool alone = false;  // one robot does the job
+  // The state in which a job begins on the floor.
+  static constexpr State start(bool leads, bool one_first) {
+    return one_first && !leads ? S::stand_by : initial;
+  }
+  static constexpr bool is_carrying(State state) { return state == S::carry; }
+  static constexpr bool has_failed(State one, State other) {
+    return one == S::failed && other == S::failed;
+  }
 };
 
 constexpr const char* name_of(Lifting::State state) {

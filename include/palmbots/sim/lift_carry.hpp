@@ -3,7 +3,8 @@
 // (sim/lift_robots.hpp), and the floor in the world.
 //
 // WHEELS. Wheels that stall (mechanics/carry_ends.hpp) stand for the rest of the tick. No robot
-// notices that. The odometry of wheels that spin counts on.
+// notices that. The odometry of wheels that spin counts on. Wheels also stall when the nose of a palm is
+// at a wall.
 #pragma once
 
 #include <cmath>
@@ -14,9 +15,9 @@
 
 namespace palmbots {
 
-template <class Inner, class Recorder = TraceRecorder>
-class LiftCarry : public LiftRobots<Inner, Recorder> {
-  using Base = LiftRobots<Inner, Recorder>;
+template <class Inner, class Recorder = TraceRecorder, class Table = Lifting>
+class LiftCarry : public LiftRobots<Inner, Recorder, Table> {
+  using Base = LiftRobots<Inner, Recorder, Table>;
 
  public:
   LiftCarry(const Spec& spec, std::uint64_t seed, Inner inner, bool records)
@@ -59,7 +60,7 @@ class LiftCarry : public LiftRobots<Inner, Recorder> {
   // The object stands on the floor or on a stand, and the noses are beside it.
   void stand() {
     const StandingStart start = StandingStart::of(spec_);
-    world_.put(start.pivots, {spec_.palms[left].steep, spec_.palms[right].steep},
+    world_.put(start.pivots, {first_angle(spec_, left), first_angle(spec_, right)},
                Pose::of(start.com, 0.0));
   }
 
@@ -120,7 +121,8 @@ class LiftCarry : public LiftRobots<Inner, Recorder> {
     const Actuation<double> act = actuate(robots_, world_.configuration().palms, this->noise());
     PerSide<Vec> by{};
     for (const std::size_t side : {left, right})
-      by[side] = {robots_.speeds[side] * spec_.period, this->rise(side, act.angles[side])};
+      by[side] = {before_walls(side, robots_.speeds[side] * spec_.period),
+                  this->rise(side, act.angles[side])};
     recorder_.before(*this, sensed);
     this->record(height_);
     set_phase(is_airborne());
@@ -137,8 +139,29 @@ class LiftCarry : public LiftRobots<Inner, Recorder> {
     this->end_tick(step.reason, step.fraction, stands);
   }
 
+  // One palm alone may hold an object on it, as on the floor.
   void set_phase(bool airborne) {
-    world_.set_phase(airborne ? CarryPhase::held : CarryPhase::low, spec_.fall);
+    const bool by_both = airborne && !Table::alone;
+    world_.set_phase(by_both ? CarryPhase::held : CarryPhase::low, spec_.fall);
+  }
+
+  // The part of the way of a pivot along the floor that leaves its nose in front of the walls [m].
+  double before_walls(std::size_t side, double way) {
+    if (!this->is_low(side)) return way;
+    const PalmAngle<double>& at = world_.configuration().palms[side];
+    const PalmSpec& palm = spec_.palms[side];
+    const double out = outward<double>(side);
+    const double nose =
+        world_.pivot(side).x - out * (0.5 * palm.length * at.cos + palm.offset * at.sin);
+    for (std::size_t i = 0; i < spec_.wall_count; ++i) {
+      const double room = out * (nose - spec_.walls[i].at);
+      if (spec_.walls[i].at * out > 0 || -out * way <= room) continue;
+      const double left_over = -out * larger(room, 0.0);
+      metrics_.stalled_ticks[side] += 1 - left_over / way;
+      robots_.midpoint += 0.5 * (left_over - way);
+      way = left_over;
+    }
+    return way;
   }
 
   World<double> world_;

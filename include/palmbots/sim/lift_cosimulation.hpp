@@ -11,16 +11,16 @@
 
 namespace palmbots {
 
-template <class Inner>
-class LiftCoSimulation : public LiftRobots<Inner> {
-  using Base = LiftRobots<Inner>;
+template <class Inner, class Table = Lifting>
+class LiftCoSimulation : public LiftRobots<Inner, TraceRecorder, Table> {
+  using Base = LiftRobots<Inner, TraceRecorder, Table>;
 
  public:
   LiftCoSimulation(const Spec& spec, std::uint64_t seed, Inner inner, double slack,
                    const WorldObservation& first)
       : Base(spec, seed, std::move(inner), true), slack_(slack), observation_(first) {
     for (const std::size_t side : {left, right})
-      set_points_[side] = PalmAngle<double>::at(spec.palms[side].steep);
+      set_points_[side] = PalmAngle<double>::at(first_angle(spec, side));
     if (spec.begins_on == StandsOn::palms)
       this->hold_at(0.5 * (first.heights[left] + first.heights[right]));
     metrics_.reason = first.reason;

@@ -29,7 +29,8 @@ namespace palmbots {
 // A phase of one robot, which lasts until its next one [ticks].
 struct LiftPhase {
   std::size_t side;
-  Lifting::State state;
+  const char* name;
+  int state;  // its number in the table
   std::uint32_t start;
   double moved;  // displacement of the COM until then [m]
 };
@@ -41,15 +42,15 @@ struct LiftFall {
   Fall fall;
 };
 
-template <class Inner, class Recorder = TraceRecorder>
-class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
-  using Base = RobotPair<double, LiftTeam<Inner>>;
+template <class Inner, class Recorder = TraceRecorder, class Table = Lifting>
+class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
+  using Base = RobotPair<double, LiftTeam<Inner, Table>>;
 
  public:
-  using State = Lifting::State;
+  using State = Table::State;
 
   LiftRobots(const Spec& spec, std::uint64_t seed, Inner inner, bool records)
-      : Base(spec, seed, LiftTeam<Inner>(spec, seed, std::move(inner))),
+      : Base(spec, seed, LiftTeam<Inner, Table>(spec, seed, std::move(inner))),
         recorder_(records),
         records_(records),
         step_height_(larger(spec.arms[left].rate, spec.arms[right].rate) *
@@ -59,7 +60,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
       constexpr double whole = 4294967296.0;
       const double share = 2 * ((words[rank(side)] + 0.5) / whole) - 1;
       carry_height_[side] = spec.arms[side].carry_height + share * spec.arms[side].height_error;
-      floor_[side] = spec.palms[side].lowest_pivot(sin_cos(spec.palms[side].steep));
+      floor_[side] = spec.palms[side].lowest_pivot(sin_cos(first_angle(spec, side)));
       for (const bool ends : {false, true}) {
         lowest_[ends][side] = floor_[side];
         if (!is_stand(ends)) continue;
@@ -70,6 +71,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
       }
       if (is_stand(false)) way_below_[side] = StandingStart::of(spec).way_below(spec, side);
     }
+    if (Table::alone) robots_.inertia.gain *= 2;  // the object moves with one robot
     height_ = lowest_[false];
     lifted_from_ = height_;
   }
@@ -77,6 +79,8 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   Recorder& recorder() { return recorder_; }
   std::vector<PerSide<double>> take_heights() { return std::move(heights_); }
   const std::vector<LiftPhase>& phases() const { return phases_; }
+  // How far a robot has carried, by its odometry [m].
+  double travelled(std::size_t side) const { return travelled_[side]; }
   // Whether a nose is on the floor, or the object may touch a stand.
   bool is_low(std::size_t side) const {
     const ArmMove arm = team_.arm(side);
@@ -164,7 +168,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   // The wheels of a robot have rolled so far towards +x in this tick [m].
   void count_travel(std::size_t side, double by) {
     rolled_[side] += by;
-    if (team_.state(side) == State::carry) travelled_[side] += spec_.direction * by;
+    if (Table::is_carrying(team_.state(side))) travelled_[side] += spec_.direction * by;
   }
 
   // `stands`: no palm touches the object.
@@ -174,7 +178,8 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
       end(Outcome::dropped, fraction);
     } else if (is_done(stands)) {
       end(Outcome::delivered, 1.0);
-    } else if (tick_ + 1 >= spec_.timeout_ticks || both(State::failed)) {
+    } else if (tick_ + 1 >= spec_.timeout_ticks ||
+               Table::has_failed(team_.state(left), team_.state(right))) {
       end(Outcome::stalled, 1.0);
     }
     ++tick_;
@@ -183,11 +188,13 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
 
   void note_phases(double moved) {
     for (const std::size_t side : {left, right}) {
+      if (Table::alone && side != this->leader()) continue;
       const State now = team_.state(side);
       if (known_[side] && now == noted_[side]) continue;
       known_[side] = true;
       noted_[side] = now;
-      if (phases_.size() < most_lift_phases) phases_.push_back({side, now, tick_, moved});
+      if (phases_.size() < most_lift_phases)
+        phases_.push_back({side, name_of(now), static_cast<int>(now), tick_, moved});
     }
   }
 
@@ -206,13 +213,17 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner>> {
   bool both(State state) const { return team_.state(left) == state && team_.state(right) == state; }
   bool is_done(bool stands) const {
     if (spec_.ends_on != StandsOn::palms) return both(State::done) && stands;
-    return both(State::arrived) || both(State::lower);
+    if constexpr (Table::alone) {
+      return false;
+    } else {
+      return both(State::arrived) || both(State::lower);
+    }
   }
 
   bool is_stand(bool ends) const {
     return (ends ? spec_.ends_on : spec_.begins_on) == StandsOn::stand;
   }
-  bool is_ending(std::size_t side) const { return Lifting::ending.has(team_.state(side)); }
+  bool is_ending(std::size_t side) const { return Table::ending.has(team_.state(side)); }
 
   bool records_;
   double step_height_;              // of the table's steps [m]

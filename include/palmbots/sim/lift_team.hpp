@@ -10,14 +10,27 @@
 #include <utility>
 
 #include "palmbots/control/lifting.hpp"
+#include "palmbots/control/lone.hpp"
 #include "palmbots/sim/table_team.hpp"
 
 namespace palmbots {
 
-template <class Inner>
+// A robot that works alone drives its whole palm under the object, whatever part of it is usable.
+template <>
+inline TableTimes<Lone> table_times_of<Lone>(const Spec& spec) {
+  const std::size_t side = leader_of(spec);
+  TableTiming timing = table_timing_of(spec);
+  if (spec.robots[side].correction > 0)
+    timing.reach = 0.5 * spec.palms[side].length / spec.robots[side].correction;
+  return {ticks_in(spec.beacon, spec.period), ticks_in(table_lease(spec), spec.period),
+          table_limits<Lone>(timing, spec.period)};
+}
+
+template <class Inner, class TheTable = Lifting>
 class LiftTeam {
  public:
-  using State = Lifting::State;
+  using Table = TheTable;
+  using State = Table::State;
   bool half_moves;
   bool expects_turns;
   LinkTotals link_totals{};
@@ -27,12 +40,13 @@ class LiftTeam {
         expects_turns(inner.expects_turns),
         inner_(std::move(inner)),
         phases_(phases_of(spec, seed)) {
-    if (spec.begins_on != StandsOn::palms) {
-      if (spec.docking == Docking::one_first)
-        phases_.wake(1 - leader_of(spec)).enter(State::stand_by);
-      return;
+    for (const std::size_t side : {left, right}) {
+      State start = Table::start(side == leader_of(spec), spec.docking == Docking::one_first);
+      if constexpr (!Table::alone) {
+        if (spec.begins_on == StandsOn::palms) start = State::carry;
+      }
+      if (start != Table::initial) phases_.wake(side).enter(start);
     }
-    for (const std::size_t side : {left, right}) phases_.wake(side).enter(State::carry);
   }
 
   // What the robots know besides their observations, before each step.
@@ -55,7 +69,7 @@ class LiftTeam {
     const PerSide<Command>& given = inner_.step(tick, shown, log);
     for (const std::size_t side : {left, right}) {
       commands_[side] = driver(side) == Driver::table ? own[side] : given[side];
-      if (driver(side) != Driver::controller) commands_[side].stop = true;
+      if (driver(side) == Driver::controller_in_place) commands_[side].stop = true;
     }
     count_messages();
     return commands_;
@@ -74,7 +88,7 @@ class LiftTeam {
   State state(std::size_t side) const { return phases_.robot(side).state(); }
   // An arm that is up holds while its robot's program does not run.
   ArmMove arm(std::size_t side) const {
-    const ArmMove arm = Lifting::role(state(side)).arm;
+    const ArmMove arm = Table::role(state(side)).arm;
     return runs_[side] || arm == ArmMove::follow ? arm : ArmMove::hold;
   }
   const Inner& inner() const { return inner_; }
@@ -87,13 +101,13 @@ class LiftTeam {
   }
 
  private:
-  using Phases = TableTeam<Lifting>;
+  using Phases = TableTeam<Table>;
 
   // Both radios would else lose the same messages.
   static constexpr std::uint64_t seed_of_words(std::uint64_t seed) { return seed ^ 0x6C696674; }
 
   static Phases phases_of(const Spec& spec, std::uint64_t seed) {
-    return {{table_robot_of<Lifting>(spec, left), table_robot_of<Lifting>(spec, right)},
+    return {{table_robot_of<Table>(spec, left), table_robot_of<Table>(spec, right)},
             {spec.robots[left].clock_drift, spec.robots[right].clock_drift},
             channel_of(spec),
             seed_of_words(seed),
@@ -102,7 +116,7 @@ class LiftTeam {
   }
 
   Driver driver(std::size_t side) const {
-    const Driver driver = Lifting::role(state(side)).driver;
+    const Driver driver = Table::role(state(side)).driver;
     if (driver != Driver::while_pressed) return driver;
     const bool is_pressed = phases_.robot(side).clock().own.senses.touches;
     return is_pressed ? Driver::controller_in_place : Driver::table;

@@ -13,6 +13,19 @@ namespace palmbots {
 
 // Distance between the object and the inner ends where a job begins on the floor [m].
 inline constexpr double approach_distance = 0.03;
+// The same of the robot that stands aside while its partner works alone [m].
+inline constexpr double aside_distance = 1.0;
+
+// Whether one robot does the job and the other one stands aside.
+inline bool is_alone(const Spec& spec) {
+  return uses_floor(spec) && spec.docking == Docking::alone;
+}
+
+// The angle of a palm where a job begins [rad]. A robot that works alone docks with a shallow palm.
+inline double first_angle(const Spec& spec, std::size_t side) {
+  const PalmSpec& palm = spec.palms[side];
+  return is_alone(spec) && side == leader_of(spec) ? palm.shallow : palm.steep;
+}
 
 // The height at which the object begins, or ends after it moved by `moved`: that of the highest stand
 // under its contact vertices, or of the floor [m].
@@ -69,10 +82,11 @@ struct StandingStart {
     return start;
   }
 
-  // Where a job begins: the palms are steep, and below the top of a stand.
+  // Where a job begins: the palms are below the top of a stand.
   static StandingStart of(const Spec& spec) {
-    StandingStart start = of(spec, {spec.palms[left].steep, spec.palms[right].steep},
-                             {approach_distance, approach_distance});
+    PerSide<double> gaps{approach_distance, approach_distance};
+    if (is_alone(spec)) gaps[other(leader_of(spec))] = aside_distance;
+    StandingStart start = of(spec, {first_angle(spec, left), first_angle(spec, right)}, gaps);
     if (spec.begins_on != StandsOn::stand) return start;
     for (const std::size_t side : {left, right})
       start.pivots[side].y = StandHeights::of(spec, side, standing_level(spec)).low;

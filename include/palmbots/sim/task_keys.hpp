@@ -190,8 +190,9 @@ inline constexpr Key world_keys[] = {
 // What an object stands on before a job, or after it.
 enum class StandsOn : std::uint8_t { palms, floor, stand };
 
-// Which robots drive at first to get under an object on the floor: both, or the one that leads.
-enum class Docking : std::uint8_t { together, one_first };
+// Which robots drive at first to get under an object on the floor: both, or the one that leads. Or that
+// one does the whole job alone, against a wall.
+enum class Docking : std::uint8_t { together, one_first, alone };
 
 struct TaskSpec {
   StandsOn begins_on = StandsOn::palms;
@@ -207,7 +208,7 @@ struct TaskSpec {
 };
 inline constexpr Choices direction_choices(0, "forward", "backward");
 inline constexpr Choices support_choices(0, "palms", "floor", "stand");
-inline constexpr Choices docking_choices(0, "together", "one-first");
+inline constexpr Choices docking_choices(0, "together", "one-first", "alone");
 inline constexpr Key task_keys[] = {
     choice<&TaskSpec::begins_on>("from", support_choices),
     choice<&TaskSpec::ends_on>("to", support_choices),

@@ -55,6 +55,9 @@ class SmallFall {
   static constexpr double pace = 1e-4;  // of a step, in sizes
   static constexpr int most_steps = 5000;
   static constexpr double slack = 1e-9;  // of an acceleration, in those of gravity
+  // How far a contact may leave its features: more than what counts as closed, and so little that the
+  // contact that takes over is closed, too.
+  static constexpr double beyond = 1e-6;
 
   using Rows = std::array<Triple, 2>;  // more leave no direction
   using Solver = EchelonForm<double, 2>;
@@ -196,7 +199,7 @@ class SmallFall {
     for (int i = 0; i < 60; ++i) {
       Pose there = advanced(start, way.by, done + ahead);
       const bool kept = keep(way, closed, there);
-      if (kept && is_free(way, closed, near, there)) {
+      if (kept && stays(way, closed, there) && is_free(way, closed, near, there)) {
         done += ahead;
         pose = there;
         if (done >= whole) return;
@@ -231,6 +234,16 @@ class SmallFall {
       for (std::size_t r = 0; r < rows; ++r) by = by + moved_by(fixed[r]) * sizes[r];
       pose = advanced(pose, by, 1.0);
       if (EchelonForm<double, 3>::largest({by.x, by.y, by.z}) < 1e-14 * size_) break;
+    }
+    return true;
+  }
+
+  // Whether the contacts that persist are not much beyond their features' ends, where others take
+  // over.
+  bool stays(const Way& way, const ClosedPairs& closed, const Pose& pose) const {
+    for (std::size_t b = 0; b < way.count; ++b) {
+      const FeaturePair pair = closed.at[way.bonds[b].closed].pair;
+      if (problem_.contact(frames_, pose, pair).inside < -beyond) return false;
     }
     return true;
   }

@@ -66,8 +66,11 @@ def _held(
     analysis: Analysis, near: Analysis | None, best: OutcomeCounts | None
 ) -> tuple[Verdict, str, bool]:
     """The verdict, its text, and whether they are for the contacts that occur in carries."""
-    if analysis.lifting is not None and not analysis.lifting.works:
-        return "no", analysis.lifting.refusals[0], False
+    for job in (analysis.lifting, analysis.lone):
+        if job is not None and not job.works:
+            return "no", job.refusals[0], False
+    if analysis.lone is not None:
+        return "yes", f"the {analysis.lone.robot} robot holds it alone", False
     doubt = _doubt(analysis)
     if doubt is None:
         tightest = _tightest(analysis)

@@ -30,6 +30,7 @@ from palmbots.mechanics.lifting_forces import (
     floor_friction_to_stay,
     least_partner_angle,
 )
+from palmbots.mechanics.lone import lone_lift
 from palmbots.mechanics.unlevel_pivots import PROPERTIES, PivotRises
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import as_given
@@ -232,13 +233,14 @@ class Lifting:
 
 
 def lifting(scene: Scene) -> Lifting | None:
-    """The analysis of a scene; None: its job neither begins nor ends on the floor or on a stand.
+    """The analysis of a scene; None: its job neither begins nor ends on the floor or on a stand, or
+    one robot does it alone.
 
     Raises:
         SceneError: the path is curved, or the object does not stand on its contact vertices.
     """
     spec = to_spec(scene, unrolled=True)
-    if not spec.uses_floor:
+    if not spec.uses_floor or scene.task.dock == "alone":
         return None
     check_stands(spec)
     tops = _tops(scene, spec)
@@ -284,7 +286,7 @@ def check_lift(scene: Scene) -> tuple[str, ...]:
     Raises:
         SceneError: the job cannot work.
     """
-    found = lifting(scene)
+    found = lone_lift(scene) or lifting(scene)
     if found is None:
         return ()
     if found.refusals:

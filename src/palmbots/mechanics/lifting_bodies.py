@@ -138,12 +138,12 @@ class Standing:
         across, up = (1, -1)[side] * math.sin(lean), math.cos(lean)
         return across, up, at[0] * up - at[1] * across
 
-    def least(self, push: Wrench, rays: list[Wrench]) -> Point | None:
-        """The horizontal and the vertical part of the least force `push` that carries the weight
-        together with others; None: none does. The least one needs two others at most."""
+    def balances(self, push: Wrench, rays: list[Wrench]) -> list[float]:
+        """The sizes of a force `push` that carries the weight together with two of the others. The
+        least and, if it is bounded, the greatest one with any of them are among these."""
         (x, y), slope = self.com_at, self.slope
         load = slope * self.weight, self.weight, self.weight * (x - slope * y)
-        sizes = [math.inf]
+        sizes = []
         for one, two in itertools.combinations(rays, 2):
             volume = _volume(push, one, two)
             if abs(volume) < _FLAT * self.width:
@@ -151,7 +151,12 @@ class Standing:
             parts = (_volume(load, one, two), _volume(push, load, two), _volume(push, one, load))
             if min(part / volume for part in parts) >= 0:
                 sizes.append(parts[0] / volume)
-        size = min(sizes)
+        return sizes
+
+    def least(self, push: Wrench, rays: list[Wrench]) -> Point | None:
+        """The horizontal and the vertical part of the least force `push` that carries the weight
+        together with others; None: none does."""
+        size = min(self.balances(push, rays), default=math.inf)
         return (size * abs(push[0]), size * push[1]) if math.isfinite(size) else None
 
 

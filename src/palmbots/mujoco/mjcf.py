@@ -4,8 +4,8 @@
 Frame: x forward (left robot to right one), y to the left of it, z up, metres, radians, kilogrammes;
 the floor is z = 0 and x = 0 is halfway between the pivots. A slope tilts gravity, not the floor.
 Each robot is a free body with two driven wheels and a caster, an arm with a shoulder joint that is
-held, and a palm with a wrist joint. A wrist angle is 0 at the steep palm angle and > 0 outward, on
-both sides. The initial state of the model is the start of the carry.
+held, and a palm with a wrist joint. A wrist angle is 0 at the palm's first angle and > 0 outward,
+on both sides. The initial state of the model is the start of the carry.
 
 Contacts are explicit pairs of simple shapes, so every contact is a point that MuJoCo computes
 exactly: the object touches palms with small balls, two on each of its edges, and palms touch the
@@ -180,6 +180,9 @@ def mjcf(
         for name, friction in blocks.items():
             for part in (*stands, *(slab.name for slab in slabs)):
                 _pair(contact, name, part, 3, friction, engine.lifting)
+            for side in SIDES if scene.task.dock == "alone" else ():  # noses end at walls
+                for end in ("near", "far"):
+                    _pair(contact, name, f"{side}_inner_{end}", 1, 0.0, engine.lifting)
     root.append(actuators)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"

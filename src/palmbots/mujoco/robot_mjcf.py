@@ -9,7 +9,7 @@ import math
 import xml.etree.ElementTree as ET
 
 import palmbots._core as _core
-from palmbots._types import Side
+from palmbots._types import SIDES, Side
 from palmbots._util.xml_attributes import numbers, rgba
 from palmbots.mujoco.engine_settings import ARM, MAST, SHOULDER, WHEEL, WRIST, Servo
 from palmbots.scene.chassis import Chassis, axle_out, chassis, wheel_kg
@@ -21,6 +21,7 @@ from palmbots.scene.robot_dimensions import (
     WHEEL_WIDTH,
 )
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 from palmbots.viz import solids
 from palmbots.viz.style import HUE, INK, QUIET
 
@@ -43,6 +44,11 @@ def wrist_servo(scene: Scene) -> Servo:
     """Gains of the motor of a palm: as stiff as the torque that it holds demands."""
     strength = scene.mujoco.palm_torque_n_m / PALM_TORQUE
     return Servo(WRIST.kp * strength, WRIST.kv * math.sqrt(strength), WRIST.armature)
+
+
+def first_angle(scene: Scene, side: Side) -> float:
+    """The angle of a palm where a carry or a job begins [rad]."""
+    return _core.first_angles(to_spec(scene, unrolled=True))[SIDES.index(side)]
 
 
 def arm_weight(scene: Scene) -> float:
@@ -184,12 +190,12 @@ def _mast(body: ET.Element, x: float, top: float) -> None:
 def _palm(
     arm: ET.Element, actuators: ET.Element, scene: Scene, side: Side, out: float, frame: Chassis
 ) -> None:
-    """The plate; the model has it at its steep angle, at which the wrist angle is 0."""
+    """The plate; the model has it at the angle at which it begins; the wrist angle is 0 there."""
     palm, mass = scene.palm_of(side), scene.mujoco.palm_kg
-    steep = math.radians(palm.steep_deg)
+    first = first_angle(scene, side)
     body = ET.SubElement(
         arm, "body", name=f"{side}_palm", pos=numbers(out * frame.arm[0], 0.0, frame.arm[1]),
-        euler=numbers(0.0, -out * steep, 0.0),
+        euler=numbers(0.0, -out * first, 0.0),
     )  # fmt: skip
     ET.SubElement(
         body, "joint", name=f"{side}_wrist", type="hinge", axis=numbers(0.0, -out, 0.0),

@@ -63,9 +63,8 @@ class MujocoWorld:
         self._period = scene.control.period_s
         self._track = chassis(self.layout.height, axle_out(scene)).track
         self._radius = scene.mujoco.wheel_radius_m
-        left, right = self.layout.spec.palms
-        self._steep = (left.steep, right.steep)
-        self._set = list(self._steep)  # commanded wrist angles [rad]
+        self._first = _core.first_angles(self.layout.spec)
+        self._set = list(self._first)  # commanded wrist angles [rad]
         self._find()
         self._unloaded_s = [0.0, 0.0]
         self.motion = (0, 0)  # contacts in the last tick: −1 slides inward, 0 sticks, 1 outward
@@ -181,11 +180,11 @@ class MujocoWorld:
         return state
 
     def restore(self, state: np.ndarray) -> None:
-        """Return to a state in which the motors held the palms at their steep angles."""
+        """Return to a state in which the motors held the palms at their first angles."""
         kind = int(self._mj.mjtState.mjSTATE_INTEGRATION)
         self._mj.mj_setState(self.model, self.data, state, kind)
         self._mj.mj_forward(self.model, self.data)
-        self._set = list(self._steep)
+        self._set = list(self._first)
 
     @property
     def pressed(self) -> tuple[float | None, float | None]:
@@ -238,8 +237,8 @@ class MujocoWorld:
         """The palm angles as the wrists measure them [rad]."""
         q = self.data.qpos
         return (
-            float(q[self._wrist_at[0]]) + self._steep[0],
-            float(q[self._wrist_at[1]]) + self._steep[1],
+            float(q[self._wrist_at[0]]) + self._first[0],
+            float(q[self._wrist_at[1]]) + self._first[1],
         )
 
     def rolled(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -311,7 +310,7 @@ class MujocoWorld:
         """Let the motors take up the weights, and adjust the shoulders to hold them level."""
         ticks = max(1, round(_SETTLE_S / self._period))
         for tick in range(ticks):
-            self.move((0.0, 0.0), self._steep)
+            self.move((0.0, 0.0), self._first)
             if 3 * tick < 2 * ticks:
                 self._adjust_arms()
         # MuJoCo's own clock runs on: `move` detects a divergence by a step back of that clock.

@@ -91,6 +91,8 @@ def refuse_surroundings(scene: Scene, spec: _core.Spec) -> None:
         x + sense * (out + palm.length + _ROOM)
         for (x, _), sense, palm in zip(pivots, (-1, 1), spec.palms, strict=True)
     )
+    if scene.task.dock == "alone":  # the other robot stands aside
+        low, high = (0.0, high) if spec.direction > 0 else (low, 0.0)
     ahead = spec.direction * spec.distance
     low, high = min(low, low + ahead), max(high, high + ahead)
     for block in blocks:

@@ -131,7 +131,8 @@ class Task(_Ends):
     dock: str = key("task.dock")
     """Which robots begin to pick the object up. together: both. one-first: the one that leads; the
     other one stands with its brakes on until its partner's palm is under the object. After an
-    attempt that failed, both dock together."""
+    attempt that failed, both dock together. alone: the one that leads does the whole job, against a
+    wall behind the object; the other one stands aside."""
     distance_m: float = key("task.distance_m")
     """Distance that the midpoint of the pivots has to travel."""
     slope_deg: float = key("task.slope_deg")

@@ -184,11 +184,12 @@ def final_place(
 
 def contributions(job: FloorJob, distance_m: float) -> tuple[float, float, float]:
     """What docking, travel and leaving contribute to the miss of a job that succeeded [m]."""
-    begun = {
-        name: max((one.start_s, one.moved_m) for one in job.phases if one.phase == name)[1]
-        for name in ("carry", "down")
-    }
-    return begun["carry"], begun["down"] - begun["carry"] - distance_m, job.moved_m - begun["down"]
+
+    def begun(*phases: str) -> float:
+        return max((one.start_s, one.moved_m) for one in job.phases if one.phase in phases)[1]
+
+    held, down = begun("carry", "haul"), begun("down", "tip_out")
+    return held, down - held - distance_m, job.moved_m - down
 
 
 def _covered(values: NDArray[np.float64]) -> Interval:

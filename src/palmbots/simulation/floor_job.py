@@ -25,16 +25,18 @@ TASK_PHASES: dict[str, str] = _core.phases_of_lift_states
 # What a job did not achieve that ends in one of these phases, in their order.
 _GOALS = {
     "did not get under the object": (
-        "stand_by", "dock", "touch", "meet", "poised", "under", "stand_back", "back_off", "failed",
+        "stand_by", "dock", "touch", "meet", "poised", "under", "scoop", "seat", "ease",
+        "stand_back", "back_off", "sink", "failed",
     ),
     "did not centre the contacts on the floor": ("centre", "ready", "recentre"),
-    "did not raise the object": ("raise", "raise_hold", "up"),
-    "did not arrive": ("carry", "arrived"),
-    "did not lower the object": ("lower", "lower_hold", "down"),
+    "did not raise the object": ("raise", "raise_hold", "up", "lift"),
+    "did not arrive": ("carry", "arrived", "haul"),
+    "did not lower the object": ("lower", "lower_hold", "down", "set_down"),
     "did not get away from the object": (
-        "leave_steep", "leave_shallow", "empty", "retreat", "done",
+        "leave_steep", "leave_shallow", "tip_out", "empty", "retreat", "done",
     ),
     "a robot that had restarted did not hear its partner": ("held",),
+    "the robot restarted while the object may have been on its palm, and stopped": ("land",),
 }  # fmt: skip
 MISSED = {phase: goal for goal, phases in _GOALS.items() for phase in phases}
 """What a job did not achieve that ends in a phase."""
@@ -44,7 +46,7 @@ STAGES = {
     for phase in phases
 }
 """The stage to which a phase belongs, dock, centre, raise, carry, lower, leave or held."""
-RETRIES = ("back_off", "stand_back", "failed")
+RETRIES = ("back_off", "stand_back", "sink", "failed")
 """The phases after an attempt that failed."""
 _TOUCHES_M = 1e-4  # a vertex no farther above its palm touches it; soft contacts are compressed
 

@@ -63,8 +63,10 @@ def prepare(
     spec = to_spec(scene, unrolled=place.supports_curved)
     check_load(scene)
     refuse_surroundings(scene, spec)
+    is_alone = spec.uses_floor and scene.task.dock == "alone"
     lifts = check_lift(scene) if spec.uses_floor else ()
-    check_palms(spec)
+    if not is_alone:
+        check_palms(spec)
     if spec.uses_floor:
         refuse_reference(entry, "a job on the floor")
     if not place.supports_references:

@@ -20,6 +20,7 @@ from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
 from palmbots.mechanics.lifting import Lifting, lifting
 from palmbots.mechanics.load_limits import LoadLimit, LoadLimits, load_limits
+from palmbots.mechanics.lone import LoneLift, lone_lift
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
 from palmbots.stability.first_contact import FirstTouch, first_touch
@@ -147,7 +148,10 @@ class Analysis(Result):
     load: LoadLimits = field(metadata=NOT_IN_JSON)
     """What the robots can hold."""
     lifting: Lifting | None
-    """Whether the object can be picked up and put down; None: the job does neither."""
+    """Whether the object can be picked up and put down; None: the job does neither, or one robot
+    does it alone."""
+    lone: LoneLift | None
+    """Whether one robot can do the job alone; None: two do it."""
     warnings: tuple[str, ...]
     """Numbers of the scene that exceed what properties 1 and 2 allow."""
 
@@ -286,6 +290,7 @@ def analyze(
         sideways=sideways_of(chosen),
         load=load,
         lifting=lifting(chosen),
+        lone=lone_lift(chosen),
         warnings=limit_warnings(chosen, problem.contacts),
     )
 

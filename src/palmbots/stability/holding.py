@@ -39,6 +39,10 @@ def holding(analysis: Analysis) -> Holding:
     """The verdict of an analysis, for the contacts of its region."""
     load = analysis.load
     scene, contacts = analysis.scene, analysis.problem.contacts
+    if analysis.lone is not None:
+        if analysis.lone.refusals:
+            return Holding("FAILS", analysis.lone.refusals[0])
+        return Holding("HOLDS", f"the {analysis.lone.robot} robot alone holds the object")
     if refusal := load.refusal():
         return Holding("FAILS", refusal)
     if analysis.lifting is not None and not analysis.lifting.works:

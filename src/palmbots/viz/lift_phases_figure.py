@@ -35,12 +35,17 @@ class Moment(NamedTuple):
     title: str
     one: frozenset[str]
     other: frozenset[str]
+    """Empty: one robot does the job."""
     share: float
     """Of the longest such time."""
 
 
 def _both(title: str, *states: str, share: float = 0.5) -> Moment:
     return Moment(title, frozenset(states), frozenset(states), share)
+
+
+def _alone(title: str, state: str, share: float = 0.5) -> Moment:
+    return Moment(title, frozenset({state}), frozenset(), share)
 
 
 _LEAVE = frozenset({"leave_steep", "leave_shallow"})
@@ -55,6 +60,15 @@ MOMENTS = (
     _both("lower", "lower", "lower_hold"),
     Moment("leave", _LEAVE, frozenset({"empty"}), 0.5),
     _both("retreat", "retreat"),
+    _alone("approach", "scoop", 0.2),
+    _alone("the near corner climbs", "seat", 0.2),
+    _alone("the object lies flush", "seat", 1.0),
+    _alone("raise", "lift"),
+    _alone("carry", "haul"),
+    _alone("lower", "set_down"),
+    _alone("tip out", "tip_out", 1.0),
+    _alone("leave", "leave_steep"),
+    _alone("retreat", "retreat"),
 )
 """What is drawn, in the order of a job."""
 
@@ -116,6 +130,8 @@ def time_of(job: FloorJob, wanted: Moment) -> float | None:
             [one for one in job.phases if one.robot == side and one.phase in sets[side]]
             for side in SIDES
         )
+        if not wanted.other and len({one.robot for one in job.phases}) == 1:
+            spans += [(one.start_s, one.end_s) for one in left + right]
         spans += [(max(a.start_s, b.start_s), min(a.end_s, b.end_s)) for a in left for b in right]
     spans = [(start, end) for start, end in spans if start < end]
     if not spans:
