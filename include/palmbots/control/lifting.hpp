@@ -377,6 +377,35 @@ struct Lifting {
   // clang-format on
 
   static constexpr const Role& role(State state) { return roles[static_cast<int>(state)]; }
+
+  // In which state a robot begins: with the object on the floor, or with palms that hold it;
+  // `stands_by`: it docks after its partner.
+  static constexpr State first(bool begins_low, bool stands_by) {
+    return !begins_low ? S::carry : stands_by ? S::stand_by : S::dock;
+  }
+  // Its part of the job is over: with the object on the floor, or held by the palms.
+  static constexpr bool has_ended(State state, bool ends_low) {
+    return ends_low ? state == S::done : state == S::arrived || state == S::lower;
+  }
+  // An arm that is up holds while its robot's program does not run.
+  static constexpr ArmMove arm(State state, bool runs) {
+    const ArmMove arm = role(state).arm;
+    return runs || arm == ArmMove::follow ? arm : ArmMove::hold;
+  }
+  // Who commands a robot that knows this: never `while_pressed`.
+  static constexpr Driver driver(State state, const LiftSenses& senses) {
+    const Driver driver = role(state).driver;
+    if (driver != Driver::while_pressed) return driver;
+    return senses.touches ? Driver::controller_in_place : Driver::table;
+  }
+  // What a robot does whose table commands `own` and whose controller commands `given`.
+  static constexpr Command command(State state, const LiftSenses& senses, Command own,
+                                   Command given) {
+    const Driver by = driver(state, senses);
+    Command command = by == Driver::table ? own : given;
+    if (by != Driver::controller) command.stop = true;
+    return command;
+  }
 };
 
 constexpr const char* name_of(Lifting::State state) {

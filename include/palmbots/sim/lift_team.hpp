@@ -14,6 +14,14 @@
 
 namespace palmbots {
 
+// The seed of the radio for phases: both radios would else lose the same messages.
+constexpr std::uint64_t seed_of_phases(std::uint64_t seed) { return seed ^ 0x6C696674; }
+
+// True for a robot that docks after its partner.
+inline bool stands_by(const Spec& spec, std::size_t side) {
+  return spec.docking == Docking::one_first && side != leader_of(spec);
+}
+
 template <class Inner>
 class LiftTeam {
  public:
@@ -27,12 +35,10 @@ class LiftTeam {
         expects_turns(inner.expects_turns),
         inner_(std::move(inner)),
         phases_(phases_of(spec, seed)) {
-    if (spec.begins_on != StandsOn::palms) {
-      if (spec.docking == Docking::one_first)
-        phases_.wake(1 - leader_of(spec)).enter(State::stand_by);
-      return;
+    for (const std::size_t side : {left, right}) {
+      phases_.wake(side).enter(
+          Lifting::first(spec.begins_on != StandsOn::palms, stands_by(spec, side)));
     }
-    for (const std::size_t side : {left, right}) phases_.wake(side).enter(State::carry);
   }
 
   // What the robots know besides their observations, before each step.
@@ -54,8 +60,7 @@ class LiftTeam {
     }
     const PerSide<Command>& given = inner_.step(tick, shown, log);
     for (const std::size_t side : {left, right}) {
-      commands_[side] = driver(side) == Driver::table ? own[side] : given[side];
-      if (driver(side) != Driver::controller) commands_[side].stop = true;
+      commands_[side] = Lifting::command(state(side), senses(side), own[side], given[side]);
     }
     count_messages();
     return commands_;
@@ -68,15 +73,11 @@ class LiftTeam {
   }
   void fork(std::uint64_t seed) {
     inner_.fork(seed);
-    phases_.fork(seed_of_words(seed));
+    phases_.fork(seed_of_phases(seed));
   }
 
   State state(std::size_t side) const { return phases_.robot(side).state(); }
-  // An arm that is up holds while its robot's program does not run.
-  ArmMove arm(std::size_t side) const {
-    const ArmMove arm = Lifting::role(state(side)).arm;
-    return runs_[side] || arm == ArmMove::follow ? arm : ArmMove::hold;
-  }
+  ArmMove arm(std::size_t side) const { return Lifting::arm(state(side), runs_[side]); }
   const Inner& inner() const { return inner_; }
 
   char name(std::size_t side) const { return is_correcting(side) ? inner_.name(side) : ' '; }
@@ -89,38 +90,31 @@ class LiftTeam {
  private:
   using Phases = TableTeam<Lifting>;
 
-  // Both radios would else lose the same messages.
-  static constexpr std::uint64_t seed_of_words(std::uint64_t seed) { return seed ^ 0x6C696674; }
+  // Robots whose controllers measure no time have the clock of the carry.
+  static PerSide<double> drift_of(const Spec& spec) {
+    if constexpr (requires { requires Inner::has_clock; })
+      return {spec.robots[left].clock_drift, spec.robots[right].clock_drift};
+    return {0, 0};
+  }
 
   static Phases phases_of(const Spec& spec, std::uint64_t seed) {
     return {{table_robot_of<Lifting>(spec, left), table_robot_of<Lifting>(spec, right)},
-            {spec.robots[left].clock_drift, spec.robots[right].clock_drift},
+            drift_of(spec),
             channel_of(spec),
-            seed_of_words(seed),
+            seed_of_phases(seed),
             leader_of(spec),
             Faults::of(spec, seed)};
   }
 
-  Driver driver(std::size_t side) const {
-    const Driver driver = Lifting::role(state(side)).driver;
-    if (driver != Driver::while_pressed) return driver;
-    const bool is_pressed = phases_.robot(side).clock().own.senses.touches;
-    return is_pressed ? Driver::controller_in_place : Driver::table;
+  const LiftSenses& senses(std::size_t side) const {
+    return phases_.robot(side).clock().own.senses;
   }
+  Driver driver(std::size_t side) const { return Lifting::driver(state(side), senses(side)); }
   bool is_correcting(std::size_t side) const { return driver(side) != Driver::table; }
 
   void count_messages() {
     link_totals = inner_.link_totals;
-    const LinkTotals& own = phases_.link_totals;
-    link_totals.sent += own.sent;
-    link_totals.lost += own.lost;
-    for (std::size_t i = 0; i < link_totals.links.size(); ++i) {
-      link_totals.links[i].sent += own.links[i].sent;
-      link_totals.links[i].lost += own.links[i].lost;
-      link_totals.links[i].duplicated += own.links[i].duplicated;
-      link_totals.links[i].late += own.links[i].late;
-      link_totals.links[i].rejected += own.links[i].rejected;
-    }
+    link_totals += phases_.link_totals;
   }
 
   Inner inner_;

@@ -36,6 +36,8 @@ RobotTick: Any = message_type(
         "battery_mv": _COUNT,
         "progress": _COUNT,
         "stopping": _COUNT,
+        "arm_there": _BOOL,
+        "arm_steps": _COUNT,
         "received": _BYTES,
         # What it decided.
         "palm": _COUNT,
@@ -44,6 +46,7 @@ RobotTick: Any = message_type(
         "wheels": _BOOL,
         "case": _STRING,
         "assists": _BOOL,
+        "phase": _STRING,
         "mode": _STRING,
         "fault": _STRING,
         "sent": _BYTES,

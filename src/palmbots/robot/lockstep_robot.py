@@ -56,7 +56,12 @@ class LockstepWorld:
     def read(self) -> Reading | None:
         """What the world shows; None: the carry is over."""
         seen = self._input
-        return None if seen is None else Reading(seen.sign, seen.palm_at_target, math.nan)
+        if seen is None:
+            return None
+        touches, arm_there, far_enough, steps = seen.senses
+        return Reading(
+            seen.sign, seen.palm_at_target, math.nan, None, touches, arm_there, steps, far_enough
+        )
 
     def receive(self) -> list[bytes]:
         """The packets of this tick."""
