@@ -82,13 +82,14 @@ struct Settings {
   std::int16_t wheels[2][2][3];
   std::uint16_t times[most_times];  // of the controller, in the order of its `Times`
   std::uint16_t phase_times[7];     // of the table that lifts: beacon, lease, limits
-  std::uint16_t arm_floor_us[2];    // pulses of the arm: the nose of a steep and of a shallow palm is low
-  std::uint16_t arm_top_us;         // the same while the pair carries
-  std::uint16_t arm_slew;           // change of the arm's pulse in a tick [1/256 µs]
-  std::uint8_t job;                 // bits of `Job`
+  std::uint16_t
+      arm_floor_us[2];       // pulses of the arm: the nose of a steep and of a shallow palm is low
+  std::uint16_t arm_top_us;  // the same while the pair carries
+  std::uint16_t arm_slew;    // change of the arm's pulse in a tick [1/256 µs]
+  std::uint8_t job;          // bits of `Job`
   std::uint8_t unused;
-  std::uint32_t arm_step;           // a step of the table that lifts [1/256 µs]
-  std::uint32_t check;              // CRC-32 of everything before
+  std::uint32_t arm_step;  // a step of the table that lifts [1/256 µs]
+  std::uint32_t check;     // CRC-32 of everything before
 };
 inline constexpr std::size_t settings_size = 200;
 static_assert(sizeof(Settings) == settings_size && alignof(Settings) == 4);

@@ -98,8 +98,8 @@ class Storage {
   }
   static Stored content_of(std::uint32_t word) {
     const auto bit = [word](unsigned place) { return (word >> place & 1) != 0; };
-    return {word & 0xFFFFFF, bit(24), bit(25), bit(26), bit(27),
-            static_cast<std::uint8_t>(word >> 28)};
+    return {word & 0xFFFFFF, bit(24), bit(25),
+            bit(26),         bit(27), static_cast<std::uint8_t>(word >> 28)};
   }
 
   Stored content_;

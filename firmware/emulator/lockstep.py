@@ -16,14 +16,14 @@ from emulator.board import Board, Image
 from emulator.lockstep_dongle import LockstepDongle, station_program
 from emulator.processor import CYCLES_PER_US, Violation
 from emulator.tick_record import read_record
+from palmbots._types import SIDES
+from palmbots.boards.pair_settings import job_bits
 from palmbots.boards.settings_page import (
     PAGE_ADDRESS,
     SWITCHES,
     BoardSettings,
     settings_page,
 )  # fmt: skip
-from palmbots._types import SIDES
-from palmbots.boards.pair_settings import job_bits
 from palmbots.control.registry import ControllerEntry, resolve
 from palmbots.drivers.arm import arm_shape
 from palmbots.scene.scene import Scene
@@ -52,24 +52,25 @@ ARM_US = (900, 2100)
 """Pulses of the arm with the nose of a steep palm on the floor, and while the pair carries."""
 
 
-def _job(scene: Scene, side: int, leads: bool) -> dict[str, Any]:
-    """The settings of a job on the floor; none for another carry."""
+def _with_job(settings: BoardSettings, scene: Scene, side: int) -> BoardSettings:
+    """The settings with those of a job on the floor, if there is one."""
     spec = to_spec(scene)
     if not spec.uses_floor:
-        return {}
+        return settings
     shape = arm_shape(scene, SIDES[side])
     low_us, top_us = ARM_US
     us_per_m = (top_us - low_us) / (shape.top_m - shape.floors_m[0])
-    floors = [round(low_us + us_per_m * (one - shape.floors_m[0])) for one in shape.floors_m]
-    return {
-        "switches": (SWITCHES.index("goal"), *LAYOUT[1:]),
-        "phase_times": tuple(_core.runtime.phase_times(spec)),
-        "arm_floor_us": (floors[0], floors[1]),
-        "arm_top_us": top_us,
-        "arm_slew": round(256 * us_per_m * shape.rate_m_s * scene.control.period_s),
-        "arm_step": round(256 * us_per_m * shape.step_m),
-        "job": job_bits(scene, leads=leads),
-    }
+    steep, shallow = (round(low_us + us_per_m * (h - shape.floors_m[0])) for h in shape.floors_m)
+    return replace(
+        settings,
+        switches=(SWITCHES.index("goal"), *LAYOUT[1:]),
+        phase_times=tuple(_core.runtime.phase_times(spec)),
+        arm_floor_us=(steep, shallow),
+        arm_top_us=top_us,
+        arm_slew=round(256 * us_per_m * shape.rate_m_s * scene.control.period_s),
+        arm_step=round(256 * us_per_m * shape.step_m),
+        job=job_bits(scene, leads=settings.leads),
+    )
 
 
 def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardSettings:
@@ -78,7 +79,7 @@ def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardS
     spec = to_spec(scene)
     assert entry.board_number is not None
     leader = 1 if scene.task.direction == "forward" else 0
-    return BoardSettings(
+    settings = BoardSettings(
         role=side, key=KEY, pair=PAIR, first_epoch=1, last_epoch=1000, number=0,
         period_us=round(1e6 * scene.control.period_s),
         watchdog_us=round(1e6 * scene.control.watchdog_s),
@@ -89,9 +90,9 @@ def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardS
         leads=side == leader, may_stop=bool(spec.brake), by_touch=bool(spec.start_by_touch),
         is_under_way=True, wheel_kind=0, debounce=1, palm_slew_us=2000, wheel_slew=2000,
         palm_us=PALM_US, wheels=WHEEL_US,
-        times=tuple(_core.runtime.times(spec, entry.name)),
-        **{"switches": LAYOUT} | _job(scene, side, side == leader),
+        times=tuple(_core.runtime.times(spec, entry.name)), switches=LAYOUT,
     )  # fmt: skip
+    return _with_job(settings, scene, side)
 
 
 class LockstepBoard:
@@ -184,7 +185,7 @@ class LockstepBoard:
     ) -> Any:
         """One tick, as the world asks for it. Nothing measures the arm."""
         self.receive(packets)
-        touches, arm_there, far_enough, steps = senses
+        touches, _, far_enough, _ = senses
         self.chance = self.chance * 1103515245 + 12345 & 0x7FFFFFFF
         switches = [one for one in SWITCH_OF_SIGN[sign] if not (self.lifts and one == GOAL)]
         closed = 1 << switches[(self.chance >> 8) % len(switches)]

@@ -254,8 +254,7 @@ void bind_episode(nb::module_& m) {
   nb::class_<FloorEpisode>(m, "FloorEpisode",
                            "A job on the floor whose robots are commanded from outside.")
       .def(nb::init<const Spec&, std::uint64_t>(), nb::arg("spec"), nb::arg("seed"))
-      .def_prop_ro("outcome",
-                   [](const FloorEpisode& e) { return outcome_of(e.job().metrics()); })
+      .def_prop_ro("outcome", [](const FloorEpisode& e) { return outcome_of(e.job().metrics()); })
       .def_prop_ro("reason",
                    [](const FloorEpisode& e) -> nb::object {
                      const DropReason reason = e.job().metrics().reason;

@@ -131,7 +131,8 @@ void bind_remote(nb::module_& m) {
           },
           nb::arg("exchange"), nb::arg("has_clocks"), nb::arg("has_station"),
           "exchange(tick, left, right, station) gets inputs (elapsed, sign, palm at target, boots, "
-          "packets, (touches, arm there, far enough, arm steps)) or None, and returns three answers "
+          "packets, (touches, arm there, far enough, arm steps)) or None, and returns three "
+          "answers "
           "of Robot.step or None.");
 }
 

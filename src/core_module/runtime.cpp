@@ -271,11 +271,16 @@ void bind_runtime(nb::module_& core) {
              const runtime::RuntimeSettings& settings, bool carries, bool stored_carries,
              bool stored_stop, bool holds) {
             const wire::Identity identity{key_of(key), pair, static_cast<wire::Role>(side)};
-            new (self) RobotHandle(
-                spec, std::move(controller),
-                {identity, epoch, side, assists,
-                 runtime::PhaseProgram(phase_settings_of(spec, side), epoch, holds), settings,
-                 {stored_carries, stored_stop}, carries});
+            new (self)
+                RobotHandle(spec, std::move(controller),
+                            {identity,
+                             epoch,
+                             side,
+                             assists,
+                             runtime::PhaseProgram(phase_settings_of(spec, side), epoch, holds),
+                             settings,
+                             {stored_carries, stored_stop},
+                             carries});
           },
           nb::arg("spec"), nb::arg("controller"), nb::arg("side"), nb::arg("key"), nb::arg("pair"),
           nb::arg("epoch"), nb::arg("assists"), nb::arg("settings"), nb::arg("carries") = false,
@@ -283,10 +288,11 @@ void bind_runtime(nb::module_& core) {
           nb::arg("holds") = false,
           "controller: a name, Machines, or a pair of Python step functions. carries: the carry is "
           "under way, as in lockstep.")
-      .def("step", &RobotHandle::step, nb::arg("elapsed"), nb::arg("reading"), nb::arg("packets"),
-           "One tick; returns palm, move, stop, packets (receiver, bytes, message), case, waits, "
-           "awaits, packets rejected and late in this tick, (phase, its packets rejected and late), "
-           "and whether the palm assists.")
+      .def(
+          "step", &RobotHandle::step, nb::arg("elapsed"), nb::arg("reading"), nb::arg("packets"),
+          "One tick; returns palm, move, stop, packets (receiver, bytes, message), case, waits, "
+          "awaits, packets rejected and late in this tick, (phase, its packets rejected and late), "
+          "and whether the palm assists.")
       .def_prop_ro("mode", [](const RobotHandle& r) { return name_of(r.mode().mode); })
       .def_prop_ro("fault", [](const RobotHandle& r) { return name_of(r.mode().code); })
       .def_prop_ro(
@@ -298,9 +304,8 @@ void bind_runtime(nb::module_& core) {
             return std::tuple(r.mode().store.carries, r.mode().store.stop);
           },
           "To be stored when it changes: a carry is under way, a stop is in force.")
-      .def_prop_ro(
-          "holds", &RobotHandle::holds,
-          "To be stored when it changes: in a job on the floor, the arms may be up.")
+      .def_prop_ro("holds", &RobotHandle::holds,
+                   "To be stored when it changes: in a job on the floor, the arms may be up.")
       .def_prop_ro(
           "arm", [](const RobotHandle& r) { return static_cast<int>(r.arm()); },
           "What the arm does: 0 follows the floor, 1 holds, 2 rises, 3 sinks.")

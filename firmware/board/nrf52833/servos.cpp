@@ -30,8 +30,8 @@ void hand_over() {
 
 void start_servos() {
   std::uint32_t number = 0;
-  for (const std::uint8_t pin : {pins::palm_servo, pins::left_wheel, pins::right_wheel,
-                                 pins::arm_servo}) {
+  for (const std::uint8_t pin :
+       {pins::palm_servo, pins::left_wheel, pins::right_wheel, pins::arm_servo}) {
     pins::clear(pin);
     pins::configure(pin, pins::output);
     PWM0::PSEL_OUT[number++] = pin;

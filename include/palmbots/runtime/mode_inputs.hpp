@@ -53,10 +53,10 @@ struct StoredMode {
 struct Preflight {
   bool contact = false;            // a contact is sensed on the palm
   bool palm = false;               // the palm answers, and is at its angle
-  bool arm = true;                 // the arm is where a job on the floor begins
   bool battery = false;            // the voltage suffices
   bool settings = false;           // the partner runs with the same settings
   std::uint32_t stopping = never;  // measured time in which the wheels stop [ticks]
+  bool arm = true;                 // the arm is where a job on the floor begins
 
   constexpr bool operator==(const Preflight&) const = default;
 };

@@ -57,14 +57,30 @@ enum class ModeEvent : std::uint8_t {
 };
 
 constexpr const char* name_of(ModeEvent event) {
-  constexpr const char* names[] = {"any",          "storage_failed", "stop_stored",
-                                   "carry_stored", "stop",           "partner_stop",
-                                   "release",      "disarm",         "arm",
-                                   "arm_refused",  "start",          "driver_failed",
-                                   "overrun",      "station_lost",   "covered",
-                                   "job_failed",   "partner_done",   "partner_ended",
-                                   "partner_lost", "time_up",        "partner_silent",
-                                   "partner_starts", "rests",        "travels"};
+  constexpr const char* names[] = {"any",
+                                   "storage_failed",
+                                   "stop_stored",
+                                   "carry_stored",
+                                   "stop",
+                                   "partner_stop",
+                                   "release",
+                                   "disarm",
+                                   "arm",
+                                   "arm_refused",
+                                   "start",
+                                   "driver_failed",
+                                   "overrun",
+                                   "station_lost",
+                                   "covered",
+                                   "job_failed",
+                                   "partner_done",
+                                   "partner_ended",
+                                   "partner_lost",
+                                   "time_up",
+                                   "partner_silent",
+                                   "partner_starts",
+                                   "rests",
+                                   "travels"};
   return names[static_cast<int>(event)];
 }
 

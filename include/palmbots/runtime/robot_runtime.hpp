@@ -38,7 +38,8 @@ struct RuntimeSettings {
   std::uint16_t status_period = 0;  // of the status [ticks]; 0: none is sent
   std::uint32_t number = 0;         // equal on both robots if their settings are; 0: not compared
   std::uint32_t order_age = never;  // greatest age of an order to arm, start or release [ticks]
-  bool ends_jobs = true;  // a job on the floor that is over ends the carry; in lockstep the world does
+  bool ends_jobs =
+      true;  // a job on the floor that is over ends the carry; in lockstep the world does
 };
 
 // What a robot reads in a tick.
@@ -69,9 +70,9 @@ struct Outgoing {
 struct Outputs {
   Decision decision;  // of the controller, or rest
   ModeOutputs mode;
-  Decision phase;                     // of the table that lifts, in a job on the floor
-  ArmMove arm = ArmMove::hold;        // what the arm does
-  bool holds = false;                 // to be stored: the arms may be up (runtime/phase_program.hpp)
+  Decision phase;               // of the table that lifts, in a job on the floor
+  ArmMove arm = ArmMove::hold;  // what the arm does
+  bool holds = false;           // to be stored: the arms may be up (runtime/phase_program.hpp)
   std::array<Outgoing, wire::role_count + 1> packets{};
   std::size_t packet_count = 0;
 };
@@ -155,10 +156,12 @@ class RobotRuntime {
     in.stop = in.stop || reading.stop;
     in.partner = {partner_mode_, age(partner_tick_)};
     in.station_age = age(station_.newest());
-    in.preflight = {reading.contact || phases_.lifts(), reading.seen.palm_at_target,
-                    phases_.may_begin(), reading.battery_ok,
+    in.preflight = {reading.contact || phases_.lifts(),
+                    reading.seen.palm_at_target,
+                    reading.battery_ok,
                     settings_.number == 0 || partner_settings_ == settings_.number,
-                    reading.stopping};
+                    reading.stopping,
+                    phases_.may_begin()};
     in.driver_ok = reading.driver_ok;
     in.storage_ok = reading.storage_ok;
     in.overruns = reading.overruns;
@@ -230,9 +233,8 @@ class RobotRuntime {
 
   void decide(const Reading& reading, Outputs& out) {
     if (phases_.lifts()) {
-      out.phase = phases_.step(
-          reading.seen,
-          {reading.contact, reading.arm_there, reading.covered || is_far(), reading.arm_steps});
+      out.phase = phases_.step(reading.seen, {reading.contact, reading.arm_there,
+                                              reading.covered || is_far(), reading.arm_steps});
     }
     // While the table drives, the controller sees a centred contact.
     out.decision = program_.step(corrects() ? reading.seen : Observation{Sign::zero, true});
@@ -298,8 +300,7 @@ class RobotRuntime {
 
   void talk_to_partner(Outputs& out) {
     const bool stop = out.mode.stop;
-    const bool is_time =
-        settings_.state_period > 0 && tick_ % settings_.state_period < elapsed_;
+    const bool is_time = settings_.state_period > 0 && tick_ % settings_.state_period < elapsed_;
     if (!runs_ && phases_.has_ended() && is_time) out.phase = phases_.says();
     if (out.phase.speaks) {
       out.phase.state.mode = out.mode.mode;

@@ -49,10 +49,10 @@ enum class FaultCode : std::uint8_t {
 inline constexpr unsigned fault_codes = 16;
 
 constexpr const char* name_of(FaultCode code) {
-  constexpr const char* names[] = {
-      "none",       "driver",  "contact", "palm",     "battery",  "partner_lost", "station_lost",
-      "time_limit", "overrun", "storage", "settings", "stopping", "partner",      "stop",
-      "arm",        "job"};
+  constexpr const char* names[] = {"none",    "driver",       "contact",      "palm",
+                                   "battery", "partner_lost", "station_lost", "time_limit",
+                                   "overrun", "storage",      "settings",     "stopping",
+                                   "partner", "stop",         "arm",          "job"};
   return names[static_cast<int>(code)];
 }
 

@@ -248,8 +248,8 @@ def _check_times(scene: Scene) -> None:
 def _check_arm(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
     if hardware.arm_floor_deg == hardware.arm_top_deg:
         raise PalmbotsError(
-            f"hardware.arm_top_deg: value is {hardware.arm_top_deg:g}, as arm_floor_deg: the {side} "
-            "robot has no arm, which a job on the floor needs; allowed: two different angles"
+            f"hardware.arm_top_deg: value is {hardware.arm_top_deg:g}, as arm_floor_deg: the {side}"
+            " robot has no arm, which a job on the floor needs; allowed: two different angles"
         )
     least, most = sorted((hardware.servo_min_deg, hardware.servo_max_deg))
     shape = arm_shape(scene, side)

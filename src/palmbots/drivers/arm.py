@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The arm of a real robot, in a job on the floor: a servo that raises the pivot of the palm.
 
-The arm is where it was commanded; nothing measures it. `firmware/app/arm.hpp` is the same for boards.
+The arm is where it was commanded; nothing measures it. `firmware/app/arm.hpp` is the same for
+boards.
 """
 
 import math
@@ -17,8 +18,8 @@ FOLLOWS, HOLDS, RISES, SINKS = range(4)
 ARM_WORDS = ("on the floor", "holds", "rises", "sinks")
 """The same in words."""
 LONGEST_MOVE_S = 0.05
-"""After a longer time without a command an arm moves by as much as in this time, because it must not
-be faster than its rate."""
+"""After a longer time without a command an arm moves by as much as in this time, because it must
+not be faster than its rate."""
 
 
 @dataclass(frozen=True)

@@ -63,9 +63,9 @@ class Drive:
     speed_m_s: float
     """Speed in the direction of travel, 0 if the wheels may not turn."""
     arm: int = 1
-    """What the arm does in a job on the floor. 0: the nose of the palm rests on the floor, also while
-    the palm turns; 1: it holds its height; 2: it rises to the height at which the pair carries; 3: it
-    sinks until the nose is on the floor."""
+    """What the arm does in a job on the floor. 0: the nose of the palm rests on the floor, also
+    while the palm turns; 1: it holds its height; 2: it rises to the height at which the pair
+    carries; 3: it sinks until the nose is on the floor."""
 
 
 class Driver(Protocol):

@@ -47,8 +47,9 @@ class DryRunDriver:
                 sign = value
         if (arm := self._arm) is None:
             return Reading(sign, True, math.nan)
-        senses = {"arm_there": arm.is_there, "arm_steps": arm.steps, "arm_edge": arm.edge}
-        return Reading(sign, True, math.nan, **senses)
+        return Reading(
+            sign, True, math.nan, arm_there=arm.is_there, arm_steps=arm.steps, arm_edge=arm.edge
+        )
 
     def write(self, drive: Drive) -> None:
         """State the command, if it is another one than before."""

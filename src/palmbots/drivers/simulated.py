@@ -186,4 +186,4 @@ def open_simulated(settings: DriverSettings) -> SimulatedDriver:
     )  # fmt: skip
 
 
-open_simulated.has_arm = True  # ty: ignore[unresolved-attribute]  # of a DriverMaker
+open_simulated.has_arm = True  # ty: ignore[missing-attribute]  # of a DriverMaker

@@ -108,8 +108,9 @@ class RecordedFates:
 
 
 class _Replay:
-    """Where in a recording a link is. It begins at a random place. A packet meets the fate of the one
-    that was sent as long after that place, or of the next one: none is replayed twice in a row."""
+    """Where in a recording a link is. It begins at a random place. A packet meets the fate of the
+    one that was sent as long after that place, or of the next one: none is replayed twice in a
+    row."""
 
     def __init__(self, fates: RecordedFates, now_s: float, chance: random.Random) -> None:
         self._fates, self._start_s = fates, now_s

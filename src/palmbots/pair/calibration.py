@@ -318,12 +318,12 @@ def arm(machine: Machine, person: Person, task: Task) -> list[Finding]:
     low, high = math.radians(hardware.arm_floor_deg), math.radians(hardware.arm_top_deg)
     if low == high:
         raise PalmbotsError(
-            "hardware.arm_floor_deg, arm_top_deg: are equal; allowed: rough values, so that the arm "
-            "can be moved"
+            "hardware.arm_floor_deg, arm_top_deg: are equal; allowed: rough values, so that the "
+            "arm can be moved"
         )
     person.ready(
-        "Put the robot on a level floor with nothing on its palm. Stand a ruler beside the pivot of "
-        "the palm. The arm moves."
+        "Put the robot on a level floor with nothing on its palm. Stand a ruler beside the pivot "
+        "of the palm. The arm moves."
     )
     moving_s = (shape.top_m - shape.floors_m[0]) / shape.rate_m_s
     servos, heights = [], []

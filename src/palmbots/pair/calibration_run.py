@@ -115,8 +115,8 @@ def run_calibration(
     task = task_of(scene, side, length_m)
     if "arm" in steps and task.arm is None:
         raise PalmbotsError(
-            f"--only: arm: the job of {pair.scene()} is not on the floor (task.from, task.to), so the "
-            "arm does not move; allowed: the other steps"
+            f"--only: arm: the job of {pair.scene()} is not on the floor (task.from, task.to), so "
+            "the arm does not move; allowed: the other steps"
         )
     with opened_driver(pair, side, scene) as driver:
         has_raw = isinstance(driver, RawAccess) and getattr(driver, "has_raw", True)

@@ -57,8 +57,8 @@ class FateRows:
     interval_s: float
     kind: int
     """0: only losses, 1: delays beyond the latency of the scene, 2: whole delays."""
-    delays_s: Floats
-    """−1: lost."""
+    delays_s: Any
+    """Of each packet [s]; −1: lost."""
 
 
 def traces_of(scene: Scene) -> dict[str, str]:

@@ -175,15 +175,16 @@ class FloorStage:
 
     def drop_reason(self) -> str | None:
         """The reason of a drop, by its name in results."""
-        return self._job.reason
+        reason = self._job.reason
+        return None if reason is None else str(reason)
 
     def greeting(self, side: int) -> list[Any]:
         """Nothing."""
         return []
 
     def frames(self) -> tuple[Any, Any]:
-        """Sign, whether the palm is turned, the distance that the robot has moved, whether something
-        presses the palm, what the arm does, whether it has done that, and its steps."""
+        """Sign, whether the palm is turned, the distance that the robot has moved, whether
+        something presses the palm, what the arm does, whether it has done that, and its steps."""
         left, right = ([*values] for values in self._job.seen)
         return left, right
 

@@ -31,8 +31,8 @@ StatusItem = Literal["progress", "battery", "overruns", "sent", "phase"] | Verdi
 """A number that takes its turn in the status: `progress` is the covered part of the distance times
 65535, `battery` is in mV (65535: not measured), and `overruns` is how many of the last 100 ticks
 came too late. `phase` is the number of the state of a job on the floor (65535: it is none), in the
-order of `palmbots.simulation.floor_job.MEANINGS`. All others are counts modulo 65536: packets sent, and packets received with each
-verdict."""
+order of `palmbots.simulation.floor_job.MEANINGS`. All others are counts modulo 65536: packets sent,
+and packets received with each verdict."""
 
 # In the order of the core's numbers.
 _LANGUAGES: tuple[Language, ...] = _core.wire.languages

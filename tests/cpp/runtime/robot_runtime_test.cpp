@@ -129,6 +129,7 @@ void test_numbers_take_turns() {
       case wire::StatusItem::battery: CHECK(seen.value == 7400); break;
       case wire::StatusItem::overruns: CHECK(seen.value == 5); break;
       case wire::StatusItem::sent: CHECK(seen.value == sent); break;
+      case wire::StatusItem::phase: CHECK(seen.value == 0xFFFF); break;
       default: CHECK(seen.value == (static_cast<unsigned>(seen.item) == wrong ? tick : 0));
     }
     sent += static_cast<std::uint32_t>(ends.out.packet_count);

@@ -182,7 +182,9 @@ def _fates_of(scene: "Scene") -> "RecordedFates | None":
     from palmbots.scene.recorded_traces import fates_of
 
     rows = fates_of(scene)
-    return rows and RecordedFates(rows.interval_s, rows.kind, rows.delays_s.tolist())
+    if rows is None:
+        return None
+    return RecordedFates(rows.interval_s, rows.kind, rows.delays_s.tolist())
 
 
 def _log_folder(log: Path | None, scene: str) -> str:
