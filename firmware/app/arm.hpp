@@ -30,6 +30,7 @@ class Arm {
     is_there_ = true;
     switch (arm) {
       case ArmMove::follow: height_ = floor; break;
+      case ArmMove::reach:  // for stands, which `palmbots firmware` refuses
       case ArmMove::hold: break;
       case ArmMove::rise:
         height_ = top() - height_ > most ? height_ + most : top();

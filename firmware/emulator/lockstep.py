@@ -25,7 +25,7 @@ from palmbots.boards.settings_page import (
     settings_page,
 )  # fmt: skip
 from palmbots.control.registry import ControllerEntry, resolve
-from palmbots.drivers.arm import arm_shape
+from palmbots.drivers.arm import FOLLOWS, HOLDS, RISES, SINKS, arm_shape
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.lockstep_world import remote
@@ -185,7 +185,7 @@ class LockstepBoard:
     ) -> Any:
         """One tick, as the world asks for it. Nothing measures the arm."""
         self.receive(packets)
-        touches, _, far_enough, _ = senses
+        touches, _, far_enough, *_ = senses
         self.chance = self.chance * 1103515245 + 12345 & 0x7FFFFFFF
         switches = [one for one in SWITCH_OF_SIGN[sign] if not (self.lifts and one == GOAL)]
         closed = 1 << switches[(self.chance >> 8) % len(switches)]
@@ -206,7 +206,9 @@ class LockstepBoard:
         before, self.arm_us = self.arm_us, self.pulses[3] if self.pulses else 0
         if self.lifts and before:
             moved = self.arm_us - before
-            is_right = {0: True, 1: moved == 0, 2: moved >= 0, 3: moved <= 0}[does]
+            is_right = {FOLLOWS: True, HOLDS: moved == 0, RISES: moved >= 0, SINKS: moved <= 0}[
+                does
+            ]
             if not is_right:
                 raise Violation(f"the arm moves by {moved} us where it should do {does}")
 

@@ -232,8 +232,8 @@ class FloorEpisode {
     const Does* both[2] = {&l, &r};
     for (const std::size_t side : {left, right}) {
       const auto [palm, move, stop, arm] = *both[side];
-      if (palm < 0 || palm > 1 || move < 0 || move > 2 || arm < 0 || arm > 3)
-        throw std::out_of_range("palm is 0 or 1; move is 0 to 2; arm is 0 to 3");
+      if (palm < 0 || palm > 1 || move < 0 || move > 2 || arm < 0 || arm > 4)
+        throw std::out_of_range("palm is 0 or 1; move is 0 to 2; arm is 0 to 4");
       commands_[side] = {{static_cast<Palm>(palm), static_cast<Move>(move), stop},
                          static_cast<ArmMove>(arm)};
     }

@@ -65,10 +65,10 @@ nb::object input_of(const std::optional<ProgramInput>& input) {
     packets.append(nb::bytes(bytes.data(), bytes.size()));
   }
   const LiftSenses& senses = input->senses;
-  return nb::make_tuple(
-      input->elapsed, static_cast<int>(input->sensed.sign), input->sensed.palm_at_target,
-      input->boots, packets,
-      nb::make_tuple(senses.touches, senses.arm_there, senses.far_enough, senses.steps));
+  return nb::make_tuple(input->elapsed, static_cast<int>(input->sensed.sign),
+                        input->sensed.palm_at_target, input->boots, packets,
+                        nb::make_tuple(senses.touches, senses.arm_there, senses.far_enough,
+                                       senses.steps, senses.beneath));
 }
 
 }  // namespace
@@ -131,7 +131,8 @@ void bind_remote(nb::module_& m) {
           },
           nb::arg("exchange"), nb::arg("has_clocks"), nb::arg("has_station"),
           "exchange(tick, left, right, station) gets inputs (elapsed, sign, palm at target, boots, "
-          "packets, (touches, arm there, far enough, arm steps)) or None, and returns three "
+          "packets, (touches, arm there, far enough, arm steps, beneath)) or None, and returns "
+          "three "
           "answers "
           "of Robot.step or None.");
 }

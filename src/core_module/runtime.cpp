@@ -37,8 +37,8 @@ struct Start {
 
 runtime::PhaseSettings phase_settings_of(const Spec& spec, std::size_t side) {
   return {uses_floor(spec),
-          spec.begins_on == StandsOn::floor,
-          spec.ends_on == StandsOn::floor,
+          spec.begins_on != StandsOn::palms,
+          spec.ends_on != StandsOn::palms,
           leader_of(spec) == side,
           stands_by(spec, side),
           table_times_of<Lifting>(spec)};
@@ -235,7 +235,7 @@ void bind_settings(nb::module_& m) {
           [](Reading* self, int sign, bool palm_at_target, bool contact, bool battery_ok,
              bool driver_ok, bool storage_ok, bool covered, bool stop, std::uint16_t overruns,
              std::uint16_t battery_mv, std::uint16_t progress, std::uint32_t stopping,
-             bool arm_there, std::uint8_t arm_steps) {
+             bool arm_there, std::uint8_t arm_steps, bool beneath) {
             if (sign < -1 || sign > 1) throw std::out_of_range("sign is -1, 0 or 1");
             new (self) Reading{{static_cast<Sign>(sign), palm_at_target},
                                contact,
@@ -249,13 +249,14 @@ void bind_settings(nb::module_& m) {
                                progress,
                                stopping,
                                arm_there,
-                               arm_steps};
+                               arm_steps,
+                               beneath};
           },
           nb::arg("sign"), nb::arg("palm_at_target"), nb::arg("contact") = true,
           nb::arg("battery_ok") = true, nb::arg("driver_ok") = true, nb::arg("storage_ok") = true,
           nb::arg("covered") = false, nb::arg("stop") = false, nb::arg("overruns") = 0,
           nb::arg("battery_mv") = 0xFFFF, nb::arg("progress") = 0, nb::arg("stopping") = 0,
-          nb::arg("arm_there") = false, nb::arg("arm_steps") = 0);
+          nb::arg("arm_there") = false, nb::arg("arm_steps") = 0, nb::arg("beneath") = false);
 }
 
 }  // namespace
@@ -308,7 +309,7 @@ void bind_runtime(nb::module_& core) {
                    "To be stored when it changes: in a job on the floor, the arms may be up.")
       .def_prop_ro(
           "arm", [](const RobotHandle& r) { return static_cast<int>(r.arm()); },
-          "What the arm does: 0 follows the floor, 1 holds, 2 rises, 3 sinks.")
+          "What the arm does: 0 follows the floor, 1 reaches, 2 holds, 3 rises, 4 sinks.")
       .def_prop_ro("phase", &RobotHandle::phase,
                    "The phase of a job on the floor; empty: it is none.")
       .def("greet", &RobotHandle::greet,

@@ -102,7 +102,7 @@ class CountingBoard(Board):
         super().written(address, size, value)
 
 
-NO_JOB = (False, False, False, 0)  # what a robot knows in a job on the floor
+NO_JOB = (False, False, False, 0, False)  # what a robot knows in a job on the floor
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])

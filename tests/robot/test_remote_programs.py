@@ -77,10 +77,10 @@ class Programs:
             elapsed, sign, palm_at_target, boots, packets, senses = given
             if boots:
                 self.robots[side] = self.booted(side)
-            touches, arm_there, far_enough, steps = senses
+            touches, arm_there, far_enough, steps, beneath = senses
             reading = _core.runtime.Reading(
                 sign, palm_at_target, contact=touches, covered=far_enough, arm_there=arm_there,
-                arm_steps=steps,
+                arm_steps=steps, beneath=beneath,
             )  # fmt: skip
             answer = self.robots[side].step(elapsed, reading, packets)
             self.assists[side], self.holds[side] = answer[-1], self.robots[side].holds

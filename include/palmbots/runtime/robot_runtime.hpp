@@ -57,6 +57,7 @@ struct Reading {
   std::uint32_t stopping = 0;         // measured time in which the wheels stop [ticks]
   bool arm_there = false;             // the arm has reached the height last commanded
   std::uint8_t arm_steps = 0;         // its height, as in LiftSenses
+  bool beneath = false;               // the same
 };
 
 // A packet to send.
@@ -233,8 +234,9 @@ class RobotRuntime {
 
   void decide(const Reading& reading, Outputs& out) {
     if (phases_.lifts()) {
-      out.phase = phases_.step(reading.seen, {reading.contact, reading.arm_there,
-                                              reading.covered || is_far(), reading.arm_steps});
+      out.phase = phases_.step(reading.seen,
+                               {reading.contact, reading.arm_there, reading.covered || is_far(),
+                                reading.arm_steps, reading.beneath});
     }
     // While the table drives, the controller sees a centred contact.
     out.decision = program_.step(corrects() ? reading.seen : Observation{Sign::zero, true});

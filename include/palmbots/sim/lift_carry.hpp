@@ -43,9 +43,7 @@ class LiftCarry : public LiftRobots<Inner, Recorder> {
   }
 
   // A job that is commanded from outside calls `begin` once, and then `tick`.
-  void begin() {
-    metrics_.reason = is_given() ? world_.check() : DropReason::none;
-  }
+  void begin() { metrics_.reason = is_given() ? world_.check() : DropReason::none; }
 
   const World<double>& world() const { return world_; }
   const std::vector<LiftFall>& falls() const { return falls_; }

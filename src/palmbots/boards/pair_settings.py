@@ -171,7 +171,7 @@ class BoardPair:
 def job_bits(scene: Scene, *, leads: bool) -> int:
     """The bits of a job on the floor (`BoardSettings.job`)."""
     task = scene.task
-    bits = (True, getattr(task, "from") == "floor", task.to == "floor",
+    bits = (True, getattr(task, "from") != "palms", task.to != "palms",
             task.dock == "one-first" and not leads)  # fmt: skip
     return sum(bit << place for place, bit in enumerate(bits))
 

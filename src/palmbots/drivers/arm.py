@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
+from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 
-FOLLOWS, HOLDS, RISES, SINKS = range(4)
+FOLLOWS, REACHES, HOLDS, RISES, SINKS = range(5)
 """What an arm does (`palmbots.drivers.driver.Drive.arm`)."""
-ARM_WORDS = ("on the floor", "holds", "rises", "sinks")
+ARM_WORDS = ("on the floor", "reaches", "holds", "rises", "sinks")
 """The same in words."""
 LONGEST_MOVE_S = 0.05
 """After a longer time without a command an arm moves by as much as in this time, because it must
@@ -38,7 +39,12 @@ class ArmShape:
 
 
 def arm_shape(scene: Scene, side: Side) -> ArmShape:
-    """What the job of a scene asks of the arm of one side."""
+    """What the job of a scene asks of the arm of one side.
+
+    Raises:
+        SceneError: the job begins or ends on a stand.
+    """
+    refuse_stands(scene)
     spec = to_spec(scene, unrolled=True)
     palm, arm = spec.palms[SIDES.index(side)], scene.arm.of(side)
     steep, shallow = (
@@ -50,6 +56,16 @@ def arm_shape(scene: Scene, side: Side) -> ArmShape:
         arm.rate_m_per_s,
         _core.runtime.arm_step_m(spec),
     )
+
+
+def refuse_stands(scene: Scene) -> None:
+    """Raise `SceneError` for a job that begins or ends on a stand, which robots do in lockstep
+    only."""
+    for key in ("from", "to"):
+        if getattr(scene.task, key) == "stand":
+            raise SceneError(
+                f'task.{key}: "stand" is for simulated robots; allowed: floor, palms, or lockstep'
+            )
 
 
 class ArmMotion:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
 from palmbots._types import Side
-from palmbots.drivers.arm import ArmShape
+from palmbots.drivers.arm import HOLDS, ArmShape
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import to_stderr
@@ -42,6 +42,9 @@ class Reading:
     (`palmbots.drivers.arm`)."""
     arm_edge: int = 0
     """Where the arm goes on after a boot (`palmbots.drivers.arm.ArmMotion.edge`)."""
+    beneath: bool = False
+    """The robot has reached its place below an object on a stand; of a simulated world in
+    lockstep."""
     far_enough: bool = False
     """The distance is covered, whatever the odometry counts; of a simulated world in lockstep."""
 
@@ -62,10 +65,10 @@ class Drive:
     """Angle of the palm over the horizontal; it faces the partner."""
     speed_m_s: float
     """Speed in the direction of travel, 0 if the wheels may not turn."""
-    arm: int = 1
-    """What the arm does in a job on the floor. 0: the nose of the palm rests on the floor, also
-    while the palm turns; 1: it holds its height; 2: it rises to the height at which the pair
-    carries; 3: it sinks until the nose is on the floor."""
+    arm: int = HOLDS
+    """What the arm does in a job on the floor (`palmbots.drivers.arm`): the nose of the palm rests on
+    the floor, also while the palm turns; or the arm holds its height, rises to the height at which
+    the pair carries, or sinks until the nose is on the floor."""
 
 
 class Driver(Protocol):

@@ -11,6 +11,7 @@ from typing import Any
 
 from palmbots._types import Side
 from palmbots._util import process_clock
+from palmbots.drivers.arm import FOLLOWS, HOLDS
 from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReading, Reading
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.hardware_io import HardwareIo
@@ -163,7 +164,7 @@ class SimulatedDriver:
         if isinstance(self._newest, RawReading):
             self.write_raw(RawCommand((0.0, 0.0)))
         else:
-            self._arm = 0 if self._arm == 0 else 1  # one that is up holds
+            self._arm = FOLLOWS if self._arm == FOLLOWS else HOLDS
             self._obey(0, True)
 
     def _obey(self, move: int, stops: bool) -> None:

@@ -8,7 +8,7 @@ Frames (`palmbots.links.local_connection`), one JSON line each:
 - world → program: ``["greet", end]``, answered by a hello to that end or null, and
   ``["hear", packet]``, before the carry.
 - world → program: ``[elapsed, sign, palm_at_target, [packet, …], [touches, arm_there, far_enough,
-  arm_steps]]`` in every tick in which the program runs, or ``"reboot"``, or ``"end"``. Packets are
+  arm_steps, beneath]]`` in every tick in which the program runs, or ``"reboot"``, or ``"end"``. Packets are
   hexadecimal.
 - program → world: the answer of `_core.runtime.Robot.step`, or of `Station.step`, with the packets
   in hexadecimal.
@@ -36,9 +36,10 @@ class Input(NamedTuple):
     sign: int
     palm_at_target: bool
     packets: list[bytes]
-    senses: tuple[bool, bool, bool, int]
+    senses: tuple[bool, bool, bool, int, bool]
     """Of a job on the floor: whether something presses the palm, whether the arm has reached the
-    height last commanded, whether the distance is covered, and the steps of the arm."""
+    height last commanded, whether the distance is covered, the steps of the arm, and whether the
+    robot is in its place below an object on a stand."""
 
 
 class LockstepLine:

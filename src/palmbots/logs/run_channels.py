@@ -38,6 +38,7 @@ RobotTick: Any = message_type(
         "stopping": _COUNT,
         "arm_there": _BOOL,
         "arm_steps": _COUNT,
+        "beneath": _BOOL,
         "received": _BYTES,
         # What it decided.
         "palm": _COUNT,

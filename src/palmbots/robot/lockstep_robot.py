@@ -58,10 +58,11 @@ class LockstepWorld:
         seen = self._input
         if seen is None:
             return None
-        touches, arm_there, far_enough, steps = seen.senses
+        touches, arm_there, far_enough, steps, beneath = seen.senses
         return Reading(
-            seen.sign, seen.palm_at_target, math.nan, None, touches, arm_there, steps, far_enough
-        )
+            seen.sign, seen.palm_at_target, math.nan, has_contact=touches, arm_there=arm_there,
+            arm_steps=steps, far_enough=far_enough, beneath=beneath,
+        )  # fmt: skip
 
     def receive(self) -> list[bytes]:
         """The packets of this tick."""

@@ -35,6 +35,7 @@ READING: dict[str, Any] = {
     "stopping": 0,
     "arm_there": False,
     "arm_steps": 0,
+    "beneath": False,
 }
 """The arguments of the core's Reading that have a default."""
 

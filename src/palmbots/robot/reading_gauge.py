@@ -71,5 +71,6 @@ class ReadingGauge:
             "stopping": self._stopping,
             "arm_there": seen.arm_there,
             "arm_steps": seen.arm_steps,
+            "beneath": seen.beneath,
             **others,
         }

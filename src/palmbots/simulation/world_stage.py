@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import palmbots._core as _core
 from palmbots._types import SIDES
+from palmbots.drivers.arm import ARM_WORDS, FOLLOWS, HOLDS, refuse_stands
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.links.local_connection import ConnectionLost
@@ -24,7 +25,6 @@ from palmbots.simulation.prepare import prepare
 from palmbots.simulation.worlds import world_entry
 
 # The world goes on until the robots stop: neither distance nor time ends it.
-_FOLLOWS, _HOLDS = 0, 1  # of an arm
 _ENDLESS = {"task.distance_m": 10_000.0, "task.timeout_s": 90_000.0}
 
 
@@ -192,15 +192,15 @@ class FloorStage:
         """Palm, move, stop and arm."""
         if isinstance(frame, list) and [type(value) for value in frame] == [int, int, bool, int]:
             palm, move, stop, arm = frame
-            if palm in (0, 1) and move in (0, 1, 2) and arm in (_FOLLOWS, _HOLDS, 2, 3):
+            if palm in (0, 1) and move in (0, 1, 2) and arm in range(len(ARM_WORDS)):
                 return palm, move, stop, arm
         raise ConnectionLost("a program: sends no commands")
 
     def rest(self, command: tuple[int, int, bool, int] | None) -> tuple[int, int, bool, int]:
         """Stop; the palm stays, and an arm that is up holds."""
         if command is None:
-            return 0, 0, True, _FOLLOWS if self._low else _HOLDS
-        return command[0], 0, True, _FOLLOWS if command[3] == _FOLLOWS else _HOLDS
+            return 0, 0, True, FOLLOWS if self._low else HOLDS
+        return command[0], 0, True, FOLLOWS if command[3] == FOLLOWS else HOLDS
 
     def step(self, left: tuple[int, int, bool, int], right: tuple[int, int, bool, int]) -> None:
         """One control period."""
@@ -215,6 +215,7 @@ def perfect_stage(scene: Scene, world: str, seed: int) -> PerfectStage | FloorSt
 def refuse_live_floor(scene: Scene, world: str) -> None:
     """Raise `SceneError` for a job on the floor in a world whose robots have arms in lockstep
     only."""
+    refuse_stands(scene)
     if to_spec(scene).uses_floor and world != "quasistatic":
         raise SceneError(
             f"task.from, task.to: a job on the floor runs in real time in the quasistatic world "
