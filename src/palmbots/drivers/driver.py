@@ -66,9 +66,9 @@ class Drive:
     speed_m_s: float
     """Speed in the direction of travel, 0 if the wheels may not turn."""
     arm: int = HOLDS
-    """What the arm does in a job on the floor (`palmbots.drivers.arm`): the nose of the palm rests on
-    the floor, also while the palm turns; or the arm holds its height, rises to the height at which
-    the pair carries, or sinks until the nose is on the floor."""
+    """What the arm does in a job on the floor (`palmbots.drivers.arm`): the nose of the palm rests
+    on the floor, also while the palm turns; or the arm holds its height, rises to the height at
+    which the pair carries, or sinks until the nose is on the floor."""
 
 
 class Driver(Protocol):

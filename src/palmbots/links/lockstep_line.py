@@ -8,8 +8,8 @@ Frames (`palmbots.links.local_connection`), one JSON line each:
 - world → program: ``["greet", end]``, answered by a hello to that end or null, and
   ``["hear", packet]``, before the carry.
 - world → program: ``[elapsed, sign, palm_at_target, [packet, …], [touches, arm_there, far_enough,
-  arm_steps, beneath]]`` in every tick in which the program runs, or ``"reboot"``, or ``"end"``. Packets are
-  hexadecimal.
+  arm_steps, beneath]]`` in every tick in which the program runs, or ``"reboot"``, or ``"end"``.
+  Packets are hexadecimal.
 - program → world: the answer of `_core.runtime.Robot.step`, or of `Station.step`, with the packets
   in hexadecimal.
 """
