@@ -32,7 +32,16 @@ inline runtime::RuntimeSettings runtime_settings(const Settings& s) {
       s.state_period,
       s.status_period,
       s.number,
-      order_age_of(s)};
+      order_age_of(s),
+      s.is_under_way == 0};
+}
+
+inline runtime::PhaseSettings phase_settings(const Settings& s) {
+  TableTimes<Lifting> times{s.phase_times[0], s.phase_times[1], {}};
+  static_assert(2 + Lifting::limits == sizeof s.phase_times / sizeof s.phase_times[0]);
+  for (std::size_t i = 0; i < Lifting::limits; ++i) times.limits[i] = s.phase_times[2 + i];
+  return {is_job(s, Job::lifts), is_job(s, Job::begins_low), is_job(s, Job::ends_low),
+          s.leads != 0,          is_job(s, Job::stands_by),  times};
 }
 
 namespace detail {
@@ -75,7 +84,8 @@ runtime::Robot& robot_with(const SettingsPage& page, const Stored& stored, const
   wire::Identity identity{{}, s.pair, static_cast<wire::Role>(s.role)};
   for (std::size_t i = 0; i < identity.key.size(); ++i) identity.key[i] = s.key[i];
   return *new (RoomForAll::bytes) runtime::RobotWith<Program>(
-      identity, stored.epoch, fresh, rebooted, runtime_settings(s),
+      identity, stored.epoch, fresh, rebooted,
+      runtime::PhaseProgram(phase_settings(s), stored.epoch, stored.holds), runtime_settings(s),
       runtime::StoredMode{stored.carries, stored.stop}, s.is_under_way != 0);
 }
 

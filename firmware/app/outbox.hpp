@@ -57,7 +57,7 @@ class Outbox {
   std::uint32_t began_us_ = 0;
   std::size_t count_ = 0;
   std::size_t sent_ = 0;
-  board::RadioPacket packets_[wire::role_count];
+  board::RadioPacket packets_[wire::role_count + 1];
 };
 
 }  // namespace palmbots::app

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "../board/board.hpp"
+#include "arm.hpp"
 #include "controller.hpp"
 #include "missed_ticks.hpp"
 #include "only_show.hpp"
@@ -45,6 +46,7 @@ class Program {
         switches_(page.settings),
         outbox_(page.settings.period_us, board::random_word()),
         palm_(storage.content().assists ? Palm::shallow : Palm::steep),
+        arm_(page.settings, storage.content().arm_edge),
         pulse_(settings_.palm_us[static_cast<std::size_t>(palm_)]),
         wheel_{settings_.wheels[0][1][0], settings_.wheels[1][1][0]} {
     const bool begins = storage.content().epoch == settings_.first_epoch;
@@ -100,7 +102,7 @@ class Program {
     if (wish.operates) robot_.operate(wish.operation);
     robot_.step(reading(fault, wish.stop), out_);
     mode_ = out_.mode.mode;
-    drive();
+    drive(elapsed);
     const bool is_stored = store();
     say(is_stored);
     strangers_.count(robot_.endpoint(), elapsed, settings_.lease);
@@ -123,6 +125,9 @@ class Program {
   runtime::Reading reading(BoardFault fault, bool stop) const {
     runtime::Reading reading{{switches_.sign(), switches_.at_target()}};
     reading.contact = switches_.has_contact();
+    reading.covered = switches_.at_goal();
+    reading.arm_there = arm_.is_there();
+    reading.arm_steps = arm_.steps();
     reading.battery_ok = is_battery_ok_;
     reading.driver_ok = !rests_wheels(fault);
     reading.storage_ok = storage_.works();
@@ -135,7 +140,7 @@ class Program {
 
   // Carries out what has been decided. The palm keeps its angle while the controller does not run,
   // also over a boot.
-  void drive() {
+  void drive(std::uint16_t elapsed) {
     const Command& command = out_.decision.command;
     const bool wheels = out_.mode.wheels;
     if (wheels) palm_ = command.palm;
@@ -150,15 +155,17 @@ class Program {
       // A wheel that may not turn rests at once.
       wheel_[side] = wheels ? nearer(wheel_[side], wanted, settings_.wheel_slew) : rest;
     }
+    const bool lifts = is_job(settings_, Job::lifts);
+    if (lifts) arm_.move(out_.arm, palm_, elapsed);
+    // A servo without pulses rests, as after a reset.
+    board::Pulses pulses{pulse_, 0, 0, lifts ? arm_.pulse() : std::uint16_t{0}};
     if (uses_motor_board()) {
-      board::write_servos({pulse_, 0, 0});
       board::write_motor_board(wheel_[0], wheel_[1]);
     } else if (wheels) {
-      board::write_servos(
-          {pulse_, static_cast<std::uint16_t>(wheel_[0]), static_cast<std::uint16_t>(wheel_[1])});
-    } else {
-      board::write_servos({pulse_, 0, 0});  // a servo without pulses rests, as after a reset
+      pulses[1] = static_cast<std::uint16_t>(wheel_[0]);
+      pulses[2] = static_cast<std::uint16_t>(wheel_[1]);
     }
+    board::write_servos(pulses);
   }
 
   // The next value on the way from one to another.
@@ -174,6 +181,8 @@ class Program {
         palm_ == Palm::shallow && (out_.mode.wheels ? out_.decision.assists : wanted.assists);
     wanted.carries = out_.mode.store.carries;
     wanted.stop = out_.mode.store.stop;
+    wanted.holds = out_.holds;
+    if (is_job(settings_, Job::lifts)) wanted.arm_edge = arm_.edge();
     return storage_.keep(wanted);
   }
 
@@ -224,6 +233,11 @@ class Program {
     r.fault = static_cast<std::uint8_t>(fault);
     r.assists = static_cast<std::uint8_t>(storage_.content().assists);
     r.packets = static_cast<std::uint8_t>(outbox_.count());
+    r.phase = static_cast<std::uint8_t>(robot_.phases().state());
+    r.arm = static_cast<std::uint8_t>(out_.arm);
+    r.holds = static_cast<std::uint8_t>(storage_.content().holds);
+    r.rejected_phases = static_cast<std::uint8_t>(robot_.received_phases().rejected);
+    r.late_phases = static_cast<std::uint8_t>(robot_.received_phases().late);
     r.ticks += elapsed;
   }
 
@@ -242,6 +256,7 @@ class Program {
   runtime::Outputs out_{};
   wire::RobotMode mode_ = wire::RobotMode::off;
   Palm palm_;
+  Arm arm_;
   std::uint16_t pulse_;     // of the palm [µs]
   std::int16_t wheel_[2];   // pulse or speed of each wheel
   unsigned greetings_ = 0;  // rounds still to come

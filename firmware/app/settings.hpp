@@ -14,13 +14,29 @@ namespace palmbots::app {
 enum class WheelKind : std::uint8_t { servos, motor_board };
 
 // What a closed switch of the palm means.
-enum class SwitchMeaning : std::uint8_t { unused, minus, zero, plus, steep_end, shallow_end };
+enum class SwitchMeaning : std::uint8_t {
+  unused,
+  minus,
+  zero,
+  plus,
+  steep_end,
+  shallow_end,
+  goal,  // not of the palm: the robot is where the object is to be put down
+};
+
+// A job on the floor, as bits of Settings::job.
+enum class Job : std::uint8_t {
+  lifts = 1,       // there is one
+  begins_low = 2,  // with the object on the floor
+  ends_low = 4,
+  stands_by = 8,  // the robot docks after its partner
+};
 
 inline constexpr std::size_t most_times = 16;
 
 struct Settings {
   static constexpr std::uint32_t right_magic = 0x42504D42;
-  static constexpr std::uint16_t newest_format = 1;
+  static constexpr std::uint16_t newest_format = 2;
 
   std::uint32_t magic;
   std::uint16_t format;
@@ -65,9 +81,17 @@ struct Settings {
   // For left and right wheel, by `stop` and move: pulses [µs], or speeds of the motor board.
   std::int16_t wheels[2][2][3];
   std::uint16_t times[most_times];  // of the controller, in the order of its `Times`
-  std::uint32_t check;              // CRC-32 of everything before
+  std::uint16_t phase_times[7];     // of the table that lifts: beacon, lease, limits
+  std::uint16_t
+      arm_floor_us[2];       // pulses of the arm: the nose of a steep and of a shallow palm is low
+  std::uint16_t arm_top_us;  // the same while the pair carries
+  std::uint16_t arm_slew;    // change of the arm's pulse in a tick [1/256 µs]
+  std::uint8_t job;          // bits of `Job`
+  std::uint8_t unused;
+  std::uint32_t arm_step;  // a step of the table that lifts [1/256 µs]
+  std::uint32_t check;     // CRC-32 of everything before
 };
-inline constexpr std::size_t settings_size = 172;
+inline constexpr std::size_t settings_size = 200;
 static_assert(sizeof(Settings) == settings_size && alignof(Settings) == 4);
 
 // The page of the settings: these, and the table of a policy, with a check of its own.
@@ -77,6 +101,9 @@ struct SettingsPage {
   std::uint8_t fill[4 - (settings_size + sizeof(MachineTable)) % 4];
   std::uint32_t table_check;  // CRC-32 of `table`
 };
+constexpr bool is_job(const Settings& settings, Job bit) {
+  return (settings.job & static_cast<std::uint8_t>(bit)) != 0;
+}
 static_assert(alignof(MachineTable) == 1 && sizeof(MachineTable) == 3265);
 
 }  // namespace palmbots::app

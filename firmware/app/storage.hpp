@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a board remembers over a boot: how often it has booted, whether its palm was up for the partner,
-// and whether a carry was under way or a stop in force.
+// whether a carry was under way or a stop in force, and, in a job on the floor, whether the arms may be
+// up and where the own one is.
 //
 // A record has three words: the content, a number that counts the records, and a check of both. Records
 // are appended. After a power cut in any word of a write the check is wrong, or the word has not been
@@ -25,6 +26,8 @@ struct Stored {
   bool assists = false;
   bool carries = false;
   bool stop = false;
+  bool holds = false;
+  std::uint8_t arm_edge = 0;  // Arm::edge(), at most 15
 
   constexpr bool operator==(const Stored&) const = default;
 };
@@ -90,10 +93,13 @@ class Storage {
   static std::uint32_t check_of(const std::uint32_t* words) { return crc32(words, 8); }
   static std::uint32_t word_of(const Stored& s) {
     return s.epoch | std::uint32_t{s.assists} << 24 | std::uint32_t{s.carries} << 25 |
-           std::uint32_t{s.stop} << 26;
+           std::uint32_t{s.stop} << 26 | std::uint32_t{s.holds} << 27 |
+           std::uint32_t{s.arm_edge} << 28;
   }
   static Stored content_of(std::uint32_t word) {
-    return {word & 0xFFFFFF, (word >> 24 & 1) != 0, (word >> 25 & 1) != 0, (word >> 26 & 1) != 0};
+    const auto bit = [word](unsigned place) { return (word >> place & 1) != 0; };
+    return {word & 0xFFFFFF, bit(24), bit(25),
+            bit(26),         bit(27), static_cast<std::uint8_t>(word >> 28)};
   }
 
   Stored content_;

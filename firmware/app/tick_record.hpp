@@ -24,6 +24,12 @@ struct TickRecord {
   std::uint8_t fault;    // BoardFault
   std::uint8_t assists;  // stored
   std::uint8_t packets;  // to be sent in this tick
+  // In a job on the floor:
+  std::uint8_t phase;            // state of the table that lifts
+  std::uint8_t arm;              // 0 follows the floor, 1 reaches, 2 holds, 3 rises, 4 sinks
+  std::uint8_t holds;            // stored
+  std::uint8_t rejected_phases;  // modulo 256, as above
+  std::uint8_t late_phases;
 };
 
 }  // namespace palmbots::app

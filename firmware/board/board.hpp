@@ -58,10 +58,10 @@ std::uint32_t lost_packets();
 // How many packets arrived with a wrong checksum.
 std::uint32_t damaged_packets();
 
-// --- servos.cpp: three pulses, repeated every 20 ms.
+// --- servos.cpp: four pulses, repeated every 20 ms.
 
-enum class Servo : std::uint8_t { palm, left_wheel, right_wheel };
-using Pulses = std::array<std::uint16_t, 3>;  // [µs]; 0: no pulse
+enum class Servo : std::uint8_t { palm, left_wheel, right_wheel, arm };
+using Pulses = std::array<std::uint16_t, 4>;  // [µs]; 0: no pulse
 
 void start_servos();
 void write_servos(const Pulses& pulses);

@@ -16,6 +16,8 @@ from emulator.board import Board, Image
 from emulator.lockstep_dongle import LockstepDongle, station_program
 from emulator.processor import CYCLES_PER_US, Violation
 from emulator.tick_record import read_record
+from palmbots._types import SIDES
+from palmbots.boards.pair_settings import job_bits
 from palmbots.boards.settings_page import (
     PAGE_ADDRESS,
     SWITCHES,
@@ -23,6 +25,7 @@ from palmbots.boards.settings_page import (
     settings_page,
 )  # fmt: skip
 from palmbots.control.registry import ControllerEntry, resolve
+from palmbots.drivers.arm import FOLLOWS, HOLDS, RISES, SINKS, arm_shape
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.lockstep_world import remote
@@ -30,6 +33,7 @@ from palmbots.simulation.lockstep_world import remote
 KEY = bytes(range(16))
 PAIR = 7
 NEVER = 0xFFFFFFFF
+PHASE = _core.wire.packet_kinds.index("phase")
 PALM_US = (1300, 1700)
 WHEEL_US = (
     1500, 1540, 1460, 1510, 1550, 1470,
@@ -38,10 +42,35 @@ WHEEL_US = (
 """Pulses of left and right wheel, by stop and move, all different so that a command can be read."""
 SWITCH_OF_SIGN = {-1: (0, 1, 2), 0: (3,), 1: (4, 5, 6)}
 STEEP_END, SHALLOW_END = 7, 8
+GOAL = 0
+"""In a job on the floor the first switch is not on the palm."""
 LAYOUT = tuple(
     SWITCHES.index(name) for name in ("minus", "minus", "minus", "zero", "plus", "plus", "plus",
                                       "steep-end", "shallow-end")
 )  # fmt: skip
+ARM_US = (900, 2100)
+"""Pulses of the arm with the nose of a steep palm on the floor, and while the pair carries."""
+
+
+def _with_job(settings: BoardSettings, scene: Scene, side: int) -> BoardSettings:
+    """The settings with those of a job on the floor, if there is one."""
+    spec = to_spec(scene)
+    if not spec.uses_floor:
+        return settings
+    shape = arm_shape(scene, SIDES[side])
+    low_us, top_us = ARM_US
+    us_per_m = (top_us - low_us) / (shape.top_m - shape.floors_m[0])
+    steep, shallow = (round(low_us + us_per_m * (h - shape.floors_m[0])) for h in shape.floors_m)
+    return replace(
+        settings,
+        switches=(SWITCHES.index("goal"), *LAYOUT[1:]),
+        phase_times=tuple(_core.runtime.phase_times(spec)),
+        arm_floor_us=(steep, shallow),
+        arm_top_us=top_us,
+        arm_slew=round(256 * us_per_m * shape.rate_m_s * scene.control.period_s),
+        arm_step=round(256 * us_per_m * shape.step_m),
+        job=job_bits(scene, leads=settings.leads),
+    )
 
 
 def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardSettings:
@@ -50,7 +79,7 @@ def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardS
     spec = to_spec(scene)
     assert entry.board_number is not None
     leader = 1 if scene.task.direction == "forward" else 0
-    return BoardSettings(
+    settings = BoardSettings(
         role=side, key=KEY, pair=PAIR, first_epoch=1, last_epoch=1000, number=0,
         period_us=round(1e6 * scene.control.period_s),
         watchdog_us=round(1e6 * scene.control.watchdog_s),
@@ -60,10 +89,10 @@ def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardS
         rejoins=False, stops_without_station=False, stops_without_partner=False, has_radio=True,
         leads=side == leader, may_stop=bool(spec.brake), by_touch=bool(spec.start_by_touch),
         is_under_way=True, wheel_kind=0, debounce=1, palm_slew_us=2000, wheel_slew=2000,
-        switches=LAYOUT,
         palm_us=PALM_US, wheels=WHEEL_US,
-        times=tuple(_core.runtime.times(spec, entry.name)),
+        times=tuple(_core.runtime.times(spec, entry.name)), switches=LAYOUT,
     )  # fmt: skip
+    return _with_job(settings, scene, side)
 
 
 class LockstepBoard:
@@ -77,7 +106,9 @@ class LockstepBoard:
         self.side = settings.role
         self.period = settings.period_us * CYCLES_PER_US
         self.sent: list[bytes] = []
-        self.rejected = self.late = 0
+        self.rejected = self.late = self.rejected_phases = self.late_phases = 0
+        self.lifts = settings.job != 0
+        self.arm_us = 0
         self.instructions: list[int] = []
         self.chance = seed
         self.power_up()
@@ -96,7 +127,7 @@ class LockstepBoard:
             board.run_us(10)
         self.next_tick = board.timer.started_at + self.period
         self.executed: int | None = None
-        self.rejected = self.late = 0
+        self.rejected = self.late = self.rejected_phases = self.late_phases = 0
 
     def reboot(self) -> None:
         """The left board loses its supply for a moment; the right one hangs until its watchdog
@@ -149,20 +180,37 @@ class LockstepBoard:
         self._finish_sending(expected)
         return self.sent
 
-    def step(self, elapsed: int, sign: int, palm_at_target: bool, packets: list[bytes]) -> Any:
-        """One tick, as the world asks for it."""
+    def step(
+        self, elapsed: int, sign: int, palm_at_target: bool, packets: list[bytes], senses: Any
+    ) -> Any:
+        """One tick, as the world asks for it. Nothing measures the arm."""
         self.receive(packets)
+        touches, _, far_enough, *_ = senses
         self.chance = self.chance * 1103515245 + 12345 & 0x7FFFFFFF
-        switches = SWITCH_OF_SIGN[sign]
+        switches = [one for one in SWITCH_OF_SIGN[sign] if not (self.lifts and one == GOAL)]
         closed = 1 << switches[(self.chance >> 8) % len(switches)]
+        if self.lifts:
+            closed = (closed if touches else 0) | far_enough << GOAL
         if palm_at_target:
             closed |= 1 << (STEEP_END if self.palm == 0 else SHALLOW_END)
         self.sent = []
         record = self.feel(closed, elapsed)
+        self._check_arm(record["arm"])
         palm, move, stop = self.command()
         if (palm, move, stop) != (record["palm"], record["move"], record["stop"]):
             raise Violation("the pulses are not what was decided")
         return self._answer(palm, move, stop, record)
+
+    def _check_arm(self, does: int) -> None:
+        """The pulse of the arm is what was decided."""
+        before, self.arm_us = self.arm_us, self.pulses[3] if self.pulses else 0
+        if self.lifts and before:
+            moved = self.arm_us - before
+            is_right = {FOLLOWS: True, HOLDS: moved == 0, RISES: moved >= 0, SINKS: moved <= 0}[
+                does
+            ]
+            if not is_right:
+                raise Violation(f"the arm moves by {moved} us where it should do {does}")
 
     def feel(self, closed: int, elapsed: int) -> dict[str, int]:
         """One tick with these switches closed, until all its packets have left."""
@@ -190,7 +238,7 @@ class LockstepBoard:
     def command(self) -> tuple[int, int, bool]:
         """What the pulses command."""
         pulses = self.pulses
-        palm, left, right = pulses
+        palm, left, right, _ = pulses
         for stop in (0, 1):
             for move in (0, 1, 2):
                 at = 3 * stop + move
@@ -204,15 +252,21 @@ class LockstepBoard:
 
     def _answer(self, palm: int, move: int, stop: bool, record: dict[str, int]) -> Any:
         packets = [
-            (data[2] >> 4, data, record["message"] if i == 0 else 0)
-            for i, data in enumerate(self.sent)
+            (data[2] >> 4, data, data[19] if data[1] == PHASE else record["message"])
+            for data in self.sent
         ]
         rejected = record["rejected"] - self.rejected
         late = record["late"] - self.late
+        phases = (
+            record["phase"],
+            (record["rejected_phases"] - self.rejected_phases) % 256,
+            (record["late_phases"] - self.late_phases) % 256,
+        )
         self.rejected, self.late = record["rejected"], record["late"]
+        self.rejected_phases, self.late_phases = record["rejected_phases"], record["late_phases"]
         return (
             palm, move, stop, packets, record["name"], bool(record["waits"]), record["awaits"],
-            rejected, late, bool(record["assists"]),
+            rejected, late, phases, bool(record["assists"]),
         )  # fmt: skip
 
 
@@ -276,10 +330,10 @@ class LockstepBoards:
             if given is None:
                 answers.append(None)
                 continue
-            elapsed, sign, palm_at_target, boots, packets = given
+            elapsed, sign, palm_at_target, boots, packets, senses = given
             if boots:
                 board.reboot()
-            answers.append(board.step(elapsed, sign, palm_at_target, packets))
+            answers.append(board.step(elapsed, sign, palm_at_target, packets, senses))
         if self.dongle is None:
             return [*answers, None]
         return [*answers, self.dongle.step(None if station is None else station[4])]

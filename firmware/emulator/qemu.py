@@ -84,7 +84,7 @@ class QemuBoard(LockstepBoard):
                 self.sent.append(content)
             elif kind == PULSES:
                 self._pulses = tuple(
-                    int.from_bytes(content[i : i + 2], "little") for i in (0, 2, 4)
+                    int.from_bytes(content[i : i + 2], "little") for i in (0, 2, 4, 6)
                 )
             elif kind == DONE:
                 self._record, self._is_done = content, True

@@ -23,6 +23,7 @@ MEANING = {
     "partner_done": "the partner is heard to be done",
     "partner_ended": "the partner is heard to be disarmed, armed or in a fault",
     "partner_lost": "the partner is silent for longer than the lease, and `partner_lost` is `stop`",
+    "job_failed": "a job on the floor has been tried as often as it may",
     "time_up": "the carry has reached the time limit",
     "partner_silent": "the partner is silent for longer than the lease",
     "partner_starts": "the partner is heard, within the lease, to be ready or to carry",

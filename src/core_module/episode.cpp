@@ -11,6 +11,7 @@
 
 #include "carry.hpp"
 #include "palmbots/control/external.hpp"
+#include "palmbots/sim/commanded_lift.hpp"
 #include "palmbots/sim/cosimulation.hpp"
 
 namespace palmbots::bindings {
@@ -196,9 +197,95 @@ class Episode {
   std::variant<std::monostate, Begun<NoRecorder>, Begun<TraceRecorder>, Outside> with_;
 };
 
+// A job on the floor in the quasistatic world, commanded from outside.
+class FloorEpisode {
+ public:
+  FloorEpisode(const Spec& spec, std::uint64_t seed) : job_(spec, seed, {&commands_}, false) {
+    if (spec.begins_on == StandsOn::floor) {
+      for (LiftCommand& command : commands_) command.arm = ArmMove::follow;
+    }
+    job_.begin();
+  }
+  FloorEpisode(const FloorEpisode&) = delete;  // the team knows where the commands lie
+  FloorEpisode& operator=(const FloorEpisode&) = delete;
+
+  // (sign, palm turned, travelled [m], touches, arm, arm there, arm steps) of a robot.
+  using Feels = std::tuple<int, bool, double, bool, int, bool, int>;
+  std::pair<Feels, Feels> seen() {
+    const PerSide<RobotObservation> sensed = job_.sense();
+    const auto one = [&](std::size_t side) {
+      const LiftSenses& senses = job_.team().senses()[side];
+      return Feels{static_cast<int>(sensed[side].sign),
+                   sensed[side].palm_at_target,
+                   job_.travelled()[side],
+                   senses.touches,
+                   static_cast<int>(commands_[side].arm),
+                   senses.arm_there,
+                   senses.steps};
+    };
+    return {one(left), one(right)};
+  }
+
+  using Does = std::tuple<int, int, bool, int>;
+  void step(const Does& l, const Does& r) {
+    if (job_.done()) throw std::runtime_error("the job is over");
+    const Does* both[2] = {&l, &r};
+    for (const std::size_t side : {left, right}) {
+      const auto [palm, move, stop, arm] = *both[side];
+      if (palm < 0 || palm > 1 || move < 0 || move > 2 || arm < 0 || arm > 4)
+        throw std::out_of_range("palm is 0 or 1; move is 0 to 2; arm is 0 to 4");
+      commands_[side] = {{static_cast<Palm>(palm), static_cast<Move>(move), stop},
+                         static_cast<ArmMove>(arm)};
+    }
+    job_.recorder().make_room();
+    job_.tick();
+  }
+
+  const LiftCarry<CommandedLift>& job() const { return job_; }
+
+ private:
+  PerSide<LiftCommand> commands_{};
+  LiftCarry<CommandedLift> job_;
+};
+
 }  // namespace
 
 void bind_episode(nb::module_& m) {
+  nb::class_<FloorEpisode>(m, "FloorEpisode",
+                           "A job on the floor whose robots are commanded from outside.")
+      .def(nb::init<const Spec&, std::uint64_t>(), nb::arg("spec"), nb::arg("seed"))
+      .def_prop_ro("outcome", [](const FloorEpisode& e) { return outcome_of(e.job().metrics()); })
+      .def_prop_ro("reason",
+                   [](const FloorEpisode& e) -> nb::object {
+                     const DropReason reason = e.job().metrics().reason;
+                     if (reason == DropReason::none) return nb::none();
+                     return nb::str(name_of(reason));
+                   })
+      .def_prop_ro(
+          "midpoint", [](const FloorEpisode& e) { return e.job().midpoint(); },
+          "Displacement of the midpoint of the robots [m].")
+      .def_prop_ro(
+          "moved", [](const FloorEpisode& e) { return e.job().moved(); },
+          "Displacement of the COM [m].")
+      .def_prop_ro(
+          "stands", [](const FloorEpisode& e) { return e.job().stands(); },
+          "Whether the object is on the floor alone.")
+      .def_prop_ro("contacts",
+                   [](const FloorEpisode& e) {
+                     const auto& p = e.job().world().configuration().contacts;
+                     return std::pair(p[left], p[right]);
+                   })
+      .def_prop_ro(
+          "heights",
+          [](const FloorEpisode& e) {
+            return std::pair(e.job().heights()[left], e.job().heights()[right]);
+          },
+          "Heights of the pivots, as commanded [m].")
+      .def_prop_ro("seen", &FloorEpisode::seen,
+                   "Of each robot (sign, palm turned, travelled [m], touches, what the arm does, "
+                   "arm there, arm steps).")
+      .def("step", &FloorEpisode::step, nb::arg("left"), nb::arg("right"),
+           "One tick with (palm, move, stop, arm) of each robot.");
   nb::class_<Episode>(m, "Episode", "A carry whose robots are commanded from outside.")
       .def(nb::init<const Spec&, std::uint64_t, bool, nb::object, double>(), nb::arg("spec"),
            nb::arg("seed"), nb::arg("record") = false, nb::arg("world") = nb::none(),

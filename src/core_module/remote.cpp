@@ -64,8 +64,11 @@ nb::object input_of(const std::optional<ProgramInput>& input) {
   for (const wire::Bytes& bytes : input->packets) {
     packets.append(nb::bytes(bytes.data(), bytes.size()));
   }
+  const LiftSenses& senses = input->senses;
   return nb::make_tuple(input->elapsed, static_cast<int>(input->sensed.sign),
-                        input->sensed.palm_at_target, input->boots, packets);
+                        input->sensed.palm_at_target, input->boots, packets,
+                        nb::make_tuple(senses.touches, senses.arm_there, senses.far_enough,
+                                       senses.steps, senses.beneath));
 }
 
 }  // namespace
@@ -84,7 +87,7 @@ ProgramOutputs PythonExchange::operator()(std::uint32_t tick, const ProgramInput
   }
   for (std::size_t i = 0; i < 2; ++i) {
     if (!inputs[i]) continue;
-    const auto [palm, move, stop, packets, name, waits, awaits, rejected, late, assists] =
+    const auto [palm, move, stop, packets, name, waits, awaits, rejected, late, phases, assists] =
         nb::cast<Answer>(answers[i]);
     ProgramOutput& out = outputs[i];
     out.command = {static_cast<Palm>(palm), static_cast<Move>(move), stop};
@@ -97,6 +100,10 @@ ProgramOutputs PythonExchange::operator()(std::uint32_t tick, const ProgramInput
     out.awaits = static_cast<MessageKind>(awaits);
     out.rejected = rejected;
     out.late = late;
+    const auto [phase, rejected_phases, late_phases] = phases;
+    out.phase = static_cast<Lifting::State>(phase);
+    out.rejected_phases = rejected_phases;
+    out.late_phases = late_phases;
   }
   return outputs;
 }
@@ -124,7 +131,10 @@ void bind_remote(nb::module_& m) {
           },
           nb::arg("exchange"), nb::arg("has_clocks"), nb::arg("has_station"),
           "exchange(tick, left, right, station) gets inputs (elapsed, sign, palm at target, boots, "
-          "packets) or None, and returns three answers of Robot.step or None.");
+          "packets, (touches, arm there, far enough, arm steps, beneath)) or None, and returns "
+          "three "
+          "answers "
+          "of Robot.step or None.");
 }
 
 }  // namespace palmbots::bindings

@@ -29,9 +29,11 @@ inline wire::Bytes packet_of(const nb::bytes& bytes) {
 }
 
 using PacketTuple = std::tuple<int, nb::bytes, int>;  // receiver, bytes, message
-// Palm, move, stop, packets, case, waits, awaits, rejected, late, assists.
+// Of the table of a job on the floor: its state, its packets rejected and late.
+using Phases = std::tuple<int, std::uint32_t, std::uint32_t>;
+// Palm, move, stop, packets, case, waits, awaits, rejected, late, phases, assists.
 using Answer = std::tuple<int, int, bool, std::vector<PacketTuple>, int, bool, int, std::uint32_t,
-                          std::uint32_t, bool>;
+                          std::uint32_t, Phases, bool>;
 
 void bind_remote(nb::module_& m);
 

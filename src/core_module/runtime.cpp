@@ -13,6 +13,7 @@
 #include "carry.hpp"
 #include "machines.hpp"
 #include "palmbots/runtime/robot_runtime.hpp"
+#include "palmbots/sim/lift_robots.hpp"
 #include "palmbots/sim/team_registry.hpp"
 #include "remote.hpp"
 
@@ -28,15 +29,25 @@ struct Start {
   std::uint32_t epoch;
   std::size_t side;
   bool assists;  // stored: the palm was up for the partner
+  runtime::PhaseProgram phases;
   runtime::RuntimeSettings settings;
   runtime::StoredMode stored;
   bool carries;  // the carry is under way
 };
 
+runtime::PhaseSettings phase_settings_of(const Spec& spec, std::size_t side) {
+  return {uses_floor(spec),
+          spec.begins_on != StandsOn::palms,
+          spec.ends_on != StandsOn::palms,
+          leader_of(spec) == side,
+          stands_by(spec, side),
+          table_times_of<Lifting>(spec)};
+}
+
 template <class Program>
 AnyRobot robot_with(const Start& s, const Program& fresh, const Program& rebooted) {
   return std::make_shared<runtime::RobotWith<Program>>(s.identity, s.epoch, fresh, rebooted,
-                                                       s.settings, s.stored, s.carries);
+                                                       s.phases, s.settings, s.stored, s.carries);
 }
 
 template <class Controller>
@@ -83,6 +94,7 @@ class RobotHandle {
   Answer step(std::uint16_t elapsed, const runtime::Reading& reading,
               const std::vector<nb::bytes>& packets) {
     const runtime::ReceivedCounts before = robot_->received();
+    const runtime::ReceivedCounts phases_before = robot_->received_phases();
     robot_->begin(elapsed);
     judged_.clear();
     for (const nb::bytes& bytes : packets) judged_.push_back(hear(bytes));
@@ -91,13 +103,16 @@ class RobotHandle {
     runtime::Outputs out;
     robot_->step(reading, out);
     mode_ = out.mode;
+    arm_ = out.arm;
+    holds_ = out.holds;
     std::vector<PacketTuple> sent;
     stamps_.clear();
     for (std::size_t i = 0; i < out.packet_count; ++i) {
       const runtime::Outgoing& p = out.packets[i];
       sent.emplace_back(static_cast<int>(p.receiver), nb::bytes(p.bytes.data(), p.bytes.size()),
-                        static_cast<int>(i == 0 ? out.decision.message : MessageKind::none));
-      stamps_.push_back(stamp_of(robot_->endpoint().newest(p.receiver)));
+                        static_cast<int>(p.message));
+      const auto kind = static_cast<wire::PacketKind>(p.bytes[wire::kind_field.offset]);
+      stamps_.push_back(stamp_of(robot_->endpoint().newest(p.receiver, kind)));
     }
     const Command& command = out.decision.command;
     return {static_cast<int>(command.palm),
@@ -109,6 +124,9 @@ class RobotHandle {
             static_cast<int>(robot_->awaits()),
             robot_->received().rejected - before.rejected,
             robot_->received().late - before.late,
+            {static_cast<int>(robot_->phases().state()),
+             robot_->received_phases().rejected - phases_before.rejected,
+             robot_->received_phases().late - phases_before.late},
             out.decision.assists};
   }
 
@@ -128,6 +146,11 @@ class RobotHandle {
   const std::vector<StampTuple>& stamps() const { return stamps_; }
 
   const runtime::ModeOutputs& mode() const { return mode_; }
+  ArmMove arm() const { return arm_; }
+  bool holds() const { return holds_; }
+  const char* phase() const {
+    return robot_->phases().lifts() ? name_of(robot_->phases().state()) : "";
+  }
 
   std::optional<nb::bytes> greet() {
     wire::Bytes bytes{};
@@ -157,6 +180,8 @@ class RobotHandle {
   }
 
   runtime::ModeOutputs mode_{};
+  ArmMove arm_ = ArmMove::hold;
+  bool holds_ = false;
   std::vector<wire::Decoded> judged_;
   std::vector<StampTuple> stamps_;
   std::optional<wire::Operation> wish_;  // given at the robot, for the next step
@@ -200,6 +225,7 @@ void bind_settings(nb::module_& m) {
             settings.mode.partner_lost = PartnerLost::controller;
             settings.mode.lease = settings.mode.station_limit = settings.mode.time_limit = never;
             settings.mode.most_overruns = 0xFFFF;
+            settings.ends_jobs = false;
             return settings;
           },
           "The controller alone decides, and nothing is sent but what it says.");
@@ -208,7 +234,8 @@ void bind_settings(nb::module_& m) {
           "__init__",
           [](Reading* self, int sign, bool palm_at_target, bool contact, bool battery_ok,
              bool driver_ok, bool storage_ok, bool covered, bool stop, std::uint16_t overruns,
-             std::uint16_t battery_mv, std::uint16_t progress, std::uint32_t stopping) {
+             std::uint16_t battery_mv, std::uint16_t progress, std::uint32_t stopping,
+             bool arm_there, std::uint8_t arm_steps, bool beneath) {
             if (sign < -1 || sign > 1) throw std::out_of_range("sign is -1, 0 or 1");
             new (self) Reading{{static_cast<Sign>(sign), palm_at_target},
                                contact,
@@ -220,12 +247,16 @@ void bind_settings(nb::module_& m) {
                                overruns,
                                battery_mv,
                                progress,
-                               stopping};
+                               stopping,
+                               arm_there,
+                               arm_steps,
+                               beneath};
           },
           nb::arg("sign"), nb::arg("palm_at_target"), nb::arg("contact") = true,
           nb::arg("battery_ok") = true, nb::arg("driver_ok") = true, nb::arg("storage_ok") = true,
           nb::arg("covered") = false, nb::arg("stop") = false, nb::arg("overruns") = 0,
-          nb::arg("battery_mv") = 0xFFFF, nb::arg("progress") = 0, nb::arg("stopping") = 0);
+          nb::arg("battery_mv") = 0xFFFF, nb::arg("progress") = 0, nb::arg("stopping") = 0,
+          nb::arg("arm_there") = false, nb::arg("arm_steps") = 0, nb::arg("beneath") = false);
 }
 
 }  // namespace
@@ -239,20 +270,30 @@ void bind_runtime(nb::module_& core) {
           [](RobotHandle* self, const Spec& spec, nb::object controller, std::uint8_t side,
              const nb::bytes& key, std::uint16_t pair, std::uint32_t epoch, bool assists,
              const runtime::RuntimeSettings& settings, bool carries, bool stored_carries,
-             bool stored_stop) {
+             bool stored_stop, bool holds) {
             const wire::Identity identity{key_of(key), pair, static_cast<wire::Role>(side)};
-            new (self) RobotHandle(
-                spec, std::move(controller),
-                {identity, epoch, side, assists, settings, {stored_carries, stored_stop}, carries});
+            new (self)
+                RobotHandle(spec, std::move(controller),
+                            {identity,
+                             epoch,
+                             side,
+                             assists,
+                             runtime::PhaseProgram(phase_settings_of(spec, side), epoch, holds),
+                             settings,
+                             {stored_carries, stored_stop},
+                             carries});
           },
           nb::arg("spec"), nb::arg("controller"), nb::arg("side"), nb::arg("key"), nb::arg("pair"),
           nb::arg("epoch"), nb::arg("assists"), nb::arg("settings"), nb::arg("carries") = false,
           nb::arg("stored_carries") = false, nb::arg("stored_stop") = false,
+          nb::arg("holds") = false,
           "controller: a name, Machines, or a pair of Python step functions. carries: the carry is "
           "under way, as in lockstep.")
-      .def("step", &RobotHandle::step, nb::arg("elapsed"), nb::arg("reading"), nb::arg("packets"),
-           "One tick; returns palm, move, stop, packets (receiver, bytes, message), case, waits, "
-           "awaits, packets rejected and late in this tick, and whether the palm assists.")
+      .def(
+          "step", &RobotHandle::step, nb::arg("elapsed"), nb::arg("reading"), nb::arg("packets"),
+          "One tick; returns palm, move, stop, packets (receiver, bytes, message), case, waits, "
+          "awaits, packets rejected and late in this tick, (phase, its packets rejected and late), "
+          "and whether the palm assists.")
       .def_prop_ro("mode", [](const RobotHandle& r) { return name_of(r.mode().mode); })
       .def_prop_ro("fault", [](const RobotHandle& r) { return name_of(r.mode().code); })
       .def_prop_ro(
@@ -264,6 +305,13 @@ void bind_runtime(nb::module_& core) {
             return std::tuple(r.mode().store.carries, r.mode().store.stop);
           },
           "To be stored when it changes: a carry is under way, a stop is in force.")
+      .def_prop_ro("holds", &RobotHandle::holds,
+                   "To be stored when it changes: in a job on the floor, the arms may be up.")
+      .def_prop_ro(
+          "arm", [](const RobotHandle& r) { return static_cast<int>(r.arm()); },
+          "What the arm does: 0 follows the floor, 1 reaches, 2 holds, 3 rises, 4 sinks.")
+      .def_prop_ro("phase", &RobotHandle::phase,
+                   "The phase of a job on the floor; empty: it is none.")
       .def("greet", &RobotHandle::greet,
            "A hello to the partner, before the carry; None if the controller has no use for it.")
       .def("operate", &RobotHandle::operate, nb::arg("operation"),
@@ -288,6 +336,19 @@ void bind_runtime(nb::module_& core) {
       nb::arg("spec"), nb::arg("controller"),
       "The times of a shipped controller [ticks], in the order of its struct Times; [] if it has "
       "none.");
+  m.def(
+      "phase_times",
+      [](const Spec& spec) {
+        const TableTimes<Lifting> times = table_times_of<Lifting>(spec);
+        std::vector<std::uint16_t> all{times.beacon, times.lease};
+        all.insert(all.end(), times.limits.begin(), times.limits.end());
+        return all;
+      },
+      nb::arg("spec"),
+      "The times of the table of a job on the floor [ticks]: beacon, lease, limits.");
+  m.def(
+      "arm_step_m", [](const Spec& spec) { return lift_step_of(spec); }, nb::arg("spec"),
+      "A step of the table of a job on the floor: what an arm moves in a lease and a delay [m].");
   m.attr("policy_board_number") = policy_board_number;
   bind_remote(m);
 }

@@ -179,10 +179,10 @@ void put_names(nb::module_& m, const char* all, const char* type, const nb::tupl
 
 void bind_wire(nb::module_& core) {
   nb::module_ m = core.def_submodule("wire", "Packets, and one end of the wire.");
-  put_names(m, "packet_kinds", "Kind", names_to(wire::PacketKind::command));
+  put_names(m, "packet_kinds", "Kind", names_to(wire::PacketKind::phase));
   put_names(m, "roles", "Role", names_to(wire::Role::station));
   put_names(m, "verdicts", "Verdict", names_to(wire::Verdict::no_session));
-  put_names(m, "languages", "Language", names_to(wire::Language::signs));
+  put_names(m, "languages", "Language", names_to(wire::Language::phases));
   m.def(
       "has_message",
       [](std::uint8_t language, std::uint8_t message) {
@@ -190,11 +190,11 @@ void bind_wire(nb::module_& core) {
                                  static_cast<MessageKind>(message));
       },
       nb::arg("language"), nb::arg("message"), "Whether the language has this message.");
-  put_names(m, "messages", "MessageName", names_to(MessageKind::minus_shallow));
+  put_names(m, "messages", "MessageName", names_to(MessageKind::holding));
   put_names(m, "robot_modes", "RobotMode", names_to(wire::RobotMode::fault));
-  put_names(m, "fault_codes", "FaultCode", names_to(wire::FaultCode::stop));
+  put_names(m, "fault_codes", "FaultCode", names_to(wire::FaultCode::job));
   put_names(m, "operations", "Operation", names_to(wire::Operation::release));
-  m.attr("status_numbers") = nb::make_tuple("progress", "battery", "overruns", "sent");
+  m.attr("status_numbers") = nb::make_tuple("progress", "battery", "overruns", "sent", "phase");
   m.attr("cases") = std::string(wire::case_names, sizeof wire::case_names);
   m.def(
       "layout",

@@ -133,7 +133,9 @@ def test_only_the_newest_of_several_commands_is_carried_out(
 def test_a_reading_is_sent_in_every_period(monkeypatch: pytest.MonkeyPatch) -> None:
     _, program = run(monkeypatch, [], 1.0)
     assert len(program.readings) == pytest.approx(100, abs=2)
-    assert program.readings[0] == ["reading", [[0, True, 0.0, None, True], None, True, [0, 0]]]
+    no_arm = [False, 0, 0, False, False]
+    reading = [0, True, 0.0, None, True, *no_arm]
+    assert program.readings[0] == ["reading", [reading, None, True, [0, 0]]]
 
 
 def test_hardware_is_read_once_for_a_reading(monkeypatch: pytest.MonkeyPatch) -> None:

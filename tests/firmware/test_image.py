@@ -102,6 +102,9 @@ class CountingBoard(Board):
         super().written(address, size, value)
 
 
+NO_JOB = (False, False, False, 0, False)  # what a robot knows in a job on the floor
+
+
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_each_store_is_made_once(
     image: Image, clang_image: Image, compiler: str, monkeypatch: pytest.MonkeyPatch
@@ -117,10 +120,10 @@ def test_each_store_is_made_once(
     program = {"gcc": image, "clang": clang_image}[compiler]
     robot = LockstepBoard(program, settings, b"", 1)
     for _ in range(20):
-        robot.step(1, 0, True, [])
+        robot.step(1, 0, True, [], NO_JOB)
     before = CountingBoard.stores
     for _ in range(10):
-        robot.step(1, 0, True, [])
+        robot.step(1, 0, True, [], NO_JOB)
     assert CountingBoard.stores - before == 10 * (5 * (6 + 3 + 1) + 1 + 6 + 1)
 
 
@@ -129,7 +132,7 @@ def test_the_watchdog_is_fed_from_one_place(image: Image) -> None:
     robot = LockstepBoard(image, settings, b"", 1)
     feeds = robot.board.watchdog.feeds
     for _ in range(10):
-        robot.step(1, 0, True, [])
+        robot.step(1, 0, True, [], NO_JOB)
     assert robot.board.watchdog.feeds - feeds == 10
     (place,) = robot.board.watchdog.fed_by
     begin, size = image.symbols["_ZN8palmbots5board13feed_watchdogEv"]

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from emulator.__main__ import CONTROLLERS, IMAGES, carried, dongle_image, faults
+from emulator.__main__ import CONTROLLERS, IMAGES, JOB, carried, dongle_image, faults
 from emulator.board import Image
 
 HARD_RADIO = {
@@ -38,13 +38,17 @@ MORE: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def check(
-    images: tuple[Image, Image], controller: str, overrides: dict[str, Any], seed: int = 3
+    images: tuple[Image, Image],
+    controller: str,
+    overrides: dict[str, Any],
+    seed: int = 3,
+    scene: str = "paper",
 ) -> None:
     image, dongle = images
-    row, result, host = carried(image, controller, seed, overrides, dongle)
+    row, result, host = carried(image, controller, seed, overrides, dongle, scene)
     assert row["trace_hash"] == row["host_trace_hash"]
     assert list(row) == [
-        "controller", "seed", "loss", "faults", "trace_hash", "host_trace_hash",
+        "scene", "controller", "seed", "loss", "faults", "trace_hash", "host_trace_hash",
         "instructions_per_tick", "stack_bytes", "flash_records", "image_sha256",
     ]  # fmt: skip
     assert list(row["instructions_per_tick"]) == ["median", "worst"]
@@ -61,6 +65,22 @@ def check(
 @pytest.mark.parametrize("case", CASES)
 def test_boards_carry_as_one_program(images: tuple[Image, Image], case: str) -> None:
     check(images, *CASES[case])
+
+
+REBOOTS = {
+    "faults.script": [
+        {"kind": "reboot", "robot": "left", "at_s": 2.0, "duration_s": 0.5},
+        {"kind": "reboot", "robot": "right", "at_s": 14.0, "duration_s": 0.3},
+    ],
+    "radio.loss": 0.1,
+}
+
+
+@pytest.mark.parametrize("faulty", [{}, REBOOTS], ids=["as it is", "reboots and losses"])
+def test_boards_do_a_job_on_the_floor_as_one_program(
+    images: tuple[Image, Image], faulty: dict[str, Any]
+) -> None:
+    check(images, "shared-sign", JOB | faulty, scene="lift")
 
 
 @pytest.mark.soak

@@ -10,7 +10,15 @@ import pytest
 
 import palmbots as pb
 from palmbots.cli.commands.up_command import _IN_PROCESSES, _radio_of, not_simulated
-from palmbots.links.impairment import ImpairedPackets, Impairment, Proxy
+from palmbots.links.impairment import (
+    FURTHER_DELAYS,
+    ONLY_LOSSES,
+    WHOLE_DELAYS,
+    ImpairedPackets,
+    Impairment,
+    Proxy,
+    RecordedFates,
+)
 from palmbots.scene.core_keys import ROWS
 
 PACKETS = 20_000
@@ -54,6 +62,58 @@ def test_the_same_seed_gives_the_same_fates() -> None:
 )
 def test_what_a_user_types_is_read(text: str, made: Impairment) -> None:
     assert Impairment.parse(text) == made
+
+
+RECORDED = [0.01, -1.0, 0.03, 0.02, 0.05]
+
+
+def replayed(kind: int, link: tuple[str, str], seed: int = 0) -> list[float | None]:
+    """The delays of packets that are sent as often as the recorded ones [s]; None: it is lost."""
+    bad = Impairment(loss=0.9, delay_ms=30, jitter_ms=10)
+    air = ImpairedPackets(bad, seed, RecordedFates(0.1, kind, RECORDED))
+    found: list[float | None] = []
+    for k in range(20):
+        air.send(0.1 * k, *link, b"")
+        found.append(None)
+        for late in range(100):
+            if [*air.due(0.1 * k + 0.001 * late + 1e-9)]:
+                found[-1] = round(0.001 * late, 3)
+                break
+    return found
+
+
+@pytest.mark.parametrize("link", [("left", "right"), ("station", "left")])
+def test_recorded_packets_are_replayed_from_a_place_that_the_seed_draws(
+    link: tuple[str, str],
+) -> None:
+    recorded = [None if one < 0 else one for one in RECORDED]
+    places = set()
+    for seed in range(40):
+        found = replayed(WHOLE_DELAYS, link, seed)
+        (place,) = [k for k in range(5) if found[:5] == recorded[k:] + recorded[:k]]
+        assert found == [recorded[(place + k) % 5] for k in range(20)]
+        places.add(place)
+    assert places == {0, 1, 2, 3, 4}
+
+
+def test_delays_that_were_not_recorded_are_those_of_the_radio() -> None:
+    whole = replayed(WHOLE_DELAYS, ("left", "right"))
+    later = replayed(FURTHER_DELAYS, ("left", "right"))
+    assert later == [None if one is None else round(0.02 + one, 3) for one in whole]
+    losses = replayed(ONLY_LOSSES, ("left", "right"))
+    assert [one is None for one in losses] == [one is None for one in whole]
+    assert all(0.02 <= one <= 0.041 for one in losses if one is not None)
+    assert len({*losses}) > 5
+
+
+def test_a_packet_that_is_sent_later_meets_a_later_fate() -> None:
+    fates = RecordedFates(0.1, ONLY_LOSSES, [0.0] * 10 + [-1.0] * 10)
+    air = ImpairedPackets(Impairment(), 3, fates)
+    lost = 0
+    for k in range(200):  # every second recorded packet
+        air.send(0.2 * k, "left", "right", b"")
+        lost += not [*air.due(0.2 * k)]
+    assert lost == 100
 
 
 def test_datagrams_go_to_the_end_they_are_meant_for() -> None:

@@ -83,8 +83,8 @@ def test_numbers_are_those_of_the_core() -> None:
 
 
 def test_languages_have_the_messages_of_the_core() -> None:
-    kind = _core.wire.packet_kinds.index("state")
     for language, language_name in enumerate(_core.wire.languages):
+        kind = _core.wire.packet_kinds.index("phase" if language_name == "phases" else "state")
         for message, message_name in enumerate(_core.wire.messages):
             payload = _core.wire.state(language, message, 0, False, False, False)
             packet = _core.wire.encode(bytes(16), kind, 0, 1, 7, (1, 1), (0, 0), payload)

@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 
 import palmbots as pb
+from palmbots.drivers.arm import arm_shape
 from palmbots.drivers.hardware import HardwareParameters
-from palmbots.pair.calibration import STEPS, Finding, calibrate, values_of
+from palmbots.pair.calibration import STEPS, Finding, Task, calibrate, values_of
 from palmbots.pair.launcher import UP
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.station.simulated_pair import Air, SimulatedPair
@@ -93,6 +94,24 @@ def test_every_interval_holds_the_hidden_value_of_many_robots() -> None:
         bench = Bench(table, SIDES[seed % 2], seed)
         found = calibrate(bench.machine(known(table)), SimulatedPerson(bench, seed), TASK)
         assert misses(found, table) == [], seed
+
+
+ARM = Task(1.5, 0.06, (5.0, 15.0), 0.075, arm_shape(pb.load_scene("lift"), "left"))
+
+
+@pytest.mark.parametrize(("low", "high"), [(30.0, 150.0), (140.0, 35.0)])
+def test_the_arm_is_calibrated_by_heights(low: float, high: float) -> None:
+    """The user knows the angles roughly, and the intervals hold the true ones."""
+    table = {"arm_floor_deg": low + 3.3, "arm_top_deg": high - 4.2}
+    bench = Bench(table, "left", 0, pb.load_scene("lift"))
+    rough = HardwareParameters(arm_floor_deg=low, arm_top_deg=high)
+    found = calibrate(bench.machine(rough), SimulatedPerson(bench), ARM, ["arm"])
+    assert [one.key for one in found] == ["arm_floor_deg", "arm_top_deg"]
+    for one in found:
+        assert one.estimate is not None
+        assert one.estimate.low <= table[one.key] <= one.estimate.high
+        assert one.estimate.half_width < 1.5
+    assert calibrate(bench.machine(rough), SimulatedPerson(bench), TASK, ["arm"]) == []
 
 
 def test_a_planted_error_is_noticed() -> None:

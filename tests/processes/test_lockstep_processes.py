@@ -33,6 +33,16 @@ OTHERS = {
 }  # fmt: skip
 SHORT = {"task.distance_m": 0.9}  # long enough for all faults
 PERIODS = {"robot.left.period_s": 0.03, "robot.right.period_s": 0.02}
+JOB = {
+    "task.from": "floor", "task.to": "floor", "object.edge_radius_m": 0.003,
+    "palm.thickness_m": 0.0015, "palm.nose_m": 0.0003, "palm.bevel_m": 0.008,
+    "palm.heel_m": 0.012, "task.distance_m": 0.3, "radio.loss": 0.1,
+    "faults.script": [
+        {"kind": "reboot", "robot": "left", "at_s": 2.0, "duration_s": 0.5},
+        {"kind": "reboot", "robot": "right", "at_s": 14.0, "duration_s": 0.3},
+        {"kind": "freeze", "robot": "left", "at_s": 17.0, "duration_s": 0.5},
+    ],
+}  # fmt: skip
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "resilient, a period per robot, everything": ("resilient", SHORT | EVERYTHING | PERIODS),
     "resilient, directions, replays, clocks, lost counter": ("resilient", OTHERS),
@@ -40,6 +50,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "distributed, losses": ("distributed", SHORT | {"radio.loss": 0.02}),
     "centralized, everything": ("centralized", SHORT | EVERYTHING),
     "policy": ("examples/policies/table-1.toml", SHORT),
+    "shared-sign, a job on the floor, losses and reboots": ("shared-sign", JOB),
     "class in Python": ("CLASS", SHORT),
 }
 """Each kind of program once: tests/robot compares all controllers inside one process."""

@@ -34,6 +34,17 @@ def test_a_carry_goes_on_after_a_boot(counts_from_m: float) -> None:
     assert after.covered_m == 0.0
 
 
+def test_only_the_carrying_phase_of_a_job_counts() -> None:
+    """A robot that docks, or leaves, covers no distance."""
+    odometry = Odometry(1.0)
+    for distance_m, counts, covered_m in (
+        (2.0, False, 0.0), (2.3, False, 0.0), (2.4, True, 0.1), (2.9, True, 0.6),
+        (2.7, False, 0.6), (2.8, True, 0.7),
+    ):  # fmt: skip
+        odometry.take(distance_m, True, counts)
+        assert odometry.covered_m == pytest.approx(covered_m)
+
+
 def test_little_is_stored() -> None:
     odometry = Odometry(1.5)
     stored = set()

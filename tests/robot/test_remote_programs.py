@@ -47,7 +47,7 @@ class Programs:
 
     def __init__(self, scene: pb.Scene, controller: str) -> None:
         self.spec, self.entry = to_spec(scene), resolve(controller)
-        self.epoch, self.assists = [0, 0], [False, False]
+        self.epoch, self.assists, self.holds = [0, 0], [False, False], [False, False]
         self.robots = [self.booted(side) for side in (0, 1)]
         self.station = _core.runtime.Station(KEY, PAIR, 1)
         establish_sessions(ends_of(self.entry), self.greet, self.hear)
@@ -64,7 +64,7 @@ class Programs:
         self.epoch[side] += 1
         return _core.runtime.Robot(
             self.spec, self.entry.for_core(self.spec), side, KEY, PAIR,
-            epoch=self.epoch[side], assists=self.assists[side],
+            epoch=self.epoch[side], assists=self.assists[side], holds=self.holds[side],
             settings=_core.runtime.RuntimeSettings.lockstep(), carries=True,
         )  # fmt: skip
 
@@ -74,19 +74,24 @@ class Programs:
             if given is None:
                 answers.append(None)
                 continue
-            elapsed, sign, palm_at_target, boots, packets = given
+            elapsed, sign, palm_at_target, boots, packets, senses = given
             if boots:
                 self.robots[side] = self.booted(side)
-            answer = self.robots[side].step(
-                elapsed, _core.runtime.Reading(sign, palm_at_target), packets
-            )
-            self.assists[side] = answer[-1]
+            touches, arm_there, far_enough, steps, beneath = senses
+            reading = _core.runtime.Reading(
+                sign, palm_at_target, contact=touches, covered=far_enough, arm_there=arm_there,
+                arm_steps=steps, beneath=beneath,
+            )  # fmt: skip
+            answer = self.robots[side].step(elapsed, reading, packets)
+            self.assists[side], self.holds[side] = answer[-1], self.robots[side].holds
             answers.append(answer)
         return [*answers, None if station is None else self.station.step(station[4])]
 
 
-def both_ways(controller: str, overrides: dict[str, Any], seed: int) -> tuple[Any, Any]:
-    scene = pb.load_scene("paper", overrides)
+def both_ways(
+    controller: str, overrides: dict[str, Any], seed: int, name: str = "paper"
+) -> tuple[Any, Any]:
+    scene = pb.load_scene(name, overrides)
     inside = pb.carry(scene, controller, seed=seed)
     programs = Programs(scene, controller)
     outside = pb.carry(scene, remote(resolve(controller), programs.exchange), seed=seed)
@@ -128,6 +133,34 @@ def test_programs_carry_as_inside_one_program(controller: str, case: str, seed: 
     assert outside.trace_hash == inside.trace_hash
     assert outside.summary() == inside.summary()
     assert outside.message_log == inside.message_log
+
+
+JOBS: dict[str, dict[str, Any]] = {
+    "as it is": {},
+    "from the palms": {"task.from": "palms"},
+    "onto the palms, one first": {"task.to": "palms", "task.dock": "one-first"},
+    "everything": EVERYTHING,
+    "lost and clocks": {
+        "faults.script": [
+            {"kind": "reboot", "robot": "left", "at_s": 1.0, "duration_s": 0.5},
+            {"kind": "reboot", "robot": "right", "at_s": 12.0, "duration_s": 0.5},
+            {"kind": "freeze", "robot": "left", "at_s": 20.0, "duration_s": 0.5},
+            *CLOCKS["faults.script"],
+        ],
+        "robot.left.clock_ppm": 20000.0,
+    },
+    "hard radio": DIRECTIONS | REPLAY | {"radio.corruption": 0.05, "radio.airtime_s": 0.002},
+}
+
+
+@pytest.mark.parametrize("job", JOBS)
+@pytest.mark.parametrize("controller", ["resilient", "shared-sign", "distributed", "centralized"])
+def test_jobs_on_the_floor_run_as_inside_one_program(controller: str, job: str) -> None:
+    inside, outside = both_ways(controller, {"task.distance_m": 0.5} | JOBS[job], 3, "lift")
+    assert outside.trace_hash == inside.trace_hash
+    assert outside.summary() == inside.summary()
+    assert outside.message_log == inside.message_log
+    assert outside.floor_job == inside.floor_job
 
 
 def test_limits_that_are_not_in_force_in_lockstep_are_named(tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ Payload payload_at(Input b, std::size_t first) {
 
 // By the bytes alone, as docs/reference/wire.md numbers them.
 bool ought_to_be_accepted(Input b) {
-  if (b.size() != 32 || b[0] != 2 || (b[3] | b[4] << 8) != test_pair || !tag_is_right(b)) {
+  if (b.size() != 32 || b[0] != 3 || (b[3] | b[4] << 8) != test_pair || !tag_is_right(b)) {
     return false;
   }
   const bool epoch = (b[5] | b[6] | b[7]) != 0;

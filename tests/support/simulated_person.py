@@ -81,6 +81,8 @@ class SimulatedPerson:
             rod = self.bench.stage.rods[self.side]
             assert rod is not None
             return float(round(1000 * rod))
+        if "high is the pivot" in text:
+            return float(round(1000 * self.bench.stage.robots[self.side].pivot_m))
         assert "angle of the palm" in text
         palm = math.degrees(self.bench.stage.robots[self.side].palm_rad)
         return round(2 * palm) / 2

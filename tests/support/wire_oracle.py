@@ -46,25 +46,28 @@ def siphash24(key: bytes, text: bytes) -> int:
 
 
 ROLES = {"left": 0, "right": 1, "station": 2}
-KINDS = {"hello": 0, "state": 1, "status": 2, "operate": 3, "report": 4, "command": 5}
+KINDS = {"hello": 0, "state": 1, "status": 2, "operate": 3, "report": 4, "command": 5,
+         "phase": 6}  # fmt: skip
 MESSAGES = {
     "none": [""],
     "messages": ["TiltUp", "TiltDown", "Ack"],
     "beacons": ["TiltUp", "TiltDown", "Ack", "Closing", "Raised"],
     "signs": ["Zero", "Plus", "PlusShallow", "Minus", "MinusShallow"],
 }
+PHASES = ["Docking", "Under", "Centring", "Ready", "Raising", "Lifted", "Carrying", "Arrived",
+          "Lowering", "Down", "Leaving", "Empty", "Backing", "Holding"]  # fmt: skip
 MESSAGE_NUMBERS = {
-    message: n for n, message in enumerate(["", *MESSAGES["beacons"], *MESSAGES["signs"]])
+    message: n for n, message in enumerate(["", *MESSAGES["beacons"], *MESSAGES["signs"], *PHASES])
 }
 MODES = ["off", "disarmed", "armed", "ready", "carrying", "holding", "done", "stopped", "fault"]
 FAULTS = ["none", "driver", "contact", "palm", "battery", "partner_lost", "station_lost",
           "time_limit", "overrun", "storage", "settings", "stopping", "partner",
-          "stop"]  # fmt: skip
+          "stop", "arm", "job"]  # fmt: skip
 OPERATIONS = ["arm", "disarm", "start", "stop", "e_stop", "release"]
 PALMS = {"steep": 0, "shallow": 1}
 MOVES = {"hold": 0, "away": 1, "closer": 2}
 CASES = " abcd12345678"
-ITEMS = ["progress", "battery", "overruns", "sent",
+ITEMS = ["progress", "battery", "overruns", "sent", "phase",
          "accepted", "wrong_version", "too_short", "too_long", "wrong_pair",
          "wrong_receiver", "bad_tag", "malformed", "stale", "no_session"]  # fmt: skip
 
@@ -91,13 +94,16 @@ FIELDS: dict[str, dict[str, list[str]]] = {
         "sign": ["-1", "0", "1"], "palm": [*PALMS], "palm_at_target": NO_YES, "stop": NO_YES,
     },
     "command": {"palm": [*PALMS], "move": [*MOVES], "stop": NO_YES},
+    "phase": {
+        "message": PHASES, "mode": MODES, "steps": ["0", "1", "2", "3"], "stop": NO_YES,
+    },
 }  # fmt: skip
 ROBOT_PAIRS = [("left", "right"), ("right", "left")]
 UP = [("left", "station"), ("right", "station")]
 DOWN = [("station", "left"), ("station", "right")]
 DIRECTIONS = {
     "hello": ROBOT_PAIRS + UP + DOWN, "state": ROBOT_PAIRS, "status": UP,
-    "operate": DOWN, "report": UP, "command": DOWN,
+    "operate": DOWN, "report": UP, "command": DOWN, "phase": ROBOT_PAIRS,
 }  # fmt: skip
 
 
@@ -133,8 +139,13 @@ def payload(kind: str, said: tuple[str, ...]) -> bytes:
             return int(field["settings"]).to_bytes(4, "little") + bytes([stop])
         case "state":
             language, message = field["said"].split(":")
-            number = MESSAGE_NUMBERS[message] + 16 * [*MESSAGES].index(language)
-            return bytes([number, MODES.index(field["mode"]), 0, 0, flags])
+            second = MODES.index(field["mode"]) + 16 * [*MESSAGES].index(language)
+            return bytes([MESSAGE_NUMBERS[message], second, 0, 0, flags])
+        case "phase":
+            second = MODES.index(field["mode"]) + 16 * 4
+            steps = int(field["steps"])
+            last = stop + 4 * (steps % 2) + 2 * (steps // 2)
+            return bytes([MESSAGE_NUMBERS[field["message"]], second, 0, 0, last])
         case "status":
             first = MODES.index(field["mode"]) + 16 * FAULTS.index(field["fault"])
             second = int(field["sign"]) + 1 + 4 * PALMS[field["palm"]] + at_target
@@ -154,19 +165,22 @@ def payload(kind: str, said: tuple[str, ...]) -> bytes:
 def is_allowed(kind: int, sender: int, receiver: int, b: bytes) -> bool:
     """Whether a packet with these numbers is allowed, by the tables of the page."""
     names = {number: name for name, number in ROLES.items()}
-    if kind > 5 or (names.get(sender), names.get(receiver)) not in DIRECTIONS[[*KINDS][kind]]:
+    if kind > 6 or (names.get(sender), names.get(receiver)) not in DIRECTIONS[[*KINDS][kind]]:
         return False
     short = b[1:4] == bytes(3) and b[4] in (0, 1)
     match kind:
         case 0:
             return b[4] in (0, 1)
         case 1:
-            first, count = {0: (0, 1), 1: (1, 3), 2: (1, 5), 3: (6, 5)}.get(b[0] // 16, (0, 0))
-            said = b[0] % 16 in range(first, first + count)
-            return said and b[1] < 9 and b[2:4] == bytes(2) and b[4] < 8
+            first, count = {0: (0, 1), 1: (1, 3), 2: (1, 5), 3: (6, 5)}.get(b[1] // 16, (0, 0))
+            said = b[0] in range(first, first + count)
+            return said and b[1] % 16 < 9 and b[2:4] == bytes(2) and b[4] < 8
+        case 6:
+            said = b[0] in range(11, 25) and b[1] // 16 == 4
+            return said and b[1] % 16 < 9 and b[2:4] == bytes(2) and b[4] < 8
         case 2:
-            sides = b[0] % 16 < 9 and b[0] // 16 < 14 and b[1] % 4 != 3 and b[1] // 16 < 13
-            return sides and b[4] // 8 < 14
+            sides = b[0] % 16 < 9 and b[0] // 16 < 16 and b[1] % 4 != 3 and b[1] // 16 < 13
+            return sides and b[4] // 8 < 15
         case 3:
             return short and b[0] < 6
         case 4:
@@ -181,7 +195,7 @@ def packet(
     """The packet's 32 bytes."""
     sender, receiver, kind, said = content
     head = bytearray(24)
-    head[0] = 2
+    head[0] = 3
     head[1] = KINDS[kind]
     head[2] = ROLES[sender] + 16 * ROLES[receiver]
     head[3:5] = pair % 256, pair // 256

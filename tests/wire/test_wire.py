@@ -29,7 +29,7 @@ def body(kind: str, said: tuple[str, ...]) -> wire.Body:
         elif value in ("no", "yes"):
             field[name] = value == "yes"
         else:
-            field[name] = int(value) if name in ("settings", "sign", "value") else value
+            field[name] = int(value) if name in ("settings", "sign", "value", "steps") else value
     return getattr(wire, kind.capitalize())(**field)
 
 
@@ -136,7 +136,7 @@ def test_endpoint_counts_every_verdict() -> None:
     assert got is not None and got.body == wire.State("messages", "Ack")
     forged = ack[:-1] + bytes([ack[-1] ^ 1])
     stranger = wire.Endpoint(KEY, PAIR + 1, "left", 3)
-    newer = bytes([3]) + ack
+    newer = bytes([4]) + ack
     for data in (ack, ack, forged, ack[:31], ack + b"0", b"", newer, stranger.send("right"), hello):
         assert right.receive(data).packet is None
     wanted = dict.fromkeys(right.counts, 0) | {

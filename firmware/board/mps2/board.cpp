@@ -160,7 +160,7 @@ std::uint32_t damaged_packets() { return 0; }
 
 void start_servos() {}
 void write_servos(const Pulses& pulses) {
-  std::uint8_t content[6];
+  std::uint8_t content[8];
   for (std::size_t i = 0; i < pulses.size(); ++i) {
     content[2 * i] = static_cast<std::uint8_t>(pulses[i] & 255);
     content[2 * i + 1] = static_cast<std::uint8_t>(pulses[i] >> 8);

@@ -13,6 +13,8 @@ namespace palmbots::board::pins {
 inline constexpr std::uint8_t palm_servo = 2;
 inline constexpr std::uint8_t left_wheel = 3;
 inline constexpr std::uint8_t right_wheel = 4;
+// Edge connector: P9.
+inline constexpr std::uint8_t arm_servo = 9;
 // Edge connector: P13, P14, P15 are rows, P8, P12, P16 columns of the switches.
 inline constexpr std::array<std::uint8_t, 3> switch_rows{17, 1, 13};
 inline constexpr std::array<std::uint8_t, 3> switch_columns{10, 12, 34};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PWM0: a pulse for the palm and one for each wheel, every 20 ms.
+// PWM0: a pulse for the palm, one for each wheel and one for the arm, every 20 ms.
 //
 // The peripheral reads the widths from memory when a period begins. So the program writes into one of
 // two buffers and then hands it over.
@@ -30,7 +30,8 @@ void hand_over() {
 
 void start_servos() {
   std::uint32_t number = 0;
-  for (const std::uint8_t pin : {pins::palm_servo, pins::left_wheel, pins::right_wheel}) {
+  for (const std::uint8_t pin :
+       {pins::palm_servo, pins::left_wheel, pins::right_wheel, pins::arm_servo}) {
     pins::clear(pin);
     pins::configure(pin, pins::output);
     PWM0::PSEL_OUT[number++] = pin;
@@ -55,7 +56,6 @@ void write_servos(const Pulses& pulses) {
   for (std::size_t i = 0; i < pulses.size(); ++i) {
     widths[free_buffer][i] = static_cast<std::uint16_t>(high_first | pulses[i]);
   }
-  widths[free_buffer][3] = high_first;
   hand_over();
 }
 

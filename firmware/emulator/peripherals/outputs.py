@@ -59,7 +59,7 @@ class Port1(Port):
 
 
 class Pwm(Peripheral):
-    """PWM0: pulses for three servos."""
+    """PWM0: pulses for four servos."""
 
     name = "PWM0"
 
@@ -87,7 +87,7 @@ class Pwm(Peripheral):
         self.require(self.get("DECODER") == 2, "the outputs have no widths of their own")
         self.require(self.get("SEQ0_CNT") == 4 and number == 0, "a sequence of another length")
         raw = self.buffer(self.get("SEQ0_PTR"), 8)
-        widths = [int.from_bytes(raw[i : i + 2], "little") for i in range(0, 6, 2)]
+        widths = [int.from_bytes(raw[i : i + 2], "little") for i in range(0, 8, 2)]
         self.require(all(width & 0x8000 for width in widths), "a pulse that begins low")
         pulses = tuple(width & 0x7FFF for width in widths)
         for pulse in pulses:

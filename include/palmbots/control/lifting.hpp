@@ -128,7 +128,31 @@ struct LiftMemory {
   }
 };
 
-struct Lifting {
+// What a robot does in a state of such a table: in teams of carries, and in the programs of robots.
+template <class Table>
+struct LiftRules {
+  // An arm that is up holds while its robot's program does not run.
+  static constexpr ArmMove arm(auto state, bool runs) {
+    const ArmMove arm = Table::role(state).arm;
+    return runs || arm == ArmMove::follow ? arm : ArmMove::hold;
+  }
+  // Who commands a robot that knows this: never `while_pressed`.
+  static constexpr Driver driver(auto state, const LiftSenses& senses) {
+    const Driver driver = Table::role(state).driver;
+    if (driver != Driver::while_pressed) return driver;
+    return senses.touches ? Driver::controller_in_place : Driver::table;
+  }
+  // What a robot does whose table commands `own` and whose controller commands `given`.
+  static constexpr Command command(auto state, const LiftSenses& senses, Command own,
+                                   Command given) {
+    const Driver by = driver(state, senses);
+    Command command = by == Driver::table ? own : given;
+    if (by == Driver::controller_in_place) command.stop = true;
+    return command;
+  }
+};
+
+struct Lifting : LiftRules<Lifting> {
   enum class State : std::uint8_t {
     dock,
     under,
@@ -379,11 +403,16 @@ struct Lifting {
   static constexpr const Role& role(State state) { return roles[static_cast<int>(state)]; }
 
   static constexpr bool alone = false;  // one robot does the job
-  // The state in which a job begins on the floor.
-  static constexpr State start(bool leads, bool one_first) {
-    return one_first && !leads ? S::stand_by : initial;
+  // In which state a robot begins: with the object on the floor, or with palms that hold it;
+  // `stands_by`: it docks after its partner.
+  static constexpr State first(bool begins_low, bool stands_by) {
+    return !begins_low ? S::carry : stands_by ? S::stand_by : S::dock;
   }
   static constexpr bool is_carrying(State state) { return state == S::carry; }
+  // Its part of the job is over: with the object on the floor, or held by the palms.
+  static constexpr bool has_ended(State state, bool ends_low) {
+    return ends_low ? state == S::done : state == S::arrived || state == S::lower;
+  }
   static constexpr bool has_failed(State one, State other) {
     return one == S::failed && other == S::failed;
   }

@@ -26,7 +26,7 @@
 
 namespace palmbots {
 
-struct Lone {
+struct Lone : LiftRules<Lone> {
   enum class State : std::uint8_t {
     scoop,
     seat,
@@ -165,7 +165,8 @@ struct Lone {
   static constexpr const Lifting::Role& role(State state) { return roles[static_cast<int>(state)]; }
 
   static constexpr bool alone = true;
-  static constexpr State start(bool leads, bool) { return leads ? initial : S::done; }
+  static constexpr State first(bool, bool stands_by) { return stands_by ? S::done : initial; }
+  static constexpr bool has_ended(State state, bool) { return state == S::done; }
   static constexpr bool is_carrying(State state) { return state == S::haul; }
   static constexpr bool has_failed(State one, State other) {
     return one == S::failed || other == S::failed;

@@ -52,6 +52,10 @@ inline constexpr int all_message_kinds = 25;  // of all tables
 constexpr bool is_sign(MessageKind kind) {
   return kind >= MessageKind::zero && kind <= MessageKind::minus_shallow;
 }
+// Of the table that lifts.
+constexpr bool is_phase(MessageKind kind) {
+  return kind >= MessageKind::docking && static_cast<int>(kind) < all_message_kinds;
+}
 
 // The names that the paper, the logs and the tables use.
 constexpr const char* name_of(MessageKind kind) {

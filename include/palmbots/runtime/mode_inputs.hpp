@@ -56,6 +56,7 @@ struct Preflight {
   bool battery = false;            // the voltage suffices
   bool settings = false;           // the partner runs with the same settings
   std::uint32_t stopping = never;  // measured time in which the wheels stop [ticks]
+  bool arm = true;                 // the arm is where a job on the floor begins
 
   constexpr bool operator==(const Preflight&) const = default;
 };
@@ -81,6 +82,8 @@ struct ModeInputs {
   bool storage_ok = true;      // the boot counter and the mode can be stored
   std::uint16_t overruns = 0;  // late ticks within the time that the node counts
   bool covered = false;        // the distance, by this robot's odometry since the carry began
+  bool failed = false;         // a job on the floor has been tried as often as it may
+  bool ends_alone = false;     // a partner that is done does not end this robot's carry
   bool travels = true;         // the controller travelled in the last step
 
   // The operator's wish has arrived in an authentic and new packet. Without a session only an

@@ -45,6 +45,7 @@ enum class ModeEvent : std::uint8_t {
   overrun,         // too many late ticks
   station_lost,    // not heard within the limit, and the settings say stop
   covered,         // the distance is covered
+  job_failed,      // a job on the floor has been tried as often as it may
   partner_done,    // the partner is done
   partner_ended,   // the partner does not carry, for another reason
   partner_lost,    // not heard within the lease, and the settings say stop
@@ -56,14 +57,30 @@ enum class ModeEvent : std::uint8_t {
 };
 
 constexpr const char* name_of(ModeEvent event) {
-  constexpr const char* names[] = {"any",          "storage_failed", "stop_stored",
-                                   "carry_stored", "stop",           "partner_stop",
-                                   "release",      "disarm",         "arm",
-                                   "arm_refused",  "start",          "driver_failed",
-                                   "overrun",      "station_lost",   "covered",
-                                   "partner_done", "partner_ended",  "partner_lost",
-                                   "time_up",      "partner_silent", "partner_starts",
-                                   "rests",        "travels"};
+  constexpr const char* names[] = {"any",
+                                   "storage_failed",
+                                   "stop_stored",
+                                   "carry_stored",
+                                   "stop",
+                                   "partner_stop",
+                                   "release",
+                                   "disarm",
+                                   "arm",
+                                   "arm_refused",
+                                   "start",
+                                   "driver_failed",
+                                   "overrun",
+                                   "station_lost",
+                                   "covered",
+                                   "job_failed",
+                                   "partner_done",
+                                   "partner_ended",
+                                   "partner_lost",
+                                   "time_up",
+                                   "partner_silent",
+                                   "partner_starts",
+                                   "rests",
+                                   "travels"};
   return names[static_cast<int>(event)];
 }
 
@@ -103,7 +120,7 @@ struct ModeOutput {
 };
 
 struct ModeTable {
-  static constexpr std::size_t row_count = 26;
+  static constexpr std::size_t row_count = 27;
   std::array<ModeOutput, wire::robot_modes> outputs;
   std::array<ModeRow, row_count> rows;
 };
@@ -145,6 +162,7 @@ constexpr ModeTable make_mode_table() {
       {active,                       E::storage_failed, fault,    set, F::storage},
       {active,                       E::station_lost,   fault,    set, F::station_lost},
       {carry,                        E::covered,        done},
+      {carry,                        E::job_failed,     fault,    set, F::job},
       {carry,                        E::partner_done,   done},
       {carry,                        E::partner_ended,  fault,    set, F::partner},
       {carry,                        E::partner_lost,   fault,    set, F::partner_lost},
@@ -170,6 +188,7 @@ constexpr wire::FaultCode refusal_of(const ModeSettings& settings, const ModeInp
   if (!in.storage_ok) return F::storage;
   if (!seen.contact) return F::contact;
   if (!seen.palm) return F::palm;
+  if (!seen.arm) return F::arm;
   if (!seen.battery) return F::battery;
   if (seen.stopping > settings.stopping_limit) return F::stopping;
   if (!settings.has_radio) return F::none;
@@ -274,6 +293,7 @@ class ModeMachine {
     note(!in.driver_ok, E::driver_failed);
     note(in.overruns > s.most_overruns, E::overrun);
     note(in.covered || (s.travel > 0 && m.travelled >= s.travel), E::covered);
+    note(in.failed, E::job_failed);
     note(m.carried >= s.time_limit, E::time_up);
     note(in.travels, E::travels);
     note(!in.travels, E::rests);
@@ -288,7 +308,7 @@ class ModeMachine {
     const ModeSet starts{M::ready, M::carrying, M::holding};
     const ModeSet others{M::disarmed, M::armed, M::fault};
     note(in.partner.age <= s.lease && starts.has(in.partner.mode), E::partner_starts);
-    note(in.partner.mode == M::done, E::partner_done);
+    note(in.partner.mode == M::done && !in.ends_alone, E::partner_done);
     note(others.has(in.partner.mode), E::partner_ended);
     const bool silent = is_silent(in.partner.age, s.lease);
     note(silent, E::partner_silent);

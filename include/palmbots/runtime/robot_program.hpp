@@ -36,7 +36,7 @@ struct Decision {
   Command command{Palm::steep, Move::hold, true};
   bool speaks = false;
   wire::PacketKind kind = wire::PacketKind::state;  // of what it says
-  wire::State state{};                              // kind state, without mode and stop
+  wire::State state{};                              // kind state or phase, without mode and stop
   Centralized::Report report{};                     // kind report
   MessageKind message = MessageKind::none;          // of the state, for logs
   // To be stored before the packets of this tick are sent, and given to the program after a boot.
@@ -87,7 +87,7 @@ class PartnerProgram {
     if constexpr (mail == Mail::queue) {
       if (got.verdict == wire::Verdict::no_session) return Taken::rejected;
     }
-    if (packet.kind != wire::PacketKind::state) return Taken::ignored;
+    if (packet.kind != wire::kind_of(language)) return Taken::ignored;
     const wire::State state = wire::state_of(packet.payload);
     if (state.language != language) return Taken::ignored;
     if constexpr (mail == Mail::queue) {
@@ -109,6 +109,7 @@ class PartnerProgram {
     Decision decision{out.command, out.send};
     decision.assists = out.assists;
     if (out.send || repeats) {
+      decision.kind = wire::kind_of(language);
       decision.state.language = language;
       decision.state.message = decision.message = out.message;
       decision.state.ready = out.ready;
@@ -127,6 +128,7 @@ class PartnerProgram {
     return 0;
   }
   const Controller& controller() const { return program_.controller(); }
+  Controller& controller() { return program_.controller(); }
 
  private:
   // The language that has the messages of the controller.

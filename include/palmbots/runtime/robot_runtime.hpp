@@ -6,7 +6,9 @@
 // and a microcontroller call the same step.
 //
 // The mode machine (runtime/mode_machine.hpp) decides whether the controller runs. While it does,
-// palm and wheels do what it commands. Otherwise the wheels rest and the palm keeps its angle.
+// palm and wheels do what it commands. Otherwise the wheels rest and the palm keeps its angle. In a
+// job on the floor the table that lifts runs beside the controller (runtime/phase_program.hpp). It
+// says when the controller acts, and what the arm does.
 //
 // TO THE PARTNER a robot sends the messages of the controller. While the controller does not run,
 // or says nothing, it sends a state without a message at intervals, and sometimes a hello with the
@@ -24,6 +26,7 @@
 
 #include "palmbots/runtime/answer_age.hpp"
 #include "palmbots/runtime/mode_machine.hpp"
+#include "palmbots/runtime/phase_program.hpp"
 #include "palmbots/runtime/robot_program.hpp"
 #include "palmbots/wire/endpoint.hpp"
 
@@ -35,12 +38,14 @@ struct RuntimeSettings {
   std::uint16_t status_period = 0;  // of the status [ticks]; 0: none is sent
   std::uint32_t number = 0;         // equal on both robots if their settings are; 0: not compared
   std::uint32_t order_age = never;  // greatest age of an order to arm, start or release [ticks]
+  bool ends_jobs =
+      true;  // a job on the floor that is over ends the carry; in lockstep the world does
 };
 
 // What a robot reads in a tick.
 struct Reading {
   Observation seen;
-  bool contact = true;                // the object is on the palm
+  bool contact = true;                // the object is on the palm: a switch is closed
   bool battery_ok = true;             // the voltage suffices
   bool driver_ok = true;              // the motor board answers
   bool storage_ok = true;             // what has to survive a boot can be stored
@@ -50,19 +55,26 @@ struct Reading {
   std::uint16_t battery_mv = 0xFFFF;  // 0xFFFF: not measured
   std::uint16_t progress = 0;         // covered part of the distance, times 65535, by odometry
   std::uint32_t stopping = 0;         // measured time in which the wheels stop [ticks]
+  bool arm_there = false;             // the arm has reached the height last commanded
+  std::uint8_t arm_steps = 0;         // its height, as in LiftSenses
+  bool beneath = false;               // the same
 };
 
 // A packet to send.
 struct Outgoing {
   wire::Role receiver;
   wire::Bytes bytes;
+  MessageKind message = MessageKind::none;  // what it says to the partner, for logs
 };
 
 // The outputs of one tick.
 struct Outputs {
   Decision decision;  // of the controller, or rest
   ModeOutputs mode;
-  std::array<Outgoing, wire::role_count> packets{};
+  Decision phase;               // of the table that lifts, in a job on the floor
+  ArmMove arm = ArmMove::hold;  // what the arm does
+  bool holds = false;           // to be stored: the arms may be up (runtime/phase_program.hpp)
+  std::array<Outgoing, wire::role_count + 1> packets{};
   std::size_t packet_count = 0;
 };
 
@@ -70,6 +82,11 @@ struct Outputs {
 struct ReceivedCounts {
   std::uint32_t rejected = 0;  // copies, overtaken packets, packets without a session
   std::uint32_t late = 0;      // older than the lease
+
+  constexpr void count(Taken taken) {
+    rejected += taken == Taken::rejected ? 1U : 0U;
+    late += taken == Taken::late ? 1U : 0U;
+  }
 };
 
 // One robot.
@@ -79,13 +96,15 @@ class RobotRuntime {
   // `fresh` begins a carry, `rebooted` goes on with one after a boot. With `carries` the program
   // runs from the first step, as `fresh` if this is the robot's first boot.
   RobotRuntime(const wire::Identity& identity, std::uint32_t epoch, Program fresh, Program rebooted,
-               const RuntimeSettings& settings, const StoredMode& stored, bool carries)
+               const PhaseProgram& phases, const RuntimeSettings& settings,
+               const StoredMode& stored, bool carries)
       : settings_(settings),
         endpoint_(identity, epoch),
         fresh_(std::move(fresh)),
         rebooted_(std::move(rebooted)),
         program_(epoch == 1 ? fresh_ : rebooted_),
-        machine_(settings.mode, stored, first(carries), mode_table),
+        phases_(phases),
+        machine_(mode_settings(settings, phases), stored, first(carries), mode_table),
         runs_(carries) {}
 
   // Writes a hello to the partner, or to the station that decides, to establish a session before a
@@ -103,6 +122,8 @@ class RobotRuntime {
     tick_ += elapsed;
     elapsed_ = elapsed;
     if (runs_) program_.pass(elapsed);
+    if (runs_) phases_.pass(elapsed);
+    if (runs_ && travels()) travelled_ += elapsed;
     arrived_ = {};
     unanswered_ = {};
   }
@@ -110,14 +131,18 @@ class RobotRuntime {
   // A packet has arrived. Returns what the endpoint has judged, for statistics and logs.
   wire::Decoded receive(std::span<const std::uint8_t> bytes) {
     const wire::Decoded got = endpoint_.receive(bytes);
-    if (got.verdict == wire::Verdict::no_session) unanswered_[index(got.packet.sender)] = true;
+    // Phases answer themselves: they are repeated.
+    if (got.verdict == wire::Verdict::no_session && got.packet.kind != wire::PacketKind::phase)
+      unanswered_[index(got.packet.sender)] = true;
     if (got.verdict == wire::Verdict::accepted || got.verdict == wire::Verdict::no_session) {
       note(got.packet, got.verdict == wire::Verdict::accepted);
     }
     if (!runs_) return got;
-    const Taken taken = program_.hear(got);
-    received_.rejected += taken == Taken::rejected ? 1U : 0U;
-    received_.late += taken == Taken::late ? 1U : 0U;
+    if (got.packet.kind == wire::PacketKind::phase) {
+      if (phases_.lifts()) received_phases_.count(phases_.hear(got));
+    } else {
+      received_.count(program_.hear(got));
+    }
     return got;
   }
 
@@ -132,23 +157,35 @@ class RobotRuntime {
     in.stop = in.stop || reading.stop;
     in.partner = {partner_mode_, age(partner_tick_)};
     in.station_age = age(station_.newest());
-    in.preflight = {reading.contact, reading.seen.palm_at_target, reading.battery_ok,
+    in.preflight = {reading.contact || phases_.lifts(),
+                    reading.seen.palm_at_target,
+                    reading.battery_ok,
                     settings_.number == 0 || partner_settings_ == settings_.number,
-                    reading.stopping};
+                    reading.stopping,
+                    phases_.may_begin()};
     in.driver_ok = reading.driver_ok;
     in.storage_ok = reading.storage_ok;
     in.overruns = reading.overruns;
-    in.covered = reading.covered;
+    in.covered = phases_.lifts() ? settings_.ends_jobs && phases_.has_ended() : reading.covered;
+    in.failed = settings_.ends_jobs && phases_.has_failed();
+    in.ends_alone = phases_.ends_alone();
     in.travels = !command_.stop;
-    Outputs out{{}, machine_.step(in)};
+    Outputs out{};
+    out.mode = machine_.step(in);
     if (out.mode.controller != ControllerStart::none) {
-      program_ = out.mode.controller == ControllerStart::fresh ? fresh_ : rebooted_;
+      const bool fresh_job = out.mode.controller == ControllerStart::fresh;
+      program_ = fresh_job ? fresh_ : rebooted_;
       program_.begin(tick_ - 1);
       program_.pass(1);
+      fresh_job ? phases_.begin(tick_ - 1) : phases_.go_on(tick_ - 1);
+      phases_.pass(1);
+      travelled_ = 0;
     }
     runs_ = out.mode.wheels;
     out.decision.command = {command_.palm, Move::hold, true};
-    if (runs_) out.decision = program_.step(reading.seen);
+    if (runs_) decide(reading, out);
+    if (!runs_) rest(reading, out);
+    out.holds = phases_.holds();
     command_ = out.decision.command;
     talk_to_partner(out);
     talk_to_station(out, reading);
@@ -157,8 +194,14 @@ class RobotRuntime {
 
   const wire::Endpoint& endpoint() const { return endpoint_; }
   const Program& program() const { return program_; }
+  const PhaseProgram& phases() const { return phases_; }
   const ReceivedCounts& received() const { return received_; }
+  // Of the packets with phases.
+  const ReceivedCounts& received_phases() const { return received_phases_; }
   bool runs() const { return runs_; }
+  // The case, and whether it waits; while the table of phases drives the robot, there is none.
+  char name() const { return corrects() ? program_.name() : ' '; }
+  bool waits() const { return corrects() && program_.waits(); }
 
  private:
   static ModeMemory first(bool carries) {
@@ -176,6 +219,44 @@ class RobotRuntime {
   wire::Hello hello() const {
     return {settings_.number, machine_.memory().mode == wire::RobotMode::stopped};
   }
+  // In a job on the floor the table says when the distance is covered, and not the mode machine.
+  static ModeSettings mode_settings(const RuntimeSettings& settings, const PhaseProgram& phases) {
+    ModeSettings mode = settings.mode;
+    if (phases.lifts()) mode.travel = 0;
+    return mode;
+  }
+  bool travels() const {
+    return phases_.state() == Lifting::State::carry && !command_.stop && travelled_ < never / 2;
+  }
+  // It has travelled for the time that takes the place of the distance.
+  bool is_far() const { return settings_.mode.travel > 0 && travelled_ >= settings_.mode.travel; }
+  bool corrects() const { return !phases_.lifts() || phases_.corrects(); }
+
+  void decide(const Reading& reading, Outputs& out) {
+    if (phases_.lifts()) {
+      out.phase = phases_.step(reading.seen,
+                               {reading.contact, reading.arm_there, reading.covered || is_far(),
+                                reading.arm_steps, reading.beneath});
+    }
+    // While the table drives, the controller sees a centred contact.
+    out.decision = program_.step(corrects() ? reading.seen : Observation{Sign::zero, true});
+    if (phases_.lifts()) {
+      Command& command = out.decision.command;
+      command = Lifting::command(phases_.state(), phases_.senses(), out.phase.command, command);
+    }
+    out.arm = phases_.arm(true);
+  }
+
+  // The arm holds, or follows the floor. Once a robot is disarmed and nothing is on its palm, the arm
+  // goes down to where a job begins.
+  void rest(const Reading& reading, Outputs& out) {
+    out.arm = phases_.arm(false);
+    if (machine_.memory().mode != wire::RobotMode::disarmed || !phases_.may_sink()) return;
+    if (sinks_ && reading.arm_there) phases_.begin(tick_);
+    sinks_ = !phases_.may_begin() && !reading.contact;
+    out.arm = sinks_ ? ArmMove::sink : phases_.arm(false);
+  }
+
   // The age of what was sent, or arrived, in that tick; `never` for nothing.
   std::uint32_t age(std::uint32_t tick) const { return tick == never ? never : tick_ - tick; }
 
@@ -213,15 +294,22 @@ class RobotRuntime {
     if (packet.kind == wire::PacketKind::hello) {
       partner_settings_ = wire::hello_of(packet.payload).settings;
     }
-    if (packet.kind != wire::PacketKind::state) return;
+    if (packet.kind != wire::PacketKind::state && packet.kind != wire::PacketKind::phase) return;
     partner_mode_ = wire::state_of(packet.payload).mode;
     // It was sent after the packet that it acknowledges, whose number is a tick of this robot.
     partner_tick_ = packet.heard.sequence < tick_ ? packet.heard.sequence : tick_;
   }
 
   void talk_to_partner(Outputs& out) {
-    Decision& said = out.decision;
     const bool stop = out.mode.stop;
+    const bool is_time = settings_.state_period > 0 && tick_ % settings_.state_period < elapsed_;
+    if (!runs_ && phases_.has_ended() && is_time) out.phase = phases_.says();
+    if (out.phase.speaks) {
+      out.phase.state.mode = out.mode.mode;
+      out.phase.state.stop = stop;
+      send(out, partner(), out.phase.kind, wire::payload_of(out.phase.state), out.phase.message);
+    }
+    Decision& said = out.decision;
     since_said_ = since_said_ < 0xFFFF - elapsed_ ? since_said_ + elapsed_ : 0xFFFF;
     if (said.speaks && said.kind == wire::PacketKind::report) {
       send(out, wire::Role::station, said.kind, wire::payload_of(said.report, stop));
@@ -243,7 +331,7 @@ class RobotRuntime {
     said.state.mode = said_mode_ = out.mode.mode;
     said.state.stop = stop;
     if (!runs_) said.state.at_rest = true;
-    send(out, partner(), wire::PacketKind::state, wire::payload_of(said.state));
+    send(out, partner(), wire::PacketKind::state, wire::payload_of(said.state), said.message);
   }
 
   void talk_to_station(Outputs& out, const Reading& reading) {
@@ -251,9 +339,12 @@ class RobotRuntime {
     since_status_ = since_status_ < 0xFFFF - elapsed_ ? since_status_ + elapsed_ : 0xFFFF;
     if (since_status_ < settings_.status_period) return;
     since_status_ = 0;
-    // Every other status has the progress; the other numbers take turns.
+    // Every other status has the progress, or in turn with it the phase of a job on the floor; the other
+    // numbers take turns.
     const unsigned turn = turn_++;
-    const unsigned item = turn % 2 == 0 ? 0 : 1 + turn / 2 % (wire::status_items - 1);
+    constexpr auto phase = static_cast<unsigned>(wire::StatusItem::phase);
+    unsigned item = 1 + turn / 2 % (wire::status_items - 1);
+    if (turn % 2 == 0) item = phases_.lifts() && turn % 4 == 2 ? phase : 0;
     wire::Status status;
     status.mode = out.mode.mode;
     status.fault = out.mode.code;
@@ -261,7 +352,7 @@ class RobotRuntime {
     status.sign = reading.seen.sign;
     status.palm = command_.palm;
     status.palm_at_target = reading.seen.palm_at_target;
-    status.activity = runs_ ? program_.name() : ' ';
+    status.activity = runs_ ? name() : ' ';
     status.item = static_cast<wire::StatusItem>(item);
     status.value = value_of(item, reading);
     status.ready = out.decision.state.ready;
@@ -279,6 +370,8 @@ class RobotRuntime {
       case wire::StatusItem::progress: return progress(reading);
       case wire::StatusItem::battery: return reading.battery_mv;
       case wire::StatusItem::overruns: return reading.overruns;
+      case wire::StatusItem::phase:
+        return phases_.lifts() ? static_cast<std::uint16_t>(phases_.state()) : 0xFFFF;
       default: return static_cast<std::uint16_t>(sent_);
     }
   }
@@ -287,18 +380,20 @@ class RobotRuntime {
   std::uint16_t progress(const Reading& reading) const {
     const std::uint32_t travel = settings_.mode.travel;
     if (travel == 0) return reading.progress;
-    const std::uint64_t part = std::uint64_t{65535} * machine_.memory().travelled / travel;
+    const std::uint32_t gone = phases_.lifts() ? travelled_ : machine_.memory().travelled;
+    const std::uint64_t part = std::uint64_t{65535} * gone / travel;
     return part < 65535 ? static_cast<std::uint16_t>(part) : std::uint16_t{65535};
   }
 
-  void send(Outputs& out, wire::Role receiver, wire::PacketKind kind,
-            const wire::Payload& payload) {
+  void send(Outputs& out, wire::Role receiver, wire::PacketKind kind, const wire::Payload& payload,
+            MessageKind message = MessageKind::none) {
     Outgoing& packet = out.packets[out.packet_count];
     // Between robots the sequence is the control tick.
-    if (receiver != wire::Role::station) endpoint_.skip_to(receiver, tick_);
+    if (receiver != wire::Role::station) endpoint_.skip_to(receiver, tick_, kind);
     if (!endpoint_.send(receiver, kind, payload, packet.bytes)) return;
     if (receiver == wire::Role::station) station_.sent(endpoint_.newest(receiver).sequence, tick_);
     packet.receiver = receiver;
+    packet.message = message;
     ++out.packet_count;
     ++sent_;
   }
@@ -308,6 +403,7 @@ class RobotRuntime {
   Program fresh_;
   Program rebooted_;
   Program program_;
+  PhaseProgram phases_;
   ModeMachine machine_;
   bool runs_;
   std::uint32_t tick_ = 0;  // since the boot
@@ -321,6 +417,9 @@ class RobotRuntime {
   std::uint32_t partner_settings_ = 0;
   AnswerAge station_;
   ReceivedCounts received_;
+  ReceivedCounts received_phases_;
+  std::uint32_t travelled_ = 0;  // time of a job on the floor in which the pair travels
+  bool sinks_ = false;           // the arm goes down after a job that has ended early
   std::uint32_t sent_ = 0;
   wire::RobotMode said_mode_ = wire::RobotMode::off;  // the newest that the partner was sent
   std::uint32_t extras_ = 0;                          // packets to the partner without a message
@@ -340,6 +439,8 @@ class Robot {
   virtual void step(const Reading& reading, Outputs& out) = 0;
   virtual const wire::Endpoint& endpoint() const = 0;
   virtual const ReceivedCounts& received() const = 0;
+  virtual const ReceivedCounts& received_phases() const = 0;
+  virtual const PhaseProgram& phases() const = 0;
   virtual char name() const = 0;
   virtual bool waits() const = 0;
   virtual MessageKind awaits() const = 0;
@@ -365,8 +466,10 @@ class RobotWith final : public Robot {
   void step(const Reading& reading, Outputs& out) override { out = runtime_.step(reading); }
   const wire::Endpoint& endpoint() const override { return runtime_.endpoint(); }
   const ReceivedCounts& received() const override { return runtime_.received(); }
-  char name() const override { return runtime_.program().name(); }
-  bool waits() const override { return runtime_.program().waits(); }
+  const ReceivedCounts& received_phases() const override { return runtime_.received_phases(); }
+  const PhaseProgram& phases() const override { return runtime_.phases(); }
+  char name() const override { return runtime_.name(); }
+  bool waits() const override { return runtime_.waits(); }
   MessageKind awaits() const override { return runtime_.program().awaits(); }
   bool greets() const override { return Program::greets; }
   bool greets_station() const override { return Program::with_station; }

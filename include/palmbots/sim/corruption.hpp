@@ -44,9 +44,10 @@ constexpr Packet packet_of(const Command& command, const PacketHeader& e) {
 // A beacon, as a robot sends it during a carry. It has its own stamps, which replace those of the
 // header.
 constexpr Packet packet_of(const Beacon& beacon, const PacketHeader& e) {
-  Packet packet = packet_with(e, PacketKind::state,
-                              payload_of(State{language_of(beacon.message), beacon.message,
-                                               RobotMode::carrying, beacon.ready, beacon.stopped}));
+  const Language language = language_of(beacon.message);
+  Packet packet = packet_with(e, kind_of(language),
+                              payload_of(State{language, beacon.message, RobotMode::carrying,
+                                               beacon.ready, beacon.stopped}));
   packet.sent = {beacon.sent.epoch, beacon.sent.tick};
   packet.heard = {beacon.heard.epoch, beacon.heard.tick};
   return packet;

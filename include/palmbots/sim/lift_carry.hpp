@@ -33,7 +33,7 @@ class LiftCarry : public LiftRobots<Inner, Recorder, Table> {
   }
 
   void run() {
-    metrics_.reason = is_given() ? world_.check() : DropReason::none;
+    begin();
     while (!this->done()) {
       recorder_.make_room();
       tick();
@@ -43,10 +43,58 @@ class LiftCarry : public LiftRobots<Inner, Recorder, Table> {
     this->record(height_);
   }
 
+  // A job that is commanded from outside calls `begin` once, and then `tick`.
+  void begin() { metrics_.reason = is_given() ? world_.check() : DropReason::none; }
+
   const World<double>& world() const { return world_; }
   const std::vector<LiftFall>& falls() const { return falls_; }
   // Displacement of the COM since the start [m].
   double moved() const { return world_.pose().at.x - first_.x; }
+
+  // The object is on the floor alone.
+  bool stands() const { return !world_.is_touched(left) && !world_.is_touched(right); }
+
+  PerSide<RobotObservation> sense() {
+    PerSide<double> places{}, wrists{};
+    PerSide<bool> pressed{};
+    for (const std::size_t side : {left, right}) {
+      pressed[side] = feels(side, places[side]);
+      wrists[side] = world_.configuration().palms[side].angle;
+    }
+    return this->observe(pressed, places, wrists, 0.0);
+  }
+
+  void tick() {
+    if (metrics_.reason != DropReason::none) {
+      drop();
+      return;
+    }
+    const PerSide<RobotObservation> sensed = sense();
+    if (notice(sensed)) think([&](const SentMessage& p) { recorder_.message(p); });
+    note_phases(moved());
+    if (tick_ % block_ticks == 0) collect();
+    this->add_statistics();
+    change_biases();
+    this->let_palms_fall();
+    const Actuation<double> act = actuate(robots_, world_.configuration().palms, this->noise());
+    PerSide<Vec> by{};
+    for (const std::size_t side : {left, right})
+      by[side] = {before_walls(side, robots_.speeds[side] * spec_.period),
+                  this->rise(side, act.angles[side])};
+    recorder_.before(*this, sensed);
+    this->record(height_);
+    set_phase(is_airborne());
+    const Advance<double>& step = world_.advance(by, act.angles, act.push);
+    for (const std::size_t side : {left, right}) {
+      height_[side] += step.fraction * by[side].y;
+      const double way = step.fraction * by[side].x + step.lag[side];
+      this->count_travel(side, spec_.robots[side].spins() ? by[side].x : way);
+    }
+    robots_.midpoint += step.fraction * act.travel + metrics_.note_stalls(step);
+    recorder_.after(*this);
+    if (world_.fall()) falls_.push_back({tick_, *world_.fall()});
+    this->end_tick(step.reason, step.fraction, stands());
+  }
 
  private:
   using Base::change_biases, Base::collect, Base::drop, Base::height_, Base::is_airborne;
@@ -94,49 +142,6 @@ class LiftCarry : public LiftRobots<Inner, Recorder, Table> {
       }
     }
     return false;
-  }
-
-  PerSide<RobotObservation> sense() {
-    PerSide<double> places{}, wrists{};
-    PerSide<bool> pressed{};
-    for (const std::size_t side : {left, right}) {
-      pressed[side] = feels(side, places[side]);
-      wrists[side] = world_.configuration().palms[side].angle;
-    }
-    return this->observe(pressed, places, wrists, 0.0);
-  }
-
-  void tick() {
-    if (metrics_.reason != DropReason::none) {
-      drop();
-      return;
-    }
-    const PerSide<RobotObservation> sensed = sense();
-    if (notice(sensed)) think([&](const SentMessage& p) { recorder_.message(p); });
-    note_phases(moved());
-    if (tick_ % block_ticks == 0) collect();
-    this->add_statistics();
-    change_biases();
-    this->let_palms_fall();
-    const Actuation<double> act = actuate(robots_, world_.configuration().palms, this->noise());
-    PerSide<Vec> by{};
-    for (const std::size_t side : {left, right})
-      by[side] = {before_walls(side, robots_.speeds[side] * spec_.period),
-                  this->rise(side, act.angles[side])};
-    recorder_.before(*this, sensed);
-    this->record(height_);
-    set_phase(is_airborne());
-    const Advance<double>& step = world_.advance(by, act.angles, act.push);
-    for (const std::size_t side : {left, right}) {
-      height_[side] += step.fraction * by[side].y;
-      const double way = step.fraction * by[side].x + step.lag[side];
-      this->count_travel(side, spec_.robots[side].spins() ? by[side].x : way);
-    }
-    robots_.midpoint += step.fraction * act.travel + metrics_.note_stalls(step);
-    recorder_.after(*this);
-    if (world_.fall()) falls_.push_back({tick_, *world_.fall()});
-    const bool stands = !world_.is_touched(left) && !world_.is_touched(right);
-    this->end_tick(step.reason, step.fraction, stands);
   }
 
   // One palm alone may hold an object on it, as on the floor.

@@ -53,9 +53,6 @@ class LiftCoSimulation : public LiftRobots<Inner, TraceRecorder, Table> {
     return act;
   }
 
-  // The heights of the pivots at the end of the tick, as commanded [m].
-  const PerSide<double>& heights() const { return height_; }
-
   // Takes in the world at the end of the tick.
   void observe(const WorldObservation& observation) {
     for (const std::size_t side : {left, right}) {

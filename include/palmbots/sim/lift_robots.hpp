@@ -26,6 +26,12 @@
 
 namespace palmbots {
 
+// A step of the table [m].
+inline double lift_step_of(const Spec& spec) {
+  return larger(spec.arms[left].rate, spec.arms[right].rate) *
+         (table_lease(spec) + spec.longest_delay());
+}
+
 // A phase of one robot, which lasts until its next one [ticks].
 struct LiftPhase {
   std::size_t side;
@@ -53,8 +59,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
       : Base(spec, seed, LiftTeam<Inner, Table>(spec, seed, std::move(inner))),
         recorder_(records),
         records_(records),
-        step_height_(larger(spec.arms[left].rate, spec.arms[right].rate) *
-                     (table_lease(spec) + spec.longest_delay())) {
+        step_height_(lift_step_of(spec)) {
     const Words words = draw(seed, 0, Stream::arm_height);
     for (const std::size_t side : {left, right}) {
       constexpr double whole = 4294967296.0;
@@ -79,8 +84,10 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
   Recorder& recorder() { return recorder_; }
   std::vector<PerSide<double>> take_heights() { return std::move(heights_); }
   const std::vector<LiftPhase>& phases() const { return phases_; }
-  // How far a robot has carried, by its odometry [m].
-  double travelled(std::size_t side) const { return travelled_[side]; }
+  // Of the pivots, as commanded [m].
+  const PerSide<double>& heights() const { return height_; }
+  // What each robot has moved while carrying, in the direction of travel [m].
+  const PerSide<double>& travelled() const { return travelled_; }
   // Whether a nose is on the floor, or the object may touch a stand.
   bool is_low(std::size_t side) const {
     const ArmMove arm = team_.arm(side);
@@ -212,12 +219,9 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
   }
   bool both(State state) const { return team_.state(left) == state && team_.state(right) == state; }
   bool is_done(bool stands) const {
-    if (spec_.ends_on != StandsOn::palms) return both(State::done) && stands;
-    if constexpr (Table::alone) {
-      return false;
-    } else {
-      return both(State::arrived) || both(State::lower);
-    }
+    const bool low = spec_.ends_on != StandsOn::palms;
+    return Table::has_ended(team_.state(left), low) &&
+           Table::has_ended(team_.state(right), low) && (stands || !low);
   }
 
   bool is_stand(bool ends) const {

@@ -26,6 +26,14 @@ inline TableTimes<Lone> table_times_of<Lone>(const Spec& spec) {
           table_limits<Lone>(timing, spec.period)};
 }
 
+// The seed of the radio for phases: both radios would else lose the same messages.
+constexpr std::uint64_t seed_of_phases(std::uint64_t seed) { return seed ^ 0x6C696674; }
+
+// True for a robot that docks after its partner, or not at all.
+inline bool stands_by(const Spec& spec, std::size_t side) {
+  return spec.docking != Docking::together && side != leader_of(spec);
+}
+
 template <class Inner, class TheTable = Lifting>
 class LiftTeam {
  public:
@@ -41,11 +49,8 @@ class LiftTeam {
         inner_(std::move(inner)),
         phases_(phases_of(spec, seed)) {
     for (const std::size_t side : {left, right}) {
-      State start = Table::start(side == leader_of(spec), spec.docking == Docking::one_first);
-      if constexpr (!Table::alone) {
-        if (spec.begins_on == StandsOn::palms) start = State::carry;
-      }
-      if (start != Table::initial) phases_.wake(side).enter(start);
+      phases_.wake(side).enter(
+          Table::first(spec.begins_on != StandsOn::palms, stands_by(spec, side)));
     }
   }
 
@@ -68,8 +73,7 @@ class LiftTeam {
     }
     const PerSide<Command>& given = inner_.step(tick, shown, log);
     for (const std::size_t side : {left, right}) {
-      commands_[side] = driver(side) == Driver::table ? own[side] : given[side];
-      if (driver(side) == Driver::controller_in_place) commands_[side].stop = true;
+      commands_[side] = Table::command(state(side), senses(side), own[side], given[side]);
     }
     count_messages();
     return commands_;
@@ -82,15 +86,11 @@ class LiftTeam {
   }
   void fork(std::uint64_t seed) {
     inner_.fork(seed);
-    phases_.fork(seed_of_words(seed));
+    phases_.fork(seed_of_phases(seed));
   }
 
   State state(std::size_t side) const { return phases_.robot(side).state(); }
-  // An arm that is up holds while its robot's program does not run.
-  ArmMove arm(std::size_t side) const {
-    const ArmMove arm = Table::role(state(side)).arm;
-    return runs_[side] || arm == ArmMove::follow ? arm : ArmMove::hold;
-  }
+  ArmMove arm(std::size_t side) const { return Table::arm(state(side), runs_[side]); }
   const Inner& inner() const { return inner_; }
 
   char name(std::size_t side) const { return is_correcting(side) ? inner_.name(side) : ' '; }
@@ -103,38 +103,31 @@ class LiftTeam {
  private:
   using Phases = TableTeam<Table>;
 
-  // Both radios would else lose the same messages.
-  static constexpr std::uint64_t seed_of_words(std::uint64_t seed) { return seed ^ 0x6C696674; }
+  // Robots whose controllers measure no time have the clock of the carry.
+  static PerSide<double> drift_of(const Spec& spec) {
+    if constexpr (requires { requires Inner::has_clock; })
+      return {spec.robots[left].clock_drift, spec.robots[right].clock_drift};
+    return {0, 0};
+  }
 
   static Phases phases_of(const Spec& spec, std::uint64_t seed) {
     return {{table_robot_of<Table>(spec, left), table_robot_of<Table>(spec, right)},
-            {spec.robots[left].clock_drift, spec.robots[right].clock_drift},
+            drift_of(spec),
             channel_of(spec),
-            seed_of_words(seed),
+            seed_of_phases(seed),
             leader_of(spec),
             Faults::of(spec, seed)};
   }
 
-  Driver driver(std::size_t side) const {
-    const Driver driver = Table::role(state(side)).driver;
-    if (driver != Driver::while_pressed) return driver;
-    const bool is_pressed = phases_.robot(side).clock().own.senses.touches;
-    return is_pressed ? Driver::controller_in_place : Driver::table;
+  const LiftSenses& senses(std::size_t side) const {
+    return phases_.robot(side).clock().own.senses;
   }
+  Driver driver(std::size_t side) const { return Table::driver(state(side), senses(side)); }
   bool is_correcting(std::size_t side) const { return driver(side) != Driver::table; }
 
   void count_messages() {
     link_totals = inner_.link_totals;
-    const LinkTotals& own = phases_.link_totals;
-    link_totals.sent += own.sent;
-    link_totals.lost += own.lost;
-    for (std::size_t i = 0; i < link_totals.links.size(); ++i) {
-      link_totals.links[i].sent += own.links[i].sent;
-      link_totals.links[i].lost += own.links[i].lost;
-      link_totals.links[i].duplicated += own.links[i].duplicated;
-      link_totals.links[i].late += own.links[i].late;
-      link_totals.links[i].rejected += own.links[i].rejected;
-    }
+    link_totals += phases_.link_totals;
   }
 
   Inner inner_;

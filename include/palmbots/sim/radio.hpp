@@ -42,6 +42,14 @@ struct LinkCounts {
   std::uint32_t duplicated = 0;
   std::uint32_t late = 0;      // received by the resilient algorithm, but too old to count
   std::uint32_t rejected = 0;  // damaged, stale, or (but for beacons) without a session
+
+  constexpr void operator+=(const LinkCounts& that) {
+    sent += that.sent;
+    lost += that.lost;
+    duplicated += that.duplicated;
+    late += that.late;
+    rejected += that.rejected;
+  }
 };
 
 // Counts of messages over all links, and for each link.
@@ -51,6 +59,12 @@ struct LinkTotals {
   // In this order: from the left robot, from the right one, from the station to the left one, to
   // the right one.
   std::array<LinkCounts, 4> links{};
+
+  constexpr void operator+=(const LinkTotals& that) {
+    sent += that.sent;
+    lost += that.lost;
+    for (std::size_t i = 0; i < links.size(); ++i) links[i] += that.links[i];
+  }
 };
 
 // A team's access to the radio: posts messages on links and counts them. Two stations that send in

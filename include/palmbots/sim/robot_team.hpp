@@ -23,6 +23,7 @@ class RobotTeam {
   using Controller = TheController;
   static constexpr bool half_moves = false;
   static constexpr bool expects_turns = true;
+  static constexpr bool has_clock = TheController::has_clock;
   LinkTotals link_totals{};
 
   RobotTeam(PerSide<Controller> controllers, PerSide<double> clock_drift, const Channel& channel,

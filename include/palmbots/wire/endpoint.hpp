@@ -18,6 +18,8 @@
 //
 // Packets to each receiver have a sequence of their own. Between robots it is the control tick
 // (`skip_to`), so an acknowledgement gives an age; packets to the station leave no gaps in it.
+// Phases of a job on the floor have a session of their own beside that of the controllers: both may
+// be sent in one tick, and either may overtake the other.
 #pragma once
 
 #include <array>
@@ -90,13 +92,14 @@ class Endpoint {
   // in permanent memory.
   constexpr Endpoint(const Identity& identity, std::uint32_t epoch, std::uint32_t first = 1)
       : identity_(identity),
-        sessions_{Session(epoch, first), Session(epoch, first), Session(epoch, first)} {}
+        sessions_{Session(epoch, first), Session(epoch, first), Session(epoch, first),
+                  Session(epoch, first)} {}
 
   // Writes the next packet. Returns false and writes nothing if the packet is not well formed. That
   // is so for every packet to this receiver once the sequence numbers of this epoch are used up.
   constexpr bool send(Role receiver, PacketKind kind, const Payload& payload, Bytes& bytes) {
     if (receiver > Role::station) return false;
-    Session& session = sessions_[static_cast<std::size_t>(receiver)];
+    Session& session = sessions_[index(receiver, kind)];
     const Packet packet{kind,           identity_.role,  receiver, identity_.pair,
                         session.next(), session.heard(), payload};
     if (!encode(packet, identity_.key, bytes)) return false;
@@ -105,15 +108,16 @@ class Endpoint {
   }
 
   // The stamp of the newest packet to this receiver; its sequence is 0 if there is none.
-  constexpr SequenceNumber newest(Role receiver) const {
-    const SequenceNumber& next = session(receiver).next();
+  constexpr SequenceNumber newest(Role receiver, PacketKind kind = PacketKind::hello) const {
+    const SequenceNumber& next = session(receiver, kind).next();
     return {next.epoch, next.sequence - 1};
   }
 
   // Sequence numbers may be skipped, so that they can be another count, such as control ticks. The
   // next packet to this receiver gets this number, unless one as high has already been used.
-  constexpr void skip_to(Role receiver, std::uint32_t sequence) {
-    sessions_[static_cast<std::size_t>(receiver)].skip_to(sequence);
+  constexpr void skip_to(Role receiver, std::uint32_t sequence,
+                         PacketKind kind = PacketKind::hello) {
+    sessions_[index(receiver, kind)].skip_to(sequence);
   }
 
   // Decodes a packet, checks whether it is to be acted upon, and counts the verdict. Every authentic
@@ -124,7 +128,7 @@ class Endpoint {
     Decoded decoded = decode(bytes, identity_.key, identity_.pair, identity_.role);
     if (decoded.verdict == Verdict::accepted) {
       const Packet& packet = decoded.packet;
-      Session& session = sessions_[static_cast<std::size_t>(packet.sender)];
+      Session& session = sessions_[index(packet.sender, packet.kind)];
       decoded.verdict = session.receive(packet.sent, packet.heard);
     }
     ++counts_[static_cast<std::size_t>(decoded.verdict)];
@@ -138,15 +142,20 @@ class Endpoint {
   // The newest stamp that this end has received from another since its own boot.
   constexpr const SequenceNumber& heard(Role other) const { return session(other).heard(); }
 
-  constexpr const Session& session(Role other) const {
-    return sessions_[static_cast<std::size_t>(other)];
+  constexpr const Session& session(Role other, PacketKind kind = PacketKind::hello) const {
+    return sessions_[index(other, kind)];
   }
 
   constexpr const Identity& identity() const { return identity_; }
 
  private:
+  // A robot exchanges phases with its partner only.
+  static constexpr std::size_t index(Role other, PacketKind kind) {
+    return kind == PacketKind::phase ? role_count : static_cast<std::size_t>(other);
+  }
+
   Identity identity_;
-  std::array<Session, role_count> sessions_;
+  std::array<Session, role_count + 1> sessions_;
   std::array<std::uint32_t, verdict_count> counts_{};
 };
 

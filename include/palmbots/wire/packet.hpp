@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The packet, byte by byte: 32 bytes, little-endian, authenticated (docs/reference/wire.md).
 //
-// A packet carries one item: hello, which announces a boot; the state that a robot sends its
-// partner; its status for the station; a wish of the operator; or a report or a command of
+// A packet carries one item: hello, which announces a boot; the state or the phase that a robot sends
+// its partner; its status for the station; a wish of the operator; or a report or a command of
 // the centralized algorithm (wire/payload.hpp). The other fields are sender and receiver, the
 // packet's own stamp, the newest stamp that the sender had received from
 // the receiver, and a SipHash-2-4 tag over all of this under the key of the pair. `decode` accepts
@@ -51,7 +51,7 @@ inline constexpr Field layout[] = {
     sequence_field, heard_epoch_field, heard_sequence_field, payload_field, tag_field};
 
 // Version of the packet format; the tag covers the first `tagged_size` bytes.
-inline constexpr std::uint8_t version = 2;
+inline constexpr std::uint8_t version = 3;
 inline constexpr std::size_t tagged_size = tag_field.offset;
 inline constexpr std::size_t packet_size = tag_field.offset + tag_field.size;
 
@@ -121,7 +121,8 @@ constexpr bool on_speaking_terms(PacketKind kind, Role sender, Role receiver) {
   if (sender > Role::station || receiver > Role::station || sender == receiver) return false;
   switch (kind) {
     case PacketKind::hello: return true;
-    case PacketKind::state: return sender != Role::station && receiver != Role::station;
+    case PacketKind::state:
+    case PacketKind::phase: return sender != Role::station && receiver != Role::station;
     case PacketKind::status:
     case PacketKind::report: return receiver == Role::station;
     case PacketKind::operate:

@@ -20,11 +20,12 @@ inline constexpr std::size_t payload_size = 5;
 using Payload = std::array<std::uint8_t, payload_size>;
 
 // What a packet carries.
-enum class PacketKind : std::uint8_t { hello, state, status, operate, report, command };
-inline constexpr unsigned packet_kinds = 6;
+enum class PacketKind : std::uint8_t { hello, state, status, operate, report, command, phase };
+inline constexpr unsigned packet_kinds = 7;
 
 constexpr const char* name_of(PacketKind kind) {
-  constexpr const char* names[] = {"hello", "state", "status", "operate", "report", "command"};
+  constexpr const char* names[] = {"hello",  "state",   "status", "operate",
+                                   "report", "command", "phase"};
   return names[static_cast<int>(kind)];
 }
 
@@ -63,20 +64,28 @@ constexpr Hello hello_of(const Payload& b) {
           passes_stop(b)};
 }
 
-// --- state: what a robot sends its partner.
+// --- state and phase: what a robot sends its partner, for its controller and for the table of a job on
+// the floor.
 
 // The language of a controller: messages of Table 2, beacons of the resilient algorithm, or the
-// messages of a controller that shares signs. `none`: it says nothing.
-enum class Language : std::uint8_t { none, messages, beacons, signs };
+// messages of a controller that shares signs. `none`: it says nothing. `phases` are the messages of
+// the table that lifts (control/lifting.hpp); only a packet of the kind phase has them.
+enum class Language : std::uint8_t { none, messages, beacons, signs, phases };
 
 constexpr const char* name_of(Language language) {
-  constexpr const char* names[] = {"none", "messages", "beacons", "signs"};
+  constexpr const char* names[] = {"none", "messages", "beacons", "signs", "phases"};
   return names[static_cast<int>(language)];
 }
 
 // The language of a beacon with this message.
 constexpr Language language_of(MessageKind message) {
+  if (is_phase(message)) return Language::phases;
   return is_sign(message) ? Language::signs : Language::beacons;
+}
+
+// The kind of the packets with this language.
+constexpr PacketKind kind_of(Language language) {
+  return language == Language::phases ? PacketKind::phase : PacketKind::state;
 }
 
 // True if the language has this message.
@@ -85,17 +94,20 @@ constexpr bool has_message(Language language, MessageKind kind) {
     case Language::none: return kind == MessageKind::none;
     case Language::messages: return kind >= MessageKind::tilt_up && kind <= MessageKind::ack;
     case Language::beacons: return kind >= MessageKind::tilt_up && kind <= MessageKind::raised;
-    case Language::signs: return kind >= MessageKind::zero && kind <= MessageKind::minus_shallow;
+    case Language::signs: return is_sign(kind);
+    case Language::phases: return is_phase(kind);
   }
   return false;
 }
 
 struct State {
   Language language = Language::none;
-  MessageKind message = MessageKind::none;  // what the controller says
+  MessageKind message = MessageKind::none;  // what the controller or the table says
   RobotMode mode = RobotMode::off;
-  bool ready = false;    // no condition of the controller keeps the sender from travelling
-  bool at_rest = false;  // the sender does not travel
+  // Of a controller: no condition keeps the sender from travelling, and it does not travel. Of a phase:
+  // the bits 1 and 0 of the steps of its arm.
+  bool ready = false;
+  bool at_rest = false;
   bool stop = false;
 
   constexpr bool operator==(const State&) const = default;
@@ -107,14 +119,14 @@ constexpr Payload payload_of(const State& state) {
   const unsigned language = static_cast<unsigned>(state.language);
   const unsigned flags =
       unsigned{state.stop} | unsigned{state.ready} << 1 | unsigned{state.at_rest} << 2;
-  return {bits(kind | language << 4), bits(static_cast<unsigned>(state.mode)), 0, 0, bits(flags)};
+  return {bits(kind), bits(static_cast<unsigned>(state.mode) | language << 4), 0, 0, bits(flags)};
 }
 
 constexpr State state_of(const Payload& b) {
   using detail::field;
-  return {static_cast<Language>(field(b[0], 4, 4)),
-          static_cast<MessageKind>(field(b[0], 0, 4)),
-          static_cast<RobotMode>(b[1]),
+  return {static_cast<Language>(field(b[1], 4, 4)),
+          static_cast<MessageKind>(b[0]),
+          static_cast<RobotMode>(field(b[1], 0, 4)),
           field(b[4], 1, 1) != 0,
           field(b[4], 2, 1) != 0,
           passes_stop(b)};
@@ -129,6 +141,7 @@ enum class StatusItem : std::uint8_t {
   battery,   // [mV]; 65535: not measured
   overruns,  // control ticks that came too late, among the last 100
   sent,      // count of packets
+  phase,     // of a job on the floor, the number of its state; 65535: it is none
   received,  // count of packets with the first verdict; the other verdicts follow
 };
 inline constexpr unsigned verdicts_in_status = 10;
@@ -238,9 +251,12 @@ constexpr bool means(PacketKind kind, const Payload& b) {
   switch (kind) {
     case PacketKind::hello: return b[4] < 2;
     case PacketKind::state:
-      return b[0] < 64 &&
-             has_message(static_cast<Language>(b[0] >> 4), static_cast<MessageKind>(b[0] & 15)) &&
-             b[1] < robot_modes && b[2] == 0 && b[3] == 0 && b[4] < 8;
+    case PacketKind::phase: {
+      const auto language = static_cast<Language>(field(b[1], 4, 4));
+      return language <= Language::phases && kind_of(language) == kind &&
+             has_message(language, static_cast<MessageKind>(b[0])) &&
+             field(b[1], 0, 4) < robot_modes && b[2] == 0 && b[3] == 0 && b[4] < 8;
+    }
     case PacketKind::status:
       return field(b[0], 0, 4) < robot_modes && field(b[0], 4, 4) < fault_codes &&
              field(b[1], 0, 2) < 3 && field(b[1], 4, 4) < sizeof case_names &&

@@ -43,13 +43,16 @@ enum class FaultCode : std::uint8_t {
   stopping,      // braking takes longer than the watchdog allows
   partner,       // the partner has been heard, but it does not carry
   stop,          // a stop is in force at the partner
+  arm,           // the arm is not where a job on the floor begins
+  job,           // a job on the floor has been tried as often as it may
 };
-inline constexpr unsigned fault_codes = 14;
+inline constexpr unsigned fault_codes = 16;
 
 constexpr const char* name_of(FaultCode code) {
-  constexpr const char* names[] = {
-      "none",       "driver",  "contact", "palm",     "battery",  "partner_lost", "station_lost",
-      "time_limit", "overrun", "storage", "settings", "stopping", "partner",      "stop"};
+  constexpr const char* names[] = {"none",    "driver",       "contact",      "palm",
+                                   "battery", "partner_lost", "station_lost", "time_limit",
+                                   "overrun", "storage",      "settings",     "stopping",
+                                   "partner", "stop",         "arm",          "job"};
   return names[static_cast<int>(code)];
 }
 

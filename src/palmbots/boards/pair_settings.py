@@ -18,8 +18,10 @@ from palmbots.boards.settings_page import (
     settings_page,
 )
 from palmbots.control.registry import ControllerEntry
+from palmbots.drivers.arm import arm_shape
 from palmbots.drivers.hardware import (
     HardwareParameters,
+    arm_servo_angle,
     motor_command,
     motor_power,
     oriented,
@@ -41,6 +43,8 @@ BOOTS_PER_IMAGE = 16384
 """How many boots an image may count. Each new image begins beyond those of the one before."""
 PALM_SWITCHES = 7
 """Switches along the palm; the two others of the matrix feel its ends."""
+MOST_ARM_STEPS = 15
+"""How many steps of its arm a board can store."""
 MOST_BATTERY_V = 3.3
 """The board measures its own supply."""
 
@@ -90,6 +94,7 @@ class BoardPair:
         signs = {"-": "minus", "0": "zero", "+": "plus"}
         along = [SWITCHES.index(signs[zone.sign]) for zone in hardware.switches]
         ends = [SWITCHES.index("steep-end"), SWITCHES.index("shallow-end")]
+        goal = [SWITCHES.index("goal")] if board.goal_switch else []
         slew = abs(palm_us[1] - palm_us[0]) * period_s / turn_s if turn_s > 0 else 2000
         return BoardSettings(
             role=SIDES.index(side), key=pair.key, pair=pair.settings.pair.number,
@@ -112,10 +117,31 @@ class BoardPair:
             debounce=max(1, math.ceil((board.bounce_s - 1e-9) / period_s)),
             palm_slew_us=max(1, math.ceil(slew - 1e-9)),
             wheel_slew=self._wheel_slew(hardware, period_s),
-            switches=(*along, *[0] * (PALM_SWITCHES - len(along)), *ends),
+            switches=(*along, *[0] * (PALM_SWITCHES - len(along) - len(goal)), *goal, *ends),
             palm_us=(palm_us[0], palm_us[1]), wheels=self._wheels(side, hardware, leads),
             times=tuple(_core.runtime.times(spec, entry.name)),
+            **self._job(side, hardware, leads),
         )  # fmt: skip
+
+    def _job(self, side: Side, hardware: HardwareParameters, leads: bool) -> dict[str, Any]:
+        """The settings of a job on the floor; none for another carry."""
+        spec = to_spec(self.scene)
+        if not spec.uses_floor:
+            return {}
+        shape = arm_shape(self.scene, side)
+        low_us, shallow_us, top_us = (
+            1e6 * servo_pulse_s(hardware, arm_servo_angle(hardware, shape, height))
+            for height in (*shape.floors_m, shape.top_m)
+        )
+        per_m = 256 * abs(top_us - low_us) / (shape.top_m - shape.floors_m[0])
+        return {
+            "phase_times": tuple(_core.runtime.phase_times(spec)),
+            "arm_floor_us": (round(low_us), round(shallow_us)),
+            "arm_top_us": round(top_us),
+            "arm_slew": max(1, round(per_m * shape.rate_m_s * self.scene.control.period_s)),
+            "arm_step": max(1, round(per_m * shape.step_m)),
+            "job": job_bits(self.scene, leads=leads),
+        }
 
     def _share(self, power: float) -> int:
         """A share of full power as a pulse [us] or a speed of the motor board."""
@@ -140,6 +166,14 @@ class BoardPair:
                 powers = oriented(hardware, [motor_power(hardware, c) for c in commands])
                 found.append((self._share(powers[0]), self._share(powers[1])))
         return (*(left for left, _ in found), *(right for _, right in found))
+
+
+def job_bits(scene: Scene, *, leads: bool) -> int:
+    """The bits of a job on the floor (`BoardSettings.job`)."""
+    task = scene.task
+    bits = (True, getattr(task, "from") != "palms", task.to != "palms",
+            task.dock == "one-first" and not leads)  # fmt: skip
+    return sum(bit << place for place, bit in enumerate(bits))
 
 
 def order_periods(core: Mapping[str, Any]) -> int:
@@ -171,7 +205,8 @@ def board_pair(pair: Pair) -> BoardPair:
     core_settings(pair, scene, entry, 0.0)  # refuses time bounds that cannot be kept
     board = pair.settings.board
     for side in SIDES:
-        _check_hardware(pair.settings.hardware.of(side), side, scene)
+        hardware = pair.settings.hardware.of(side)
+        _check_hardware(hardware, side, scene, has_goal=board.goal_switch)
     if board.wheels == "motor-board" and not 0 < board.motor_timeout_s <= scene.control.watchdog_s:
         kept = "keeps its last speed" if board.motor_timeout_s == 0 else "stops too late"
         raise PalmbotsError(
@@ -210,12 +245,42 @@ def _check_times(scene: Scene) -> None:
             )
 
 
-def _check_hardware(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
-    if len(hardware.switches) > PALM_SWITCHES:
+def _check_arm(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
+    if hardware.arm_floor_deg == hardware.arm_top_deg:
+        raise PalmbotsError(
+            f"hardware.arm_top_deg: value is {hardware.arm_top_deg:g}, as arm_floor_deg: the {side}"
+            " robot has no arm, which a job on the floor needs; allowed: two different angles"
+        )
+    least, most = sorted((hardware.servo_min_deg, hardware.servo_max_deg))
+    shape = arm_shape(scene, side)
+    for key, height in (("arm_floor_deg", min(shape.floors_m)), ("arm_top_deg", shape.top_m)):
+        wanted = math.degrees(arm_servo_angle(hardware, shape, height))
+        if not least <= wanted <= most:
+            raise PalmbotsError(
+                f"hardware.{key}: the arm's servo of the {side} robot would have to turn to "
+                f"{wanted:g} degrees; allowed: hardware.servo_min_deg to servo_max_deg, "
+                f"{least:g} to {most:g}"
+            )
+    steps = (shape.top_m - shape.floors_m[0]) / shape.step_m
+    if steps >= MOST_ARM_STEPS:
+        raise PalmbotsError(
+            f"arm.carry_height_m: the arm of the {side} robot would rise {steps:.1f} steps of "
+            f"{1000 * shape.step_m:.3g} mm (arm.rate_m_per_s times lease and delay); allowed on a "
+            f"board: fewer than {MOST_ARM_STEPS}"
+        )
+
+
+def _check_hardware(
+    hardware: HardwareParameters, side: Side, scene: Scene, *, has_goal: bool
+) -> None:
+    most = PALM_SWITCHES - has_goal
+    if len(hardware.switches) > most:
         raise PalmbotsError(
             f"hardware.switches: {len(hardware.switches)} switches on the {side} palm; allowed on "
-            f"a board: at most {PALM_SWITCHES}"
+            f"a board: at most {most}"
         )
+    if to_spec(scene).uses_floor:
+        _check_arm(hardware, side, scene)
     if hardware.battery_low_v > MOST_BATTERY_V:
         raise PalmbotsError(
             f"hardware.battery_low_v: value is {hardware.battery_low_v:g}; allowed on a board: at "

@@ -25,10 +25,10 @@ PAGE_ADDRESS = 0xF000
 PAGE_SIZE = 0x1000
 TABLE_SIZE = 3265
 """Bytes of the table of a policy."""
-SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end")
+SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end", "goal")
 """What a closed switch of the palm means, in the order of the numbers."""
 _MAGIC = 0x42504D42
-_FORMAT = 1
+_FORMAT = 2
 
 Limits = tuple[int, int]
 """The least and the most."""
@@ -115,6 +115,20 @@ class BoardSettings:
     """Pulses [us] or speeds of the left and the right wheel, by stop and move: 2 x 2 x 3."""
     times: tuple[int, ...] = _at("16H")
     """Of the controller."""
+    phase_times: tuple[int, ...] = _at("7H", default=())
+    """Of the table of a job on the floor."""
+    arm_floor_us: tuple[int, int] = _at("2H", default=(0, 0))
+    """Pulses of the arm at which the nose of a steep and of a shallow palm is on the floor."""
+    arm_top_us: int = _at("H", default=0)
+    """The same while the pair carries."""
+    arm_slew: int = _at("H", default=0)
+    """Change of the arm's pulse in a tick [1/256 us]."""
+    job: int = _at("B", (0, 15), default=0)
+    """Bits of a job on the floor: there is one, it begins low, it ends low, this robot docks after
+    its partner."""
+    unused: int = _at("B", default=0)
+    arm_step: int = _at("I", default=0)
+    """A step of the table of a job on the floor [1/256 us]."""
 
     def packed(self) -> bytes:
         """The bytes, with their check."""

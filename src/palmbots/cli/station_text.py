@@ -43,12 +43,13 @@ def battery_text(robot: dict[str, Any]) -> str:
 
 
 def progress_text(robot: dict[str, Any]) -> str:
-    """The covered part of the distance, with a bar."""
+    """The covered part of the distance, with a bar; and the phase of a job on the floor."""
     part = robot["progress"]
     if part is None:
         return UNKNOWN
     full = round(_BAR * part)
-    return f"{'█' * full}{'░' * (_BAR - full)} {100 * part:3.0f} %"
+    phase = f"  {robot['phase']}" if robot["phase"] else ""
+    return f"{'█' * full}{'░' * (_BAR - full)} {100 * part:3.0f} %{phase}"
 
 
 def plain_status(state: dict[str, Any]) -> list[str]:
@@ -75,6 +76,7 @@ def _line(robot: dict[str, Any] | None, width: int) -> str:
     battery = [] if robot["battery_v"] is None else [battery_text(robot)]
     parts = [
         robot["mode"] + (f" ({robot['reason']})" if robot["reason"] else ""),
+        *([robot["phase"]] if robot["phase"] else []),
         f"sign {robot['sign']:+d}" if robot["sign"] else "sign 0",
         f"{'palm' if robot['palm_at_target'] else 'turns to'} {robot['palm']}",
         UNKNOWN if part is None else f"{100 * part:.0f} %",

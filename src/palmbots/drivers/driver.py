@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
 from palmbots._types import Side
+from palmbots.drivers.arm import HOLDS, ArmShape
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import to_stderr
@@ -34,6 +35,18 @@ class Reading:
     """Voltage of the battery; None: not measured."""
     has_contact: bool = True
     """Something lies on the palm; true if the sensor cannot say."""
+    arm_there: bool = False
+    """The arm has reached the height last commanded."""
+    arm_steps: int = 0
+    """How many steps of a job on the floor the arm is above its height on the floor
+    (`palmbots.drivers.arm`)."""
+    arm_edge: int = 0
+    """Where the arm goes on after a boot (`palmbots.drivers.arm.ArmMotion.edge`)."""
+    beneath: bool = False
+    """The robot has reached its place below an object on a stand; of a simulated world in
+    lockstep."""
+    far_enough: bool = False
+    """The distance is covered, whatever the odometry counts; of a simulated world in lockstep."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +65,10 @@ class Drive:
     """Angle of the palm over the horizontal; it faces the partner."""
     speed_m_s: float
     """Speed in the direction of travel, 0 if the wheels may not turn."""
+    arm: int = HOLDS
+    """What the arm does in a job on the floor (`palmbots.drivers.arm`): the nose of the palm rests
+    on the floor, also while the palm turns; or the arm holds its height, rises to the height at
+    which the pair carries, or sinks until the nose is on the floor."""
 
 
 class Driver(Protocol):
@@ -107,6 +124,8 @@ class RawCommand:
     """Left and right wheel, forward. 0: the motor brakes."""
     servo_rad: float | None = None
     """Angle of the servo; None: it keeps its own."""
+    arm_rad: float | None = None
+    """Angle of the servo of the arm; None: it keeps its own, or there is none."""
 
 
 @runtime_checkable
@@ -150,6 +169,10 @@ class DriverSettings:
     """Time within which the world has to answer, for simulated robots."""
     scene: int = 0
     """A number that is equal for programs with the same scene, for simulated robots."""
+    arm: ArmShape | None = None
+    """What the job of the scene asks of the arm; None: it is not on the floor."""
+    arm_edge: int = 0
+    """`Reading.arm_edge` before the boot."""
     table: Any = None
     """The table of this kind of driver in the ``pair.toml``, where there is one."""
     on_line: Callable[[str], None] = to_stderr
@@ -173,7 +196,8 @@ DriverMaker = Callable[[DriverSettings], Driver]
 """What is registered under a kind: a class whose objects are drivers, or a function that opens one.
 Its attribute ``has_watchdog`` states whether the hardware itself stops the wheels when no command
 comes within `DriverSettings.watchdog_s`; without it, or if it is false, the driver runs in a guard
-process, which does that. It raises `PalmbotsError` if the hardware cannot be used."""
+process, which does that. ``has_arm`` states whether it moves an arm: without it, or if it is false,
+jobs on the floor are refused. It raises `PalmbotsError` if the hardware cannot be used."""
 
 
 def works(driver: Driver) -> bool:

@@ -10,6 +10,7 @@ from palmbots.drivers.driver import Driver, DriverMaker, DriverSettings
 from palmbots.drivers.guard import GuardedDriver
 from palmbots.drivers.own_driver import OwnDriver
 from palmbots.drivers.speed_limit import limited
+from palmbots.errors import PalmbotsError
 
 DRIVERS: Registry[DriverMaker] = Registry(
     "driver.kind",
@@ -30,6 +31,11 @@ def open_driver(kind: str, settings: DriverSettings) -> Driver:
         PalmbotsError: there is no such kind, or its hardware cannot be used.
     """
     make = DRIVERS.get(kind)
+    if settings.arm is not None and not getattr(make, "has_arm", False):
+        raise PalmbotsError(
+            f"driver.kind: {kind} moves no arm, which a job on the floor needs (task.from, task.to "
+            "of the scene); allowed: simulated, or a driver with has_arm = True"
+        )
     if kind in DRIVERS:
         return limited(make(settings), settings)
     if getattr(make, "has_watchdog", False):

@@ -11,6 +11,7 @@ import time
 from typing import Any
 
 from palmbots._util.arguments import show
+from palmbots.drivers.arm import ARM_WORDS, LONGEST_MOVE_S, ArmMotion
 from palmbots.drivers.driver import Drive, DriverSettings, Reading
 from palmbots.errors import PalmbotsError
 
@@ -25,13 +26,16 @@ class DryRunDriver:
         PalmbotsError: an option is wrong.
     """
 
+    has_arm = True
+
     def __init__(self, settings: DriverSettings) -> None:
+        self._arm = None if settings.arm is None else ArmMotion(settings.arm, settings.arm_edge)
         options = dict(settings.options)
         self._script = _script_in(options.pop("script", []))
         for name in options:
             raise PalmbotsError(f"{_KEY}.{name}: is an unknown key; allowed: script")
         self._side, self._on_line = settings.side, settings.on_line
-        self._start_s = time.monotonic()
+        self._start_s = self._moved_s = time.monotonic()
         self._stated = ""
 
     def read(self) -> Reading:
@@ -41,13 +45,24 @@ class DryRunDriver:
         for from_s, value in self._script:
             if now_s >= from_s:
                 sign = value
-        return Reading(sign, True, math.nan)
+        if (arm := self._arm) is None:
+            return Reading(sign, True, math.nan)
+        return Reading(
+            sign, True, math.nan, arm_there=arm.is_there, arm_steps=arm.steps, arm_edge=arm.edge
+        )
 
     def write(self, drive: Drive) -> None:
         """State the command, if it is another one than before."""
         speed = drive.speed_m_s if drive.wheels else 0.0
         wheels = f"{speed:.3f} m/s" if speed else "at rest"
-        self._state(f"palm at {math.degrees(drive.palm_rad):.1f} degrees, wheels {wheels}")
+        arm = ""
+        if self._arm is not None:
+            now_s = time.monotonic()
+            self._arm.move(drive.arm, drive.palm, min(now_s - self._moved_s, LONGEST_MOVE_S))
+            self._moved_s = now_s
+            arm = f", arm {ARM_WORDS[drive.arm]}"
+        palm = f"palm at {math.degrees(drive.palm_rad):.1f} degrees"
+        self._state(f"{palm}, wheels {wheels}{arm}")
 
     def _state(self, text: str) -> None:
         if text != self._stated:

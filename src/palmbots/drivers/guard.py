@@ -16,7 +16,7 @@ import socket
 import subprocess
 import sys
 import time
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from palmbots.drivers.driver import (
@@ -83,7 +83,8 @@ class GuardedDriver:
         self._guard = Connection(near, "driver")
         assert self._process.stdin is not None
         with contextlib.suppress(OSError), self._process.stdin as stream:
-            plain = replace(self._settings, on_line=to_stderr)
+            edge = self._settings.arm_edge if self._newest is None else self._newest[0].arm_edge
+            plain = replace(self._settings, on_line=to_stderr, arm_edge=edge)
             stream.write(pickle.dumps((self._kind, plain)))
 
     def read(self) -> Reading | None:
@@ -108,12 +109,11 @@ class GuardedDriver:
 
     def write(self, drive: Drive) -> None:
         """Command palm and wheels."""
-        shape = [drive.palm, drive.move, drive.stop, drive.wheels, drive.palm_rad, drive.speed_m_s]
-        self._offer(["drive", time.monotonic(), shape])
+        self._offer(["drive", time.monotonic(), [*asdict(drive).values()]])
 
     def write_raw(self, command: RawCommand) -> None:
         """Command the motors."""
-        shape = [list(command.wheels_rad_s), command.servo_rad]
+        shape = [list(command.wheels_rad_s), command.servo_rad, command.arm_rad]
         self._offer(["raw", time.monotonic(), shape])
 
     def stop(self) -> None:
@@ -151,9 +151,8 @@ class GuardedDriver:
             raise PalmbotsError(content)
         shape, raw, works, (read_s, write_s) = content
         self.call_s = (read_s, write_s)
-        sign, at_target, distance_m, battery_v, has_contact = shape
-        distance_m = math.nan if distance_m is None else distance_m
-        reading = Reading(sign, at_target, distance_m, battery_v, has_contact)
+        sign, at_target, distance_m, *others = shape
+        reading = Reading(sign, at_target, math.nan if distance_m is None else distance_m, *others)
         if self._newest is not None and not self._works and works:
             self._settings.on_line(f"driver.kind: {self._kind} is back")
         self._newest, self._works = (reading, _raw_in(raw)), works

@@ -15,6 +15,7 @@ import signal
 import socket
 import sys
 import time
+from dataclasses import asdict
 from typing import Any
 
 from palmbots.drivers.driver import (
@@ -111,8 +112,8 @@ class _Guard:
         if name == "drive":
             self._driver.write(Drive(*content))
         elif isinstance(self._driver, RawAccess):
-            (left, right), servo_rad = content
-            self._driver.write_raw(RawCommand((left, right), servo_rad))
+            (left, right), *servos = content
+            self._driver.write_raw(RawCommand((left, right), *servos))
         self._write_s = time.monotonic() - begin_s
 
     def _send_reading(self) -> bool:
@@ -123,7 +124,8 @@ class _Guard:
             self._program.send("end")
             return False
         distance_m = None if math.isnan(seen.distance_m) else seen.distance_m
-        shape = [seen.sign, seen.palm_at_target, distance_m, seen.battery_v, seen.has_contact]
+        shape = [*asdict(seen).values()]
+        shape[2] = distance_m
         raw = getattr(self._driver, "newest_raw", None)  # to read twice takes twice as long
         if raw is None and isinstance(self._driver, RawAccess):
             raw = self._driver.read_raw()

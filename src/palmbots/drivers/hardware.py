@@ -16,6 +16,7 @@ from typing import Annotated, Self
 from pydantic import BeforeValidator, model_validator
 
 from palmbots._types import Side
+from palmbots.drivers.arm import ArmShape
 from palmbots.scene.fields import Range, Switch, field_error, from_list
 from palmbots.scene.robot_section import Zone
 from palmbots.scene.section import Section, check_sides, override_of, values_of_side
@@ -92,6 +93,13 @@ class HardwareParameters(Section):
     servo_rate_deg_s: Turning = 50.0
     """Speed of the servo. A servo that does not report its angle counts as at its target after the
     time that it needs at this speed."""
+    arm_floor_deg: ServoAngle = 0.0
+    """Angle of the arm's servo at which the nose of the steep palm is on the floor, for jobs on the
+    floor. Between this angle and `arm_top_deg` the height of the pivot is taken as linear. Measured
+    by palmbots calibrate."""
+    arm_top_deg: ServoAngle = 0.0
+    """Angle of the arm's servo at which the pivot is arm.carry_height_m of the scene above the
+    floor. Equal to `arm_floor_deg`: the robot has no arm. Measured by palmbots calibrate."""
     switches: Switches = (
         Zone(sign="-", from_m=-0.075, to_m=-0.005),
         Zone(sign="0", from_m=-0.005, to_m=0.005),
@@ -232,6 +240,13 @@ def servo_pulse_s(hardware: HardwareParameters, servo_rad: float) -> float:
     share = max(0.0, min(1.0, (servo_rad - least) / (most - least)))
     shortest, longest = hardware.servo_min_pulse_s, hardware.servo_max_pulse_s
     return shortest + share * (longest - shortest)
+
+
+def arm_servo_angle(hardware: HardwareParameters, shape: ArmShape, pivot_m: float) -> float:
+    """The angle of the arm's servo [rad] for a height of the pivot."""
+    share = (pivot_m - shape.floors_m[0]) / (shape.top_m - shape.floors_m[0])
+    low, high = math.radians(hardware.arm_floor_deg), math.radians(hardware.arm_top_deg)
+    return low + share * (high - low)
 
 
 # --- from what is read to meanings ---------------------------------------------------------------

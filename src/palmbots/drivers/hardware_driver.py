@@ -24,7 +24,9 @@ class HardwareDriver(ABC):
         self.settings = settings
         self.newest_raw: RawReading | None = None
         """Of the newest `read`."""
-        self._io = HardwareIo(settings.hardware, leads=settings.leads)
+        self._io = HardwareIo(
+            settings.hardware, leads=settings.leads, arm=settings.arm, arm_edge=settings.arm_edge
+        )
 
     @abstractmethod
     def read_raw(self) -> RawReading | None:

@@ -7,9 +7,11 @@
 
 import math
 
+from palmbots.drivers.arm import LONGEST_MOVE_S, ArmMotion, ArmShape
 from palmbots.drivers.driver import Drive, RawCommand, RawReading, Reading
 from palmbots.drivers.hardware import (
     HardwareParameters,
+    arm_servo_angle,
     forward_distance,
     motor_command,
     palm_angle,
@@ -31,10 +33,21 @@ class HardwareIo:
     Args:
         hardware: of the robot.
         leads: the robot travels away from its partner, which is behind it.
+        arm: what the job asks of the arm; None: it is not on the floor.
+        arm_edge: where the arm was before the boot.
     """
 
-    def __init__(self, hardware: HardwareParameters, *, leads: bool) -> None:
+    def __init__(
+        self,
+        hardware: HardwareParameters,
+        *,
+        leads: bool,
+        arm: ArmShape | None = None,
+        arm_edge: int = 0,
+    ) -> None:
         self._hardware = hardware
+        self._arm_shape = arm
+        self._arm = None if arm is None else ArmMotion(arm, arm_edge)
         self._sense = -1.0 if leads else 1.0
         self._speed_m_s = 0.0  # commanded last, forward
         self._time_s: float | None = None
@@ -67,7 +80,12 @@ class HardwareIo:
             self._palm_rad = drive.palm_rad
             turn = math.inf if before is None else abs(drive.palm_rad - before)
             self._turned_s = now_s + self._turning_s(turn)
-        return RawCommand((commands[0], commands[1]), servo_angle(hardware, drive.palm_rad))
+        arm_rad = None
+        if self._arm is not None and self._arm_shape is not None:
+            self._arm.move(drive.arm, drive.palm, min(elapsed_s, LONGEST_MOVE_S))
+            arm_rad = arm_servo_angle(hardware, self._arm_shape, self._arm.pivot_m)
+        turned = servo_angle(hardware, drive.palm_rad)
+        return RawCommand((commands[0], commands[1]), turned, arm_rad)
 
     def reading(self, raw: RawReading, now_s: float) -> Reading:
         """The reading that a raw reading means."""
@@ -88,7 +106,12 @@ class HardwareIo:
             distance_m,
             raw.battery_v,
             any(raw.closed) or not has_middle,
+            *self._arm_reading(),
         )
+
+    def _arm_reading(self) -> tuple[bool, int, int]:
+        arm = self._arm
+        return (False, 0, 0) if arm is None else (arm.is_there, arm.steps, arm.edge)
 
     def _turns(self, wheel: int, rate: float, now_s: float) -> bool:
         """Whether a wheel turns already, as far as can be said."""

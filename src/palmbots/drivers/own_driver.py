@@ -10,6 +10,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -81,6 +82,7 @@ class OwnDriver:
         self._lost_s = 0.0
         self._is_closed = False
         self._opening: threading.Thread | None = None
+        self._newest: Reading | None = None
         self._driver: Driver | None = None
         try:
             self._opened: tuple[Driver, Reading | None] | None = self._open()
@@ -91,7 +93,10 @@ class OwnDriver:
         self._take()
 
     def _open(self) -> tuple[Driver, Reading | None]:
-        driver = self._make(self._settings)
+        settings = self._settings
+        if self._newest is not None:  # opened again: the arm is where it was
+            settings = replace(settings, arm_edge=self._newest.arm_edge)
+        driver = self._make(settings)
         try:
             return driver, checked(driver.read())
         except Exception:

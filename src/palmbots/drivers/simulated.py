@@ -11,6 +11,7 @@ from typing import Any
 
 from palmbots._types import Side
 from palmbots._util import process_clock
+from palmbots.drivers.arm import FOLLOWS, HOLDS
 from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReading, Reading
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.hardware_io import HardwareIo
@@ -65,7 +66,10 @@ class SimulatedDriver:
         self._world.send([side, epoch, scene])
         self._newest: Reading | RawReading | None = None
         self._palm = 0
+        self._arm: int | None = None
+        self._has_arm = False
         self._servo_rad: float | None = None
+        self._arm_rad: float | None = None
         self._rate = 1.0  # multiple of real time at which the world runs
         self._io = HardwareIo(hardware or HardwareParameters(), leads=leads)
         self.clock_rate = 1.0
@@ -128,31 +132,43 @@ class SimulatedDriver:
                 servo_rad,
                 battery_v,
             )
-        if not isinstance(frame, list) or len(frame) != 3:
+        if not isinstance(frame, list) or len(frame) not in (3, 7):
             raise PalmbotsError("world: sends no readings; allowed: one without --lockstep")
-        return Reading(*frame)
+        sign, palm_at_target, distance_m, *senses = frame
+        if not senses:
+            return Reading(sign, palm_at_target, distance_m)
+        self._has_arm = True
+        touches, arm, is_there, steps = senses
+        is_there = is_there and arm == self._arm  # the world may not have the newest command yet
+        return Reading(sign, palm_at_target, distance_m, None, touches, is_there, steps)
 
     def write(self, drive: Drive) -> None:
         """Command palm and wheels; if `drive.wheels` is false, the wheels stop."""
         if isinstance(self._newest, RawReading):
             self.write_raw(self._io.command(drive, self._now_s()))
             return
-        self._palm = drive.palm
+        self._palm, self._arm = drive.palm, drive.arm
         stops = drive.stop or not drive.wheels
-        self._offer([self._palm, drive.move if drive.wheels else 0, stops])
+        self._obey(drive.move if drive.wheels else 0, stops)
 
     def write_raw(self, command: RawCommand) -> None:
         """Command the motors themselves."""
         if command.servo_rad is not None:
             self._servo_rad = command.servo_rad
-        self._offer(["raw", *command.wheels_rad_s, self._servo_rad])
+        if command.arm_rad is not None:
+            self._arm_rad = command.arm_rad
+        self._offer(["raw", *command.wheels_rad_s, self._servo_rad, self._arm_rad])
 
     def stop(self) -> None:
         """Stop the wheels; the palm keeps its angle."""
         if isinstance(self._newest, RawReading):
             self.write_raw(RawCommand((0.0, 0.0)))
         else:
-            self._offer([self._palm, 0, True])
+            self._arm = FOLLOWS if self._arm == FOLLOWS else HOLDS
+            self._obey(0, True)
+
+    def _obey(self, move: int, stops: bool) -> None:
+        self._offer([self._palm, move, stops, *([self._arm] if self._has_arm else [])])
 
     def _offer(self, frame: list[Any]) -> None:
         with contextlib.suppress(ConnectionLost):  # `read` reports it, or the world's end
@@ -169,3 +185,6 @@ def open_simulated(settings: DriverSettings) -> SimulatedDriver:
         settings.address, settings.side, settings.epoch, settings.period_s, settings.scene,
         hardware=settings.hardware, leads=settings.leads, within_s=settings.within_s,
     )  # fmt: skip
+
+
+open_simulated.has_arm = True  # ty: ignore[missing-attribute]  # of a DriverMaker

@@ -7,13 +7,14 @@ arrive in the same order, the same ones are lost. The times of arrival depend on
 
 import contextlib
 import heapq
+import math
 import random
 import selectors
 import socket
 import threading
 import time
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Self, cast
 
 from palmbots._util.arguments import show
@@ -83,6 +84,45 @@ class Impairment:
         width = self.jitter_ms
         return [1e-3 * (self.delay_ms + chance.uniform(-width, width)) for _ in range(copies)]
 
+    def with_fate(self, kind: int, delay_s: float) -> "Impairment":
+        """The same for a packet with a recorded fate (`RecordedFates`)."""
+        own = replace(self, loss=1.0 if delay_s < 0 else 0.0)
+        if kind == ONLY_LOSSES:
+            return own
+        latency_ms = 0.0 if kind == WHOLE_DELAYS else self.delay_ms - self.jitter_ms
+        return replace(own, delay_ms=latency_ms + 1e3 * max(0.0, delay_s), jitter_ms=0.0)
+
+
+ONLY_LOSSES, FURTHER_DELAYS, WHOLE_DELAYS = range(3)
+"""What a recording of packets has besides losses: nothing, delays beyond the latency, or delays."""
+
+
+@dataclass(frozen=True)
+class RecordedFates:
+    """What became of recorded packets, which were sent at equal times."""
+
+    interval_s: float
+    kind: int
+    delays_s: Sequence[float]
+    """Of each packet; negative: it was lost."""
+
+
+class _Replay:
+    """Where in a recording a link is. It begins at a random place. A packet meets the fate of the
+    one that was sent as long after that place, or of the next one: none is replayed twice in a
+    row."""
+
+    def __init__(self, fates: RecordedFates, now_s: float, chance: random.Random) -> None:
+        self._fates, self._start_s = fates, now_s
+        self._first = chance.randrange(len(fates.delays_s))
+        self._next = 0
+
+    def delay_s(self, now_s: float) -> float:
+        fates = self._fates
+        at = math.floor((now_s - self._start_s) / fates.interval_s + 1e-6)
+        self._next = max(self._next, at) + 1
+        return fates.delays_s[(self._first + self._next - 1) % len(fates.delays_s)]
+
 
 class ImpairedPackets:
     """The packets that are under way on a bad radio, without sockets and without a clock.
@@ -90,10 +130,15 @@ class ImpairedPackets:
     Args:
         impairment: what happens to the packets.
         seed: of the random numbers.
+        fates: of recorded packets, which replace losses and, as far as recorded, delays.
     """
 
-    def __init__(self, impairment: Impairment, seed: int = 0) -> None:
+    def __init__(
+        self, impairment: Impairment, seed: int = 0, fates: RecordedFates | None = None
+    ) -> None:
         self._impairment, self._chance = impairment, random.Random(seed)
+        self._seed, self._fates = seed, fates
+        self._replays: dict[tuple[str, str], _Replay] = {}
         self._under_way: list[tuple[float, int, str, bytes]] = []
         self._number = 0
         self._cut: frozenset[tuple[str, str]] = frozenset()
@@ -112,7 +157,7 @@ class ImpairedPackets:
 
     def send(self, now_s: float, sender: str, receiver: str, data: bytes) -> None:
         """A packet has been sent. The same packets meet the same fate, whatever is cut."""
-        for delay_s in self._impairment.delays_s(self._chance):
+        for delay_s in self._one(now_s, sender, receiver).delays_s(self._chance):
             if (sender, receiver) not in self._cut:
                 self._number += 1
                 at_s = now_s + delay_s + self._held.get(sender, 0.0)
@@ -120,6 +165,18 @@ class ImpairedPackets:
                     at_s = max(at_s, self._last_s.get((sender, receiver), at_s))
                 self._last_s[sender, receiver] = at_s
                 heapq.heappush(self._under_way, (at_s, self._number, receiver, data))
+
+    def _one(self, now_s: float, sender: str, receiver: str) -> Impairment:
+        """What happens to the packet that is sent now."""
+        if self._fates is None:
+            return self._impairment
+        link = (sender, receiver)
+        if link not in self._replays:
+            # Which link begins first does not change the places.
+            place = random.Random(f"{self._seed} {sender} {receiver}")
+            self._replays[link] = _Replay(self._fates, now_s, place)
+        delay_s = self._replays[link].delay_s(now_s)
+        return self._impairment.with_fate(self._fates.kind, delay_s)
 
     def due(self, now_s: float) -> Iterator[tuple[str, bytes]]:
         """Take the packets that have arrived by now, with their receivers, in order."""
@@ -140,12 +197,18 @@ class Proxy:
         impairment: what happens to the packets.
         seed: of the random numbers.
         rate: how much faster than usual time passes for the packets.
+        fates: of recorded packets.
     """
 
     def __init__(
-        self, targets: Mapping[Role, str], impairment: Impairment, seed: int = 0, rate: float = 1.0
+        self,
+        targets: Mapping[Role, str],
+        impairment: Impairment,
+        seed: int = 0,
+        rate: float = 1.0,
+        fates: RecordedFates | None = None,
     ) -> None:
-        self.packets = ImpairedPackets(impairment, seed)
+        self.packets = ImpairedPackets(impairment, seed, fates)
         self._rate = rate
         self._targets: dict[str, tuple[str, int]] = {}
         self._sockets: dict[Role, socket.socket] = {}

@@ -7,8 +7,9 @@ Frames (`palmbots.links.local_connection`), one JSON line each:
   (`palmbots.links.greeting`).
 - world → program: ``["greet", end]``, answered by a hello to that end or null, and
   ``["hear", packet]``, before the carry.
-- world → program: ``[elapsed, sign, palm_at_target, [packet, …]]`` in every tick in which the
-  program runs, or ``"reboot"``, or ``"end"``. Packets are hexadecimal.
+- world → program: ``[elapsed, sign, palm_at_target, [packet, …], [touches, arm_there, far_enough,
+  arm_steps, beneath]]`` in every tick in which the program runs, or ``"reboot"``, or ``"end"``.
+  Packets are hexadecimal.
 - program → world: the answer of `_core.runtime.Robot.step`, or of `Station.step`, with the packets
   in hexadecimal.
 """
@@ -35,6 +36,10 @@ class Input(NamedTuple):
     sign: int
     palm_at_target: bool
     packets: list[bytes]
+    senses: tuple[bool, bool, bool, int, bool]
+    """Of a job on the floor: whether something presses the palm, whether the arm has reached the
+    height last commanded, whether the distance is covered, the steps of the arm, and whether the
+    robot is in its place below an object on a stand."""
 
 
 class LockstepLine:
@@ -76,11 +81,12 @@ class LockstepLine:
                 self._world.send(None if hello is None else hello.hex())
             elif frame[0] == "hear":
                 hear(bytes.fromhex(frame[1]))
-            elif len(frame) != 4:
+            elif len(frame) != 5:
                 raise PalmbotsError("world: does not run in lockstep; allowed: one with --lockstep")
             else:
-                elapsed, sign, palm_at_target, packets = frame
-                return Input(elapsed, sign, palm_at_target, [*map(bytes.fromhex, packets)])
+                elapsed, sign, palm_at_target, packets, senses = frame
+                arrived = [*map(bytes.fromhex, packets)]
+                return Input(elapsed, sign, palm_at_target, arrived, senses)
         return None
 
     def answer(self, *values: Any, packets: Sequence[tuple[int, bytes, int]], at: int) -> None:

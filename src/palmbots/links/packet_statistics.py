@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import palmbots._core as _core
 from palmbots._types import MaybeNaN
 from palmbots._util import process_clock
 from palmbots.wire import Role, Status
@@ -38,7 +39,8 @@ _REMEMBERED = 600  # packets
 _TRIPS = 1000
 _RECENT_S = 10.0
 _MODULUS = 65536
-_OF_NOW = ("progress", "battery", "overruns")  # no counts
+_PHASE = bytes([_core.wire.packet_kinds.index("phase")])  # the second byte of such a packet
+_OF_NOW = ("progress", "battery", "overruns", "phase")  # no counts
 
 
 def quantile(values: Iterable[float], fraction: float) -> float:
@@ -210,17 +212,20 @@ class EndStatistics:
         trips = [trip_s for at_s, trip_s in self._trips if now_s - at_s <= _RECENT_S]
         return quantile(trips, 0.5) if trips else None
 
-    def counts(self) -> EndCounts:
-        """All that has been counted so far."""
+    def counts(self, more: "EndStatistics | None" = None) -> EndCounts:
+        """All that has been counted so far, here and in further statistics of the same end."""
+        more = more or EndStatistics()
+        trips_s = self.round_trips_s + more.round_trips_s
+        longest_s = [one for one in (self.longest_s, more.longest_s) if not math.isnan(one)]
         return EndCounts(
-            self.sent,
-            self.received,
+            self.sent + more.sent,
+            self.received + more.received,
             self.lost,
-            self.copies,
-            self.overtaken,
-            quantile(self.round_trips_s, 0.5),
-            quantile(self.round_trips_s, 0.99),
-            self.longest_s,
+            self.copies + more.copies,
+            self.overtaken + more.overtaken,
+            quantile(trips_s, 0.5),
+            quantile(trips_s, 0.99),
+            max(longest_s, default=math.nan),
         )
 
 
@@ -238,19 +243,26 @@ class PacketStatistics:
         self.ends: dict[Role, EndStatistics] = {
             end: EndStatistics(is_numbered="station" in (end, role)) for end in ends if end != role
         }
-        """What was exchanged with each other end."""
+        """What was exchanged with each other end, but for phases."""
+        self._phases: dict[Role, EndStatistics] = {
+            end: EndStatistics(is_numbered=False) for end in self.ends
+        }
 
-    def note_sent(self, receiver: Role, stamp: Stamp) -> None:
+    def _of(self, end: Role, data: bytes) -> EndStatistics:
+        """The statistics to which a packet belongs: phases are numbered by themselves."""
+        return (self._phases if data[1:2] == _PHASE else self.ends)[end]
+
+    def note_sent(self, receiver: Role, stamp: Stamp, data: bytes = b"") -> None:
         """A packet with this stamp is being sent."""
-        self.ends[receiver].note_sent(stamp, self._clock())
+        self._of(receiver, data).note_sent(stamp, self._clock())
 
     def take(self, sender: Role, stamp: Stamp, data: bytes, acknowledged: Stamp) -> Kind:
         """An authentic packet has arrived (`EndStatistics.take`)."""
-        return self.ends[sender].take(stamp, data, acknowledged, self._clock())
+        return self._of(sender, data).take(stamp, data, acknowledged, self._clock())
 
     def counts(self, details: Mapping[str, Any]) -> LinkCounts:
         """All that has been counted so far, and what the link says about itself."""
-        ends = {end: one.counts() for end, one in self.ends.items()}
+        ends = {end: one.counts(self._phases[end]) for end, one in self.ends.items()}
         return LinkCounts(**ends, details=dict(details))
 
 

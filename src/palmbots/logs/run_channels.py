@@ -36,6 +36,9 @@ RobotTick: Any = message_type(
         "battery_mv": _COUNT,
         "progress": _COUNT,
         "stopping": _COUNT,
+        "arm_there": _BOOL,
+        "arm_steps": _COUNT,
+        "beneath": _BOOL,
         "received": _BYTES,
         # What it decided.
         "palm": _COUNT,
@@ -44,6 +47,7 @@ RobotTick: Any = message_type(
         "wheels": _BOOL,
         "case": _STRING,
         "assists": _BOOL,
+        "phase": _STRING,
         "mode": _STRING,
         "fault": _STRING,
         "sent": _BYTES,

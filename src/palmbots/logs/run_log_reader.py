@@ -50,6 +50,7 @@ class _State(_Model):
     assists: bool
     carries: bool
     stop: bool
+    holds: bool
 
 
 class _RobotFacts(_Facts):

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from palmbots.scene.fields import Range, field_error, whole
+from palmbots.scene.fields import Range, Switch, field_error, whole
 from palmbots.scene.section import Section
 
 Channel = Annotated[int, BeforeValidator(whole(0, 100))]
@@ -37,6 +37,9 @@ class BoardTable(Section):
     keeps its last speed, and is refused."""
     bounce_s: Bounce = 0.005
     """Longest time for which a switch bounces; the default is assumed."""
+    goal_switch: Switch = False
+    """In a job on the floor, switch 6 closes where the object is to be put down. Without it a robot
+    travels for the time that the distance takes at its speed."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypedDict
 
+from palmbots.drivers.arm import ArmShape
 from palmbots.drivers.hardware import HardwareParameters, servo_angle
 from palmbots.errors import PalmbotsError
 from palmbots.pair.calibration_bench import Machine, Person
@@ -35,6 +36,7 @@ _STILL_S = 0.5
 _PALM_ANGLES = 7
 _PALM_MARGINS_DEG = (-10.0, 20.0)  # beyond the palm angles of the scene
 _SERVO_SETTLE_S = 0.5
+_ARM_SHARES = (0.25, 0.4, 0.55, 0.7, 0.85)  # of the way of the arm; lower, the nose may touch
 _OVERSHOOT_M = 0.001  # a hand that moves a rod slowly stops within this; assumed
 _DIGITS = 6
 
@@ -51,6 +53,8 @@ class Task:
     """Shallow and steep angle of the palm."""
     palm_half_m: float
     """Half the length of the palm."""
+    arm: ArmShape | None = None
+    """What the job of the scene asks of the arm; None: it is not on the floor."""
 
 
 @dataclass(frozen=True)
@@ -302,6 +306,43 @@ def palm(machine: Machine, person: Person, task: Task) -> list[Finding]:
     return [_finding("servo_zero_deg", in_degrees), _finding("servo_scale", scale)]
 
 
+# --- arm -----------------------------------------------------------------------------------------
+
+
+def arm(machine: Machine, person: Person, task: Task) -> list[Finding]:
+    """`arm_floor_deg` and `arm_top_deg`, from heights of the pivot that a person reads off a
+    ruler."""
+    hardware, shape = machine.hardware, task.arm
+    if shape is None:
+        return []
+    low, high = math.radians(hardware.arm_floor_deg), math.radians(hardware.arm_top_deg)
+    if low == high:
+        raise PalmbotsError(
+            "hardware.arm_floor_deg, arm_top_deg: are equal; allowed: rough values, so that the "
+            "arm can be moved"
+        )
+    person.ready(
+        "Put the robot on a level floor with nothing on its palm. Stand a ruler beside the pivot "
+        "of the palm. The arm moves."
+    )
+    moving_s = (shape.top_m - shape.floors_m[0]) / shape.rate_m_s
+    servos, heights = [], []
+    for share in _ARM_SHARES:
+        servos.append(low + share * (high - low))
+        machine.move_arm(servos[-1], moving_s, _SERVO_SETTLE_S)
+        heights.append(
+            person.number("How high is the pivot of the palm above the floor?", "mm", 0, 10_000)
+            / 1000
+        )
+    found = []
+    for key, height in (("arm_floor_deg", shape.floors_m[0]), ("arm_top_deg", shape.top_m)):
+        at, _ = line_estimates(servos, [one - height for one in heights], TAPE_M)
+        found.append(
+            _finding(key, Estimate(*(math.degrees(v) for v in (at.value, at.low, at.high))))
+        )
+    return found
+
+
 # --- switches ------------------------------------------------------------------------------------
 
 
@@ -374,6 +415,7 @@ STEPS: dict[str, Step] = {
     "wheels": wheels,
     "stopping": stopping,
     "palm": palm,
+    "arm": arm,
     "switches": switches,
 }
 """All steps, in the order in which they are run."""

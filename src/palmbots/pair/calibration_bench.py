@@ -49,6 +49,7 @@ class Machine:
         self.hardware = hardware
         self.period_s = period_s
         self._servo_rad: float | None = None
+        self._arm_rad: float | None = None
         self.missed = 0
         """How many ticks have passed so far without a command, because the program was late."""
 
@@ -65,19 +66,28 @@ class Machine:
 
     def step(self, left: float, right: float) -> RawReading:
         """Command the wheels [rad/s] for one tick; returns the reading after it."""
-        self._driver.write_raw(RawCommand((left, right), self._servo_rad))
+        self._driver.write_raw(RawCommand((left, right), self._servo_rad, self._arm_rad))
         elapsed = self._wait()
         self.missed += elapsed - 1
         return self.read()
 
     def stop(self) -> None:
         """Stop the wheels."""
-        self._driver.write_raw(RawCommand((0.0, 0.0), self._servo_rad))
+        self._driver.write_raw(RawCommand((0.0, 0.0), self._servo_rad, self._arm_rad))
 
     def turn_servo(self, servo_rad: float, seconds: float) -> None:
         """Command the servo, and wait until it has turned."""
         self._servo_rad = servo_rad
         self.rest(seconds)
+
+    def move_arm(self, servo_rad: float, seconds: float, settle_s: float) -> None:
+        """Command the servo of the arm, evenly in some time from its last command, and wait."""
+        before = servo_rad if self._arm_rad is None else self._arm_rad
+        ticks = max(1, math.ceil(seconds / self.period_s))
+        for tick in range(1, ticks + 1):
+            self._arm_rad = before + tick / ticks * (servo_rad - before)
+            self.step(0.0, 0.0)
+        self.rest(settle_s)
 
     def rest(self, seconds: float) -> RawReading:
         """Let the wheels rest for some time."""

@@ -13,6 +13,7 @@ from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Table
 from palmbots._util.results import Result
 from palmbots.clocks.control_clock import ControlClock
+from palmbots.drivers.arm import arm_shape
 from palmbots.drivers.driver import RawAccess
 from palmbots.errors import PalmbotsError
 from palmbots.pair.calibration import STEPS, Finding, Task, ZoneTable, calibrate, values_of
@@ -22,6 +23,7 @@ from palmbots.pair.pair_file import Pair
 from palmbots.pair.robot_driver import opened_driver
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,7 +79,9 @@ def steps_of(text: str) -> tuple[str, ...]:
 def task_of(scene: Scene, side: Side, length_m: float) -> Task:
     """What a robot of a scene is calibrated for."""
     robot, palm = scene.robot_of(side), scene.palm_of(side)
-    return Task(length_m, robot.speed_m_s, (palm.shallow_deg, palm.steep_deg), palm.length_m / 2)
+    arm = arm_shape(scene, side) if to_spec(scene, unrolled=True).uses_floor else None
+    angles = (palm.shallow_deg, palm.steep_deg)
+    return Task(length_m, robot.speed_m_s, angles, palm.length_m / 2, arm)
 
 
 def run_calibration(
@@ -108,6 +112,12 @@ def run_calibration(
     require("tomlkit", "calibrate")  # found missing before, and not after, all the work
     scene = load_scene(pair.scene())
     period_s = scene.control.period_s
+    task = task_of(scene, side, length_m)
+    if "arm" in steps and task.arm is None:
+        raise PalmbotsError(
+            f"--only: arm: the job of {pair.scene()} is not on the floor (task.from, task.to), so "
+            "the arm does not move; allowed: the other steps"
+        )
     with opened_driver(pair, side, scene) as driver:
         has_raw = isinstance(driver, RawAccess) and getattr(driver, "has_raw", True)
         if not has_raw:
@@ -119,7 +129,7 @@ def run_calibration(
         clock = ControlClock(period_s / rate)
         machine = Machine(driver, pair.settings.hardware.of(side), clock.wait, period_s)
         machine.rest(5 * period_s)
-        findings = calibrate(machine, person, task_of(scene, side, length_m), steps)
+        findings = calibrate(machine, person, task, steps)
     backup = write_hardware(pair.file, side, values_of(findings))
     return CalibrationRun(side, pair.file, findings, backup, warnings_of(findings, scene))
 

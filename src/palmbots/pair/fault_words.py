@@ -61,6 +61,16 @@ FAULT_WORDS: dict[FaultCode, FaultWords] = {
         "mode", "its partner has ended the carry", "see the partner, then arm again"
     ),
     "stop": FaultWords("mode", "a stop is in force at its partner", "release the stop"),
+    "arm": FaultWords(
+        "arm",
+        "its arm is not where a job on the floor begins",
+        "take the object off the palms of the disarmed robots: their arms then go down",
+    ),
+    "job": FaultWords(
+        "mode",
+        "it has tried its job on the floor as often as it may",
+        "see palmbots analyze; put the object where the job begins, then arm again",
+    ),
 }
 """The words of every fault code but ``none``."""
 

@@ -15,7 +15,7 @@ from palmbots._types import SIDES
 from palmbots._util.atomic_files import write_whole
 from palmbots._util.exit_status import BAD_INPUT
 from palmbots.errors import PalmbotsError
-from palmbots.links.impairment import Impairment, Proxy
+from palmbots.links.impairment import Impairment, Proxy, RecordedFates
 from palmbots.links.lockstep_line import REBOOTED
 from palmbots.pair.pair_file import ENDS, init_pair, load_pair, station_address
 from palmbots.pair.processes import Processes
@@ -93,6 +93,7 @@ class LiveCarryProcesses:
         auto: the station arms and starts the robots; otherwise an operator does so on a screen.
         on_line: called with a line about each program that was killed and starts again.
         seed: of the packets' fates.
+        fates: of recorded packets, in place of losses and recorded delays.
     """
 
     def __init__(
@@ -111,6 +112,7 @@ class LiveCarryProcesses:
         auto: bool = True,
         on_line: Callable[[str], None],
         seed: int = 0,
+        fates: RecordedFates | None = None,
     ) -> None:
         self._scene, self._controller, self._options = scene, controller, world_options
         self._rate, self._screen, self._on_line = rate, screen, on_line
@@ -118,7 +120,7 @@ class LiveCarryProcesses:
         self._log_folder, self._live = log_folder, live
         with free_addresses(len(ENDS)) as ports:  # the proxy gets others
             self._own: dict[Role, str] = dict(zip(ENDS, ports, strict=True))
-            self.proxy = Proxy(self._own, impairment, seed, rate)
+            self.proxy = Proxy(self._own, impairment, seed, rate, fates)
         self.processes = Processes()
         """The processes, by the names ``world``, ``left``, ``right`` and ``station``."""
         self.station_address = ""
@@ -217,6 +219,8 @@ def run_live(
     log_folder: str,
     live: str | None,
     on_line: Callable[[str], None],
+    seed: int = 0,
+    fates: RecordedFates | None = None,
 ) -> int:
     """Run a world, two robots and a station in real time; the station arms and starts the robots.
 
@@ -239,6 +243,8 @@ def run_live(
         log_folder=log_folder,
         live=live,
         on_line=on_line,
+        seed=seed,
+        fates=fates,
     ) as carry:
         while carry.poll():
             time.sleep(_POLL_S)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from palmbots._types import Side
 from palmbots._util.arguments import show
+from palmbots.drivers.arm import arm_shape
 from palmbots.drivers.driver import Driver, DriverFailed, DriverSettings, NoAnswer
 from palmbots.drivers.driver_registry import open_driver
 from palmbots.errors import PalmbotsError
@@ -15,6 +16,7 @@ from palmbots.links.link_registry import open_link
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.pair_file import Pair
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 from palmbots.wire import Role
 
 _ROUNDING = 1e-9
@@ -71,6 +73,7 @@ def open_pair_driver(
     rate: float = 1.0,
     within_s: float = 20.0,
     on_line: Callable[[str], None] = to_stderr,
+    arm_edge: int | None = None,
 ) -> Driver:
     """Open the driver of a robot, with the speed limit of the pair.
 
@@ -82,6 +85,7 @@ def open_pair_driver(
         rate: multiple of real time at which a simulated robot runs.
         within_s: time within which the world of a simulated robot has to answer.
         on_line: called with a line for the operator.
+        arm_edge: where the arm was before the boot; None: the robot does not do its job.
 
     Raises:
         PalmbotsError: the scene needs a higher speed than the limit, there is no such kind of
@@ -102,6 +106,8 @@ def open_pair_driver(
         epoch=epoch,
         within_s=within_s,
         scene=scene_number(scene),
+        arm=arm_shape(scene, side) if to_spec(scene).uses_floor and arm_edge is not None else None,
+        arm_edge=arm_edge or 0,
         table=getattr(pair.settings, table.kind, None),
         on_line=on_line,
     )

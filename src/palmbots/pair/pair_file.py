@@ -24,6 +24,7 @@ from palmbots._util.command import Option, command
 from palmbots._util.user_paths import user_path
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.errors import PalmbotsError, SceneError
+from palmbots.mechanics.lifting import check_lift
 from palmbots.mechanics.load_limits import check_load
 from palmbots.pair.pair_keys import LinkTable, PairFile, pair_keys
 from palmbots.pair.stored_state import StateFile, StoredState, write_state
@@ -32,7 +33,7 @@ from palmbots.scene.file_kinds import KEY, FileKind, refuse_other_kind
 from palmbots.scene.files import read_table
 from palmbots.scene.key_reference import commented_toml
 from palmbots.scene.scene import Scene, load_scene
-from palmbots.scene.spec import refuse_curved, refuse_floor
+from palmbots.scene.spec import refuse_curved, to_spec
 from palmbots.wire import KEY_SIZE, Role
 
 PAIR_FILE = FileKind(
@@ -94,7 +95,8 @@ class Pair:
         """The scene, which the robots can carry.
 
         Raises:
-            SceneError: it cannot be read, its object is too heavy, or it needs arms or turns.
+            SceneError: it cannot be read, its object is too heavy or cannot be lifted, or it needs
+                turns.
         """
         scene = load_scene(self.scene())
         try:
@@ -108,11 +110,18 @@ def check_on_robots(scene: Scene) -> None:
     """Check a scene against what robots as processes can carry.
 
     Raises:
-        SceneError: its object is too heavy, or it needs arms or turns.
+        SceneError: its object is too heavy or cannot be lifted, or it needs turns, or one robot
+            does the job alone.
     """
-    refuse_floor(scene, "robots as processes do")
     refuse_curved(scene)
     check_load(scene)
+    if to_spec(scene).uses_floor:
+        if scene.task.dock == "alone":
+            raise SceneError(
+                'task.dock: value is "alone", and robots as processes work in pairs; allowed: '
+                '"together" or "one-first"'
+            )
+        check_lift(scene)
 
 
 def load_pair(file: str | os.PathLike[str], *, with_key: bool = True) -> Pair:

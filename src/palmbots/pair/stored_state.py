@@ -50,6 +50,10 @@ class StoredState:
     """A stop was in force."""
     covered_m: float = 0.0
     """What the carry had covered when this was last written [m]; behind by up to a step."""
+    holds: bool = False
+    """In a job on the floor: the arms may be up, so the robot holds everything after a boot."""
+    arm_edge: int = 0
+    """Where the arm goes on after a boot (`palmbots.drivers.arm.ArmMotion.edge`)."""
 
     def booted(self) -> Self:
         """The state to store at a boot.

@@ -55,4 +55,5 @@ def robot_program(
         carries=carries,
         stored_carries=state.carries,
         stored_stop=state.stop,
+        holds=state.holds,
     )

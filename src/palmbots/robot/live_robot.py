@@ -79,7 +79,9 @@ def run_live_robot(
         waits = Waiting(on_line)
         stack.callback(waits.end)
         waits.begin(hardware_text(pair, side))
-        driver = open_pair_driver(pair, side, scene, epoch=state.epoch, rate=rate)
+        driver = open_pair_driver(
+            pair, side, scene, epoch=state.epoch, rate=rate, arm_edge=state.arm_edge
+        )
         stack.enter_context(contextlib.closing(driver))
         stride = to_spec(scene).robots[SIDES.index(side)].stride
         clock = control_clock(side, scene.control.period_s / rate, stride)
@@ -223,7 +225,7 @@ def core_settings(
         "travel": ticks(travel_s) if travel_s > 0 else 0,  # 0: the driver measures the distance
         "stopping_limit": ticks(stopping_limit_s(scene)),
         "most_overruns": _MOST_OVERRUNS,
-        "has_radio": entry.uses_radio,
+        "has_radio": entry.uses_radio or to_spec(scene).uses_floor,
         "rejoins": limits.after_reboot == "rejoin",
         "stops_without_station": limits.station_lost == "stop",
         "stops_without_partner": limits.partner_lost == "stop",

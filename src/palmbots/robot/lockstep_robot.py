@@ -56,7 +56,13 @@ class LockstepWorld:
     def read(self) -> Reading | None:
         """What the world shows; None: the carry is over."""
         seen = self._input
-        return None if seen is None else Reading(seen.sign, seen.palm_at_target, math.nan)
+        if seen is None:
+            return None
+        touches, arm_there, far_enough, steps, beneath = seen.senses
+        return Reading(
+            seen.sign, seen.palm_at_target, math.nan, has_contact=touches, arm_there=arm_there,
+            arm_steps=steps, far_enough=far_enough, beneath=beneath,
+        )  # fmt: skip
 
     def receive(self) -> list[bytes]:
         """The packets of this tick."""

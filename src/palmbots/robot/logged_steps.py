@@ -33,6 +33,9 @@ READING: dict[str, Any] = {
     "battery_mv": 0xFFFF,
     "progress": 0,
     "stopping": 0,
+    "arm_there": False,
+    "arm_steps": 0,
+    "beneath": False,
 }
 """The arguments of the core's Reading that have a default."""
 
@@ -88,7 +91,9 @@ class RobotLog:
         if self._log is None:
             return
         self._log_tick()
-        facts = (self._number, elapsed, values, robot.mode, robot.fault, robot.wheels)
+        facts = (
+            self._number, elapsed, values, robot.phase, robot.mode, robot.fault, robot.wheels,
+        )  # fmt: skip
         arrived = list(zip(packets, robot.judged, strict=True))
         self._withheld = []
         fill = partial(self._message, facts, arrived, answer, self._withheld)
@@ -108,7 +113,7 @@ class RobotLog:
     def _message(
         self, facts: tuple[Any, ...], arrived: Sequence[Any], answer: Any, withheld: list[int]
     ) -> Any:
-        number, elapsed, values, mode, fault, wheels = facts
+        number, elapsed, values, phase, mode, fault, wheels = facts
         palm, move, rests, sent, case, *_, assists = answer
         return RobotTick(
             number=number,
@@ -123,6 +128,7 @@ class RobotLog:
             wheels=wheels,
             case=chr(case),
             assists=assists,
+            phase=phase,
             mode=mode,
             fault=fault,
             sent=[self._retagged(data) for _, data, _ in sent],

@@ -20,16 +20,21 @@ class Odometry:
         self._goal_m = goal_m
         self._step_m = max(_LEAST_STEP_M, goal_m / _STEPS)
         self._start_m: float | None = None
+        self._newest_m = 0.0
         self._resumed_m = resumed_m
         self.covered_m = 0.0
         """Distance that the carry has covered."""
 
-    def take(self, distance_m: float, carries: bool) -> None:
-        """The driver counts this distance; `carries`: after the last step the wheels may turn."""
+    def take(self, distance_m: float, carries: bool, counts: bool = True) -> None:
+        """The driver counts this distance; `carries`: after the last step the wheels may turn.
+        Without `counts` they turn for something else than to cover the distance."""
         if self._start_m is None:  # the first reading after a boot
             self._start_m = distance_m - (self._resumed_m or 0.0)
         elif not carries:
             self._start_m = distance_m
+        elif not counts:
+            self._start_m += distance_m - self._newest_m
+        self._newest_m = distance_m
         self.covered_m = distance_m - self._start_m
 
     @property

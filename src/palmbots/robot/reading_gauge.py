@@ -51,11 +51,13 @@ class ReadingGauge:
         """The covered distance, for a carry that goes on after a boot."""
         return self._odometry.to_store_m if self.has_encoders else 0.0
 
-    def take(self, seen: Reading, *, carries: bool, **others: Any) -> dict[str, Any]:
+    def take(
+        self, seen: Reading, *, carries: bool, counts: bool = True, **others: Any
+    ) -> dict[str, Any]:
         """The arguments of the core's `Reading`; `carries`: after the last step the wheels may
-        turn."""
+        turn; `counts`: what the robot moves counts as a part of the distance."""
         if self.has_encoders:
-            self._odometry.take(seen.distance_m, carries)
+            self._odometry.take(seen.distance_m, carries, counts)
         battery_v = seen.battery_v
         battery_mv = _NOT_MEASURED if battery_v is None else min(round(1000 * battery_v), _MOST_MV)
         return {
@@ -64,8 +66,11 @@ class ReadingGauge:
             "contact": seen.has_contact,
             "battery_ok": battery_v is None or battery_v >= self._hardware.battery_low_v,
             "battery_mv": max(0, battery_mv),
-            "covered": self._odometry.is_covered,
+            "covered": self._odometry.is_covered or seen.far_enough,
             "progress": round(65535 * self._odometry.share),
             "stopping": self._stopping,
+            "arm_there": seen.arm_there,
+            "arm_steps": seen.arm_steps,
+            "beneath": seen.beneath,
             **others,
         }

@@ -10,7 +10,7 @@ import contextlib
 import gc
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol, get_args
 
 import palmbots._core as _core
@@ -26,6 +26,7 @@ from palmbots.pair.stored_state import StoredState
 from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 from palmbots.wire import Role, Verdict
 from palmbots.wire.packets import ROLES
 
@@ -123,18 +124,20 @@ class RobotLoop:
         self._start, self._driver, self._link, self.clock = start, driver, link, clock
         self._keeper, self._gauge, self._watch, self._on_line = keeper, gauge, watch, on_line
         self._drives = drive_table(scene, side)
+        self._has_arms = to_spec(scene).uses_floor
         self._period_s = scene.control.period_s
         self._watchdog, self._last_ticks = watchdog, last_ticks
         self._ticks = self._epoch = 0
         self._statistics = PacketStatistics(side)
         self._may_resume = False
+        self._arm_edge = 0
         self.robot: Any = None
         """The core's program."""
         self._log: RobotLog | None = None
 
     def start(self, state: StoredState, *, may_resume: bool = True) -> None:
         """Start the program, with a log of its own; `may_resume`: a stored carry goes on."""
-        self._epoch, self._may_resume = state.epoch, may_resume
+        self._epoch, self._may_resume, self._arm_edge = state.epoch, may_resume, state.arm_edge
         self._carries = state.carries and may_resume
         self.close()
         self.robot, self._log = self._start(state)
@@ -162,9 +165,11 @@ class RobotLoop:
         seen = self._read()
         if seen is None:
             return False
+        self._arm_edge = seen.arm_edge
         values = self._gauge.take(
             seen,
             carries=self._carries,
+            counts=self.robot.phase in ("", "carry"),
             driver_ok=works(self._driver),
             storage_ok=self._keeper.works,
             overruns=min(self.clock.recent_overruns, 0xFFFF),
@@ -229,8 +234,16 @@ class RobotLoop:
                 lost = {"sign": 0, "palm_at_target": False, "driver_ok": False}
                 for receiver, data, _ in self._decide(1, lost, [])[3]:
                     self._link.send(ROLES[receiver], data)
-            self._keeper.keep(StoredState(self._epoch, False, *self.robot.to_store))
+            self._keeper.keep(self._stored(False, 0.0))
             raise
+
+    def _stored(self, assists: bool, covered_m: float) -> StoredState:
+        """What the robot has to remember over a boot."""
+        carries, is_stopped = self.robot.to_store
+        return StoredState(
+            self._epoch, assists, carries, is_stopped, covered_m if carries else 0.0,
+            self.robot.holds, self._arm_edge,
+        )  # fmt: skip
 
     def _decide(self, elapsed: int, values: dict[str, Any], packets: list[bytes]) -> Any:
         """A step of the core's program, logged."""
@@ -243,10 +256,10 @@ class RobotLoop:
         """Store, drive and send what the core has decided."""
         assert self._log is not None
         palm, move, stop, packets, *_, assists = answer
-        carries, is_stopped = self.robot.to_store
-        covered_m = self._gauge.to_store_m if carries else 0.0
-        self._keeper.keep(StoredState(self._epoch, assists, carries, is_stopped, covered_m))
+        self._keeper.keep(self._stored(assists, self._gauge.to_store_m))
         drive = self._drives[palm, move, stop, self.robot.wheels]
+        if self._has_arms:
+            drive = replace(drive, arm=self.robot.arm)
         self._driver.write(drive)
         if self.clock.is_stepped:
             self._keeper.settle()
@@ -254,7 +267,7 @@ class RobotLoop:
             # What the partner relies on after a boot is stored before it is said. A robot that
             # does not carry promises nothing, and must pass on a stop at once.
             if receiver == 2 or self._keeper.is_done or not self.robot.wheels:
-                self._statistics.note_sent(ROLES[receiver], stamp)
+                self._statistics.note_sent(ROLES[receiver], stamp, data)
                 self._link.send(ROLES[receiver], data)
             else:
                 self._log.withhold(receiver)

@@ -57,8 +57,8 @@ class FateRows:
     interval_s: float
     kind: int
     """0: only losses, 1: delays beyond the latency of the scene, 2: whole delays."""
-    delays_s: Floats
-    """−1: lost."""
+    delays_s: Any
+    """Of each packet [s]; −1: lost."""
 
 
 def traces_of(scene: Scene) -> dict[str, str]:
@@ -94,9 +94,18 @@ def put_traces(spec: _core.Spec, scene: Scene) -> None:
                 spec.replay_errors(index, rows.segments, rows.times_s, rows.errors_m, rows.gains)
             except ValueError as error:
                 raise SceneError(f"{key}: {files[key]}: {error}") from None
-    if (key := "radio.trace") in files:
-        fates = _read(key, files[key], _fates)
+    if (fates := fates_of(scene)) is not None:
         spec.replay_fates(fates.interval_s, fates.kind, fates.delays_s)
+
+
+def fates_of(scene: Scene) -> FateRows | None:
+    """The recorded packets that a scene replays; None: it replays none.
+
+    Raises:
+        SceneError: the file cannot be read, or is no such recording.
+    """
+    name = traces_of(scene).get("radio.trace")
+    return None if name is None else _read("radio.trace", name, _fates)
 
 
 def _read(key: str, name: str, reader: Any) -> Any:

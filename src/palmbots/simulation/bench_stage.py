@@ -11,6 +11,7 @@ from typing import Any
 from palmbots._types import SIDES, Side
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 from palmbots.simulation.imperfect_robot import ImperfectRobot
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.simulation.world_stage import RawStage, raw_frame
@@ -45,6 +46,7 @@ class BenchStage(RawStage):
     def __init__(self, scene: Scene, seed: int, imperfections: Imperfections) -> None:
         super().__init__(imperfections)
         self._period_s = scene.control.period_s
+        self._has_arms = to_spec(scene, unrolled=True).uses_floor
         self._separations = {side: imperfections.of(side).wheel_separation_m for side in SIDES}
         self.robots = {
             side: ImperfectRobot(imperfections.of(side), scene, side, seed) for side in SIDES
@@ -71,7 +73,7 @@ class BenchStage(RawStage):
 
     def move(self, side: Side, command: RawCommand) -> None:
         """One control period of one robot."""
-        palm = self.robots[side].palm_rad
+        before = (self.robots[side].palm_rad, self.robots[side].pivot_m)
         one, other = self.robots[side].move(command)
         t, pose = self._period_s, self.poses[side]
         turn = (other - one) / self._separations[side] * t
@@ -81,7 +83,8 @@ class BenchStage(RawStage):
         pose.heading += turn
         a, b = self._rolled[side]
         self._rolled[side] = (a + one * t, b + other * t)
-        self.moves[side] = one != 0 or other != 0 or self.robots[side].palm_rad != palm
+        now = (self.robots[side].palm_rad, self.robots[side].pivot_m)
+        self.moves[side] = one != 0 or other != 0 or now != before
 
     def put_down(self, side: Side, pose: Pose | None = None) -> None:
         """Put a robot at the start of the tape."""
@@ -90,7 +93,8 @@ class BenchStage(RawStage):
     def measured(self, side: Side) -> str:
         """What a person reads off a tape to 1 mm, and off a protractor to 0.5°."""
         pose, palm_deg = self.poses[side], math.degrees(self.robots[side].palm_rad)
+        arm = f", pivot at {1000 * self.robots[side].pivot_m:.0f} mm" if self._has_arms else ""
         return (
             f"{side}: {1000 * pose.ahead_m:.0f} mm along, {1000 * pose.left_m:.0f} mm to the left, "
-            f"palm {round(2 * palm_deg) / 2:g}°"
+            f"palm {round(2 * palm_deg) / 2:g}°{arm}"
         )

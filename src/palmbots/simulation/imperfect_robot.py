@@ -10,6 +10,7 @@ import math
 
 from palmbots._core import WheelErrors
 from palmbots._types import SIDES, Side
+from palmbots.drivers.arm import arm_shape
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.scene.robot_section import Zone
 from palmbots.scene.scene import Scene
@@ -61,6 +62,9 @@ class ImperfectRobot:
         """What one radian of each wheel really covers [m]."""
         self.palm_rad = math.radians(palm.steep_deg)
         """Where the servo turns the palm [rad]."""
+        self._arm = arm_shape(scene, side)
+        self.pivot_m = self._arm.floors_m[0]
+        """Height of the pivot over the floor."""
 
     @property
     def battery_v(self) -> float:
@@ -95,7 +99,19 @@ class ImperfectRobot:
             for rim, rate in zip(self.rims, self._rates, strict=True)
         )
         self._turn(command.servo_rad)
+        self._raise(command.arm_rad)
         return left, right
+
+    def _raise(self, arm_rad: float | None) -> None:
+        if arm_rad is None:
+            return
+        params, arm = self._params, self._arm
+        way = params.arm_top_deg - params.arm_floor_deg
+        share = (math.degrees(arm_rad) - params.arm_floor_deg) / way
+        target = arm.floors_m[0] + share * (arm.top_m - arm.floors_m[0])
+        most = arm.rate_m_s * self._period_s
+        moved = max(self.pivot_m - most, min(self.pivot_m + most, target))
+        self.pivot_m = max(moved, arm.floors_m[0])
 
     def _turn(self, servo_rad: float | None) -> None:
         if servo_rad is None:

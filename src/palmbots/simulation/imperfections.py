@@ -62,6 +62,10 @@ class ImperfectionParameters(Section):
     """Turn of the servo over the turn of the palm."""
     servo_reports: Switch = False
     """The servo reports its angle."""
+    arm_floor_deg: ServoAngle = 30.0
+    """Angle of the arm's servo at which the nose of the steep palm is on the floor."""
+    arm_top_deg: ServoAngle = 150.0
+    """Angle of the arm's servo at which the pivot is at arm.carry_height_m of the scene."""
     switches: Switches | None = None
     """The switches of the palm, as hardware.switches. Not set: the zones of the scene."""
     battery_v: Voltage = 8.0
@@ -89,6 +93,9 @@ class ImperfectionParameters(Section):
         if abs(self.servo_scale) < 0.01:
             allowed = "a number, at least 0.01, or at most -0.01"
             raise field_error(self.servo_scale, "is too close to 0", allowed, "servo_scale")
+        if self.arm_floor_deg == self.arm_top_deg:
+            allowed = f"a number in degrees that is not {self.arm_floor_deg:g}"
+            raise field_error(self.arm_top_deg, "is arm_floor_deg", allowed, "arm_top_deg")
         return self
 
 

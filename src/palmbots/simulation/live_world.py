@@ -24,7 +24,7 @@ from palmbots.simulation.carry_ends import reason_text
 from palmbots.simulation.entrance import Entrance
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.simulation.unavoidable_drops import left_palm_unavoidably
-from palmbots.simulation.world_stage import ImperfectStage, PerfectStage, Stage
+from palmbots.simulation.world_stage import ImperfectStage, Stage, perfect_stage
 
 _ALONE_S = 3.0
 _REMEMBERED_S = 60.0
@@ -219,7 +219,7 @@ def run_live_world(
     """
     stage: Stage
     if imperfections is None:
-        stage = PerfectStage(scene, world, seed)
+        stage = perfect_stage(scene, world, seed)
     else:
         stage = ImperfectStage(scene, world, seed, imperfections)
     period_s = scene.control.period_s
@@ -250,7 +250,8 @@ def run_live_world(
     robots.end()
     distance_m = abs(stage.midpoint)
     outcome = "dropped" if stage.outcome == "dropped" else "stopped"
-    if outcome == "stopped" and distance_m >= _DELIVERED_SHARE * scene.task.distance_m:
+    is_far = distance_m >= _DELIVERED_SHARE * scene.task.distance_m
+    if outcome == "stopped" and is_far and stage.is_put_down:
         outcome = "delivered"
     avoidable = reason = None
     if outcome == "dropped":

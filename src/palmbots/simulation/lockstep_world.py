@@ -47,11 +47,11 @@ class Programs:
         given = dict(zip(ENDS, inputs, strict=True))
         for end, value in given.items():
             if value is not None:
-                elapsed, sign, palm_at_target, boots, packets = value
+                elapsed, sign, palm_at_target, boots, packets, senses = value
                 if boots:
                     self._reboot(end)
-                frame = [elapsed, sign, palm_at_target, [data.hex() for data in packets]]
-                self._programs[end].send(frame)
+                arrived = [data.hex() for data in packets]
+                self._programs[end].send([elapsed, sign, palm_at_target, arrived, senses])
         return [None if value is None else self._answer(end) for end, value in given.items()]
 
     def close(self) -> None:

@@ -6,17 +6,22 @@
 """
 
 import math
+from dataclasses import replace
 from typing import Any, Protocol
 
+import palmbots._core as _core
 from palmbots._types import SIDES
+from palmbots.drivers.arm import ARM_WORDS, FOLLOWS, HOLDS, refuse_stands
 from palmbots.drivers.driver import RawCommand, RawReading
-from palmbots.errors import PalmbotsError
+from palmbots.errors import PalmbotsError, SceneError
 from palmbots.links.local_connection import ConnectionLost
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
 from palmbots.simulation.driven_world import DrivenWorld, as_built
 from palmbots.simulation.episode import begin_episode
 from palmbots.simulation.imperfect_robot import REST, ImperfectRobot
 from palmbots.simulation.imperfections import Imperfections
+from palmbots.simulation.prepare import prepare
 from palmbots.simulation.worlds import world_entry
 
 # The world goes on until the robots stop: neither distance nor time ends it.
@@ -39,6 +44,11 @@ class Stage(Protocol):
     @property
     def contacts(self) -> tuple[float, float]:
         """The contact coordinates p after the last step [m]."""
+        ...
+
+    @property
+    def is_put_down(self) -> bool:
+        """The object is where it is to be at the end, as far as the height is concerned."""
         ...
 
     def drop_reason(self) -> str | None:
@@ -79,6 +89,7 @@ class PerfectStage:
         self._start_m = self._carry.sight().separation
         self.midpoint = 0.0
         self.contacts: tuple[float, float] = (0.0, 0.0)
+        self.is_put_down = True
 
     @property
     def outcome(self) -> str:
@@ -121,6 +132,97 @@ class PerfectStage:
         _, _, _, self.midpoint, self.contacts = self._carry.step((*left[:2], 0), (*right[:2], 0), 1)
 
 
+class FloorStage:
+    """The robots of a scene whose job begins or ends on the floor. Their commands are those of a
+    controller, and what the arm does."""
+
+    def __init__(self, scene: Scene, world: str, seed: int) -> None:
+        refuse_live_floor(scene, world)
+        prepared = prepare(load_scene(scene, _ENDLESS), "none", world)
+        self._job = _core.FloorEpisode(prepared.spec, seed)
+        self._ends_low = scene.task.to == "floor"
+        self._low = getattr(scene.task, "from") == "floor"
+
+    @property
+    def midpoint(self) -> float:
+        """Displacement of the midpoint of the robots [m]."""
+        return self._job.midpoint
+
+    @property
+    def outcome(self) -> str:
+        """``running``, or how it has ended."""
+        return self._job.outcome
+
+    @property
+    def contacts(self) -> tuple[float, float]:
+        """The contact coordinates p after the last step [m]."""
+        return self._job.contacts
+
+    @property
+    def is_put_down(self) -> bool:
+        """The object is on the floor alone, if that is what the job is for."""
+        return self._job.stands or not self._ends_low
+
+    @property
+    def moved_m(self) -> float:
+        """Displacement of the centre of mass."""
+        return self._job.moved
+
+    @property
+    def heights_m(self) -> tuple[float, float]:
+        """Heights of the pivots over the floor."""
+        return self._job.heights
+
+    def drop_reason(self) -> str | None:
+        """The reason of a drop, by its name in results."""
+        reason = self._job.reason
+        return None if reason is None else str(reason)
+
+    def greeting(self, side: int) -> list[Any]:
+        """Nothing."""
+        return []
+
+    def frames(self) -> tuple[Any, Any]:
+        """Sign, whether the palm is turned, the distance that the robot has moved, whether
+        something presses the palm, what the arm does, whether it has done that, and its steps."""
+        left, right = ([*values] for values in self._job.seen)
+        return left, right
+
+    def command_in(self, frame: Any) -> tuple[int, int, bool, int]:
+        """Palm, move, stop and arm."""
+        if isinstance(frame, list) and [type(value) for value in frame] == [int, int, bool, int]:
+            palm, move, stop, arm = frame
+            if palm in (0, 1) and move in (0, 1, 2) and arm in range(len(ARM_WORDS)):
+                return palm, move, stop, arm
+        raise ConnectionLost("a program: sends no commands")
+
+    def rest(self, command: tuple[int, int, bool, int] | None) -> tuple[int, int, bool, int]:
+        """Stop; the palm stays, and an arm that is up holds."""
+        if command is None:
+            return 0, 0, True, FOLLOWS if self._low else HOLDS
+        return command[0], 0, True, FOLLOWS if command[3] == FOLLOWS else HOLDS
+
+    def step(self, left: tuple[int, int, bool, int], right: tuple[int, int, bool, int]) -> None:
+        """One control period."""
+        self._job.step(left, right)
+
+
+def perfect_stage(scene: Scene, world: str, seed: int) -> PerfectStage | FloorStage:
+    """The robots of a scene."""
+    return (FloorStage if to_spec(scene).uses_floor else PerfectStage)(scene, world, seed)
+
+
+def refuse_live_floor(scene: Scene, world: str) -> None:
+    """Raise `SceneError` for a job on the floor in a world whose robots have arms in lockstep
+    only."""
+    refuse_stands(scene)
+    if to_spec(scene).uses_floor and world != "quasistatic":
+        raise SceneError(
+            f"task.from, task.to: a job on the floor runs in real time in the quasistatic world "
+            f"only; --world is {world}; allowed: quasistatic, or --lockstep"
+        )
+
+
 def raw_frame(reading: RawReading) -> list[Any]:
     """A reading of the hardware as a frame."""
     counts = None if reading.wheel_counts is None else [*reading.wheel_counts]
@@ -134,6 +236,8 @@ class RawStage:
         imperfections: what the robots really are.
     """
 
+    is_put_down = True
+
     def __init__(self, imperfections: Imperfections) -> None:
         self._clocks = [1 + 1e-6 * imperfections.of(side).clock_ppm for side in SIDES]
 
@@ -142,16 +246,17 @@ class RawStage:
         return ["clock", self._clocks[side]]
 
     def command_in(self, frame: Any) -> RawCommand:
-        """The rates of both wheels, and the angle of the servo or null."""
-        if isinstance(frame, list) and len(frame) == 4 and frame[0] == "raw":
-            *wheels, servo = frame[1:]
-            if all(_is_number(value) for value in wheels) and (servo is None or _is_number(servo)):
-                return RawCommand((float(wheels[0]), float(wheels[1])), servo)
+        """The rates of both wheels, and the angles of the servos of palm and arm or null."""
+        if isinstance(frame, list) and len(frame) == 5 and frame[0] == "raw":
+            left, right, *servos = frame[1:]
+            are_numbers = all(servo is None or _is_number(servo) for servo in servos)
+            if _is_number(left) and _is_number(right) and are_numbers:
+                return RawCommand((float(left), float(right)), *servos)
         raise ConnectionLost("a program: sends no commands")
 
     def rest(self, command: RawCommand | None) -> RawCommand:
         """Stop the wheels; the servo keeps its angle."""
-        return REST if command is None else RawCommand((0.0, 0.0), command.servo_rad)
+        return REST if command is None else replace(REST, servo_rad=command.servo_rad)
 
 
 def _is_number(value: Any) -> bool:

@@ -46,7 +46,7 @@ class FaultWatch:
         }
         self._refused: dict[str, deque[float]] = {}
         self._said_s: dict[str, float] = {}
-        self._progress: dict[Side, tuple[int, RobotMode]] = {}
+        self._progress: dict[tuple[Side, str], tuple[int, RobotMode]] = {}
         self._moved_s = now_s
         self._clock_from: dict[Side, tuple[float, tuple[int, int]]] = {}
         self._clock_said: set[Side] = set()
@@ -103,13 +103,13 @@ class FaultWatch:
         return lines
 
     def _note_progress(self, side: Side, status: Status, now_s: float) -> None:
-        if status.item != "progress":
+        if status.item not in ("progress", "phase"):
             return
-        new = (status.value, status.mode)
-        if self._progress.get(side) != new:
-            if self._progress.get(side, (None,))[0] != status.value:
+        of, new = (side, status.item), (status.value, status.mode)
+        if self._progress.get(of) != new:
+            if self._progress.get(of, (None,))[0] != status.value:
                 self._moved_s = now_s
-            self._progress[side] = new
+            self._progress[of] = new
 
     def _refusal_lines(self, verdict: Verdict, now_s: float) -> list[str]:
         reasons = {"bad_tag": "signed with another key", "wrong_pair": "of another pair"}

@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import palmbots._core as _core
 from palmbots.links.packet_statistics import EndStatistics
 from palmbots.pair.fault_words import fault_line
 from palmbots.wire import Packet, Status
@@ -13,7 +14,8 @@ LOST_AFTER_S = 1.0
 _NOT_MEASURED = 0xFFFF
 _MANY_OVERRUNS = 5
 _MUCH_LOSS = 0.1
-_NUMBERS = ("progress", "battery", "overruns")
+_NUMBERS = ("progress", "battery", "overruns", "phase")
+_PHASES = (*_core.lift_states,)
 
 
 @dataclass
@@ -75,6 +77,12 @@ class RobotView:
         value = self._numbers.get("battery", _NOT_MEASURED)
         return None if value == _NOT_MEASURED else value / 1000
 
+    @property
+    def phase(self) -> str:
+        """The phase of a job on the floor; empty: it is none, or not known yet."""
+        value = self._numbers.get("phase", _NOT_MEASURED)
+        return _PHASES[value] if value < len(_PHASES) else ""
+
     def frame(self, now: float) -> dict[str, Any] | None:
         """The same for a screen; None: the robot has never been heard."""
         status = self.status
@@ -92,6 +100,7 @@ class RobotView:
             "at_rest": status.at_rest,
             "stop": status.stop,
             "progress": self.progress,
+            "phase": self.phase,
             "battery_v": self.battery_v,
             "overruns": self._numbers.get("overruns"),
             "loss": self.link.loss(now),

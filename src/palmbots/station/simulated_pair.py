@@ -28,7 +28,7 @@ from palmbots.robot.robot_loop import RobotEnd, RobotLoop
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.simulation.live_world import Board
-from palmbots.simulation.world_stage import ImperfectStage, PerfectStage, Stage
+from palmbots.simulation.world_stage import ImperfectStage, Stage, perfect_stage
 from palmbots.station.carry_script import carry_once
 from palmbots.station.station import PERIOD_S, Station
 from palmbots.station.station_log import StationLog
@@ -149,6 +149,7 @@ class SimulatedPair:
         imperfections: what the robots really are; None: they are as in the scene.
         hardware: what each robot's program takes its hardware for, if it is imperfect.
         logs: whether robots and station log.
+        scene: of the carry.
     """
 
     def __init__(
@@ -164,8 +165,9 @@ class SimulatedPair:
         imperfections: Imperfections | None = None,
         hardware: Mapping[Side, HardwareParameters] | None = None,
         logs: bool = False,
+        scene: str = "paper",
     ) -> None:
-        self.scene = load_scene("paper", {"task.distance_m": 0.3, **(overrides or {})})
+        self.scene = load_scene(scene, {"task.distance_m": 0.3, **(overrides or {})})
         (folder / "scene.toml").write_text(self.scene.to_toml())
         file = folder / "pair.toml"
         init_pair(file, scene="scene.toml", controller=controller, values=dict(values or {}))
@@ -174,7 +176,7 @@ class SimulatedPair:
         watchdog = round(self.scene.control.watchdog_s / self.period_s)
         self.stage: Stage
         if imperfections is None:
-            self.stage = PerfectStage(self.scene, world, seed)
+            self.stage = perfect_stage(self.scene, world, seed)
         else:
             self.stage = ImperfectStage(self.scene, world, seed, imperfections)
         self._boards: dict[Side, Board] = {

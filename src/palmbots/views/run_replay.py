@@ -201,6 +201,7 @@ def _program(log: RunLog) -> Any:
             settings=_core.runtime.RuntimeSettings(**facts["settings"]),
             stored_carries=state["carries"],
             stored_stop=state["stop"],
+            holds=state["holds"],
         )
     except PalmbotsError as error:
         raise PalmbotsError(f"{log.path}: cannot be verified: {error}") from None
@@ -224,6 +225,7 @@ def _difference(robot: Any, tick: Any) -> str | None:
         "rests": rests,
         "case": chr(case),
         "assists": assists,
+        "phase": robot.phase,
         "mode": robot.mode,
         "fault": robot.fault,
         "wheels": robot.wheels,

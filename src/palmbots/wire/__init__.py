@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from palmbots.wire.bodies import MessageName as MessageName
     from palmbots.wire.bodies import Operate as Operate
     from palmbots.wire.bodies import Operation as Operation
+    from palmbots.wire.bodies import Phase as Phase
     from palmbots.wire.bodies import Report as Report
     from palmbots.wire.bodies import RobotMode as RobotMode
     from palmbots.wire.bodies import State as State

@@ -16,21 +16,23 @@ Verdict: TypeAlias = _core.wire.Verdict
 """The verdict on received bytes."""
 Language: TypeAlias = _core.wire.Language
 """The language of a controller: `messages` of Table 2, `beacons` of the resilient algorithm,
-`signs` of a controller that shares signs; `none`: it says nothing."""
+`signs` of a controller that shares signs, `phases` of the table of a job on the floor; `none`: it
+says nothing."""
 MessageName: TypeAlias = _core.wire.MessageName
-"""What a controller says. `messages` has the first three names, `beacons` the first five, `signs`
-the others."""
+"""What a controller or the table of a job on the floor says. `messages` has the first three names,
+`beacons` the first five, `signs` the next five, `phases` the others."""
 RobotMode: TypeAlias = _core.wire.RobotMode
 """The mode of a robot."""
 FaultCode: TypeAlias = _core.wire.FaultCode
 """Why a robot does not carry."""
 Operation: TypeAlias = _core.wire.Operation
 """What the operator wants."""
-StatusItem = Literal["progress", "battery", "overruns", "sent"] | Verdict
+StatusItem = Literal["progress", "battery", "overruns", "sent", "phase"] | Verdict
 """A number that takes its turn in the status: `progress` is the covered part of the distance times
 65535, `battery` is in mV (65535: not measured), and `overruns` is how many of the last 100 ticks
-came too late. All others are counts modulo 65536: packets sent, and packets received with each
-verdict."""
+came too late. `phase` is the number of the state of a job on the floor (65535: it is none), in the
+order of `palmbots.simulation.floor_job.MEANINGS`. All others are counts modulo 65536: packets sent,
+and packets received with each verdict."""
 
 # In the order of the core's numbers.
 _LANGUAGES: tuple[Language, ...] = _core.wire.languages
@@ -41,6 +43,7 @@ _OPERATIONS: tuple[Operation, ...] = _core.wire.operations
 STATUS_ITEMS: tuple[StatusItem, ...] = (*_core.wire.status_numbers, *_core.wire.verdicts)
 _CASES = tuple(_core.wire.cases)
 _SIGNS: tuple[Literal[-1, 0, 1], ...] = (-1, 0, 1)
+_STEPS: tuple[Literal[0, 1, 2, 3], ...] = (0, 1, 2, 3)
 _MESSAGES_OF: dict[str, tuple[MessageName, ...]] = {
     language: tuple(said for m, said in enumerate(_MESSAGES) if _core.wire.has_message(k, m))
     for k, language in enumerate(_LANGUAGES)
@@ -68,6 +71,18 @@ class State:
     """No condition of the controller keeps the robot from travelling."""
     at_rest: bool = False
     """The robot does not travel."""
+    stop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """What a robot sends to its partner in a job on the floor, beside its state."""
+
+    message: MessageName
+    """What its table says (`control/lifting.hpp`)."""
+    mode: RobotMode = "carrying"
+    steps: Literal[0, 1, 2, 3] = 0
+    """The steps of its arm above the height on the floor, modulo 4."""
     stop: bool = False
 
 
@@ -125,7 +140,7 @@ class Command:
     stop: bool = False
 
 
-Body = Hello | State | Status | Operate | Report | Command
+Body = Hello | State | Status | Operate | Report | Command | Phase
 """Content of a packet."""
 
 # In the order of the core's kinds of packets.
@@ -142,7 +157,7 @@ def payload_of(body: Body) -> bytes:
         case Hello():
             return _core.wire.hello(whole("settings", body.settings, 0, 2**32 - 1), bool(body.stop))
         case State():
-            language = index("language", _LANGUAGES, body.language)
+            language = index("language", _LANGUAGES[:-1], body.language)
             index(f"message of {body.language}", _MESSAGES_OF[body.language], body.message)
             return _core.wire.state(
                 language,
@@ -150,6 +165,17 @@ def payload_of(body: Body) -> bytes:
                 index("mode", _MODES, body.mode),
                 bool(body.ready),
                 bool(body.at_rest),
+                bool(body.stop),
+            )
+        case Phase():
+            index("message of phases", _MESSAGES_OF["phases"], body.message)
+            steps = index("steps", _STEPS, body.steps)
+            return _core.wire.state(
+                _LANGUAGES.index("phases"),
+                _MESSAGES.index(body.message),
+                index("mode", _MODES, body.mode),
+                bool(steps & 2),
+                bool(steps & 1),
                 bool(body.stop),
             )
         case Status():
@@ -192,6 +218,9 @@ def body_of(kind: int, payload: bytes) -> Body:
         case "State":
             language, message, mode, *flags = _core.wire.state_of(payload)
             return State(_LANGUAGES[language], _MESSAGES[message], _MODES[mode], *flags)
+        case "Phase":
+            _, message, mode, high, low, stop = _core.wire.state_of(payload)
+            return Phase(_MESSAGES[message], _MODES[mode], _STEPS[2 * high + low], stop)
         case "Status":
             mode, fault, sign, palm, at_target, case, item, value, *flags = _core.wire.status_of(
                 payload

@@ -195,8 +195,8 @@ def _check_talk(sender: Role, receiver: Role, kind: Kind) -> None:
     index("sender", ROLES, sender)
     to: tuple[Role, ...] = tuple(role for role in ROLES if role != sender)
     match kind:
-        case "state":
-            index("sender of a state", SIDES, sender)
+        case "state" | "phase":
+            index("sender of a " + kind, SIDES, sender)
             to = tuple(role for role in to if role != "station")
         case "status" | "report":
             index("sender of a " + kind, SIDES, sender)

@@ -79,6 +79,7 @@ void arming_needs_every_check() {
   refused([](ModeInputs& in) { in.storage_ok = false; }, FaultCode::storage);
   refused([](ModeInputs& in) { in.preflight.contact = false; }, FaultCode::contact);
   refused([](ModeInputs& in) { in.preflight.palm = false; }, FaultCode::palm);
+  refused([](ModeInputs& in) { in.preflight.arm = false; }, FaultCode::arm);
   refused([](ModeInputs& in) { in.preflight.battery = false; }, FaultCode::battery);
   refused([](ModeInputs& in) { in.preflight.settings = false; }, FaultCode::settings);
   refused([](ModeInputs& in) { in.preflight.stopping = 11; }, FaultCode::stopping);
@@ -151,6 +152,12 @@ void each_end_of_a_carry() {
   ended([](ModeInputs& in) { in.order(Operation::disarm, true); }, RobotMode::disarmed);
   ended([](ModeInputs& in) { in.covered = true; }, RobotMode::done);
   ended([](ModeInputs& in) { in.partner.mode = RobotMode::done; }, RobotMode::done);
+  ended([](ModeInputs& in) { in.failed = true; }, RobotMode::fault, FaultCode::job);
+  ModeInputs alone = good();
+  alone.partner.mode = RobotMode::done;
+  alone.ends_alone = true;  // a job on the floor
+  ModeMachine goes_on = carrying();
+  CHECK(goes_on.step(alone).wheels);
   ended([](ModeInputs& in) { in.driver_ok = false; }, RobotMode::fault, FaultCode::driver);
   ended([](ModeInputs& in) { in.overruns = 4; }, RobotMode::fault, FaultCode::overrun);
   ended([](ModeInputs& in) { in.storage_ok = false; }, RobotMode::fault, FaultCode::storage);

@@ -53,8 +53,9 @@ struct Silent {
 // A robot on the left with its partner and a station, which hear everything.
 struct Ends {
   explicit Ends(const RuntimeSettings& settings, bool carries = false, StoredMode stored = {},
-                std::uint32_t epoch = 1)
-      : robot(identity_of(Role::left), epoch, Silent{}, Silent{true}, settings, stored, carries) {}
+                std::uint32_t epoch = 1, const PhaseSettings& phases = {}, bool holds = false)
+      : robot(identity_of(Role::left), epoch, Silent{}, Silent{true},
+              PhaseProgram(phases, epoch, holds), settings, stored, carries) {}
 
   void step(const Reading& reading = {}, std::uint16_t elapsed = 1) {
     robot.begin(elapsed);
@@ -128,6 +129,7 @@ void test_numbers_take_turns() {
       case wire::StatusItem::battery: CHECK(seen.value == 7400); break;
       case wire::StatusItem::overruns: CHECK(seen.value == 5); break;
       case wire::StatusItem::sent: CHECK(seen.value == sent); break;
+      case wire::StatusItem::phase: CHECK(seen.value == 0xFFFF); break;
       default: CHECK(seen.value == (static_cast<unsigned>(seen.item) == wrong ? tick : 0));
     }
     sent += static_cast<std::uint32_t>(ends.out.packet_count);

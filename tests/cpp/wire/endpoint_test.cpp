@@ -144,6 +144,25 @@ void test_an_end_that_is_behind_learns_its_epoch() {
   CHECK(station.session(Role::left).claimed_epoch() == 8);
 }
 
+// A state and a phase of one tick have the same number, and either may overtake the other.
+void test_phases_have_a_session_of_their_own() {
+  Acquainted ends;
+  const Payload phase = payload_of(State{Language::phases, palmbots::MessageKind::docking});
+  const auto verdict = [&](const Bytes& bytes) { return ends.right.receive(bytes).verdict; };
+  ends.left.skip_to(Role::right, 50);
+  ends.left.skip_to(Role::right, 50, PacketKind::phase);
+  const Bytes state = sent(ends.left, Role::right, PacketKind::state, request);
+  const Bytes first = sent(ends.left, Role::right, PacketKind::phase, phase);
+  const Bytes second = sent(ends.left, Role::right, PacketKind::phase, phase);
+  CHECK(get<std::uint32_t>(state, sequence_field) == 50);
+  CHECK(get<std::uint32_t>(first, sequence_field) == 50);
+  CHECK(verdict(second) == Verdict::no_session);  // no phase of the right end has been heard
+  CHECK(verdict(first) == Verdict::stale && verdict(state) == Verdict::accepted);
+  CHECK(ends.left.receive(sent(ends.right, Role::left, PacketKind::phase, phase)).verdict ==
+        Verdict::accepted);
+  CHECK(verdict(sent(ends.left, Role::right, PacketKind::phase, phase)) == Verdict::accepted);
+}
+
 void test_invalid_packets_are_not_sent() {
   Endpoint left(left_end, 1);
   Bytes bytes{};
@@ -325,6 +344,7 @@ int main(int argc, char** argv) {
   test_reflection_and_station();
   test_each_receiver_has_a_sequence_of_its_own();
   test_an_end_that_is_behind_learns_its_epoch();
+  test_phases_have_a_session_of_their_own();
   test_invalid_packets_are_not_sent();
   test_endpoint_without_numbers_stops_until_the_next_epoch();
   test_endpoint_in_epoch_zero_neither_sends_nor_accepts();

@@ -54,7 +54,8 @@ void test_every_packet_survives_encoding() {
 // `encode` takes exactly what can be said, and with a right tag `decode` calls all others malformed.
 void test_all_other_payloads_are_malformed() {
   const Packet good = all_sayings()[0];
-  const Payload bases[] = {{}, {0x11, 4, 0, 0, 2}, {0x26, 7, 0, 0, 1}, {4, 1, 2, 3, 0}};
+  const Payload bases[] = {
+      {}, {1, 0x14, 0, 0, 2}, {5, 0x27, 0, 0, 1}, {4, 1, 2, 3, 0}, {12, 0x44, 0, 0, 4}};
   std::size_t legal = 0;
   std::size_t malformed = 0;
   for (unsigned kind = 0; kind < 8; ++kind) {
@@ -127,8 +128,8 @@ constexpr Sign signs[] = {Sign::negative, Sign::zero, Sign::positive};
 constexpr bool no_or_yes[] = {false, true};
 
 void test_states_and_back() {
-  for (unsigned language = 0; language < 4; ++language) {
-    for (int message = 0; message < palmbots::message_kinds; ++message) {
+  for (unsigned language = 0; language < 5; ++language) {
+    for (int message = 0; message < palmbots::all_message_kinds; ++message) {
       for (unsigned mode = 0; mode < robot_modes; ++mode) {
         for (unsigned flags = 0; flags < 8; ++flags) {
           const State state{static_cast<Language>(language),
@@ -139,7 +140,10 @@ void test_states_and_back() {
                             (flags & 4) != 0};
           const Payload payload = payload_of(state);
           CHECK(state_of(payload) == state && passes_stop(payload) == state.stop);
-          CHECK(means(PacketKind::state, payload) == has_message(state.language, state.message));
+          const bool is_phase = state.language == Language::phases;
+          const bool has = has_message(state.language, state.message);
+          CHECK(means(PacketKind::state, payload) == (has && !is_phase));
+          CHECK(means(PacketKind::phase, payload) == (has && is_phase));
         }
       }
     }

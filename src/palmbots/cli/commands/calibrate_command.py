@@ -34,7 +34,7 @@ def calibrate(
     of the former file is kept beside it.
 
     Args:
-        only: run only these of the steps dead-zone,wheels,stopping,palm,switches.
+        only: run only these of the steps dead-zone,wheels,stopping,palm,arm,switches.
         length: length of the drive along the tape.
     """
     import sys

@@ -18,7 +18,7 @@ from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.errors import PalmbotsError
 
 if TYPE_CHECKING:
-    from palmbots.links.impairment import Impairment
+    from palmbots.links.impairment import Impairment, RecordedFates
     from palmbots.scene.scene import Scene
 
 _WAIT = ("--wait-s", "60")  # the station is a process that starts at the same time
@@ -69,6 +69,7 @@ def up(
     from palmbots.pair.pair_file import check_on_robots
     from palmbots.simulation.lockstep_world import remote
     from palmbots.simulation.prepare import check_precision, prepare
+    from palmbots.simulation.world_stage import refuse_live_floor
     from palmbots.simulation.worlds import world_entry
 
     chosen = load(scene, overrides)
@@ -78,8 +79,10 @@ def up(
     check_precision(place, precision)
     remote(entry, lambda *_: [])
     prepare(chosen, entry, place)  # refuses a scene
-    if not lockstep and (idle := not_simulated(chosen, link)):
-        warn(idle)
+    if not lockstep:
+        refuse_live_floor(chosen, world)
+        if idle := not_simulated(chosen, link):
+            warn(idle)
     options = ["--world", world, "--seed", str(seed_of(seed))]
     options += ["--json"] if as_json else []
     given = {"rate": rate != 1.0, "link": link != "", "live": live, "log": log}
@@ -117,6 +120,8 @@ def up(
             options,
             rate=rate,
             impairment=Impairment.parse(link) if link else _radio_of(chosen),
+            seed=seed_of(seed),
+            fates=None if link else _fates_of(chosen),
             screen=None if as_json else _SCREEN if has_screen else _PLAIN,
             output=output,
             log_folder=logs,
@@ -131,6 +136,7 @@ def up(
 _IN_PROCESSES = {
     *("radio.loss", "radio.latency_s", "radio.jitter_s", "radio.reorder", "radio.duplicate"),
     *("radio.beacon_s", "radio.lease_s"),  # of the programs of robots
+    "radio.trace",
 }
 """Keys of the radio that count between processes in real time; no fault of a scene does."""
 
@@ -168,6 +174,17 @@ def _radio_of(scene: "Scene") -> "Impairment":
         duplicate=radio.duplicate,
         reorder=float(radio.reorder),
     )
+
+
+def _fates_of(scene: "Scene") -> "RecordedFates | None":
+    """The recorded packets that the scene replays."""
+    from palmbots.links.impairment import RecordedFates
+    from palmbots.scene.recorded_traces import fates_of
+
+    rows = fates_of(scene)
+    if rows is None:
+        return None
+    return RecordedFates(rows.interval_s, rows.kind, rows.delays_s.tolist())
 
 
 def _log_folder(log: Path | None, scene: str) -> str:
