@@ -7,7 +7,9 @@ package bounds a polynomial over boxes of them.
 
 import math
 import random
+import re
 import statistics
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,10 @@ import pytest
 
 import palmbots as pb
 from commands import Run
+from palmbots.probing import probe as probe_command
 from palmbots.probing.object_set import ObjectSet, Observation, Prior
 from palmbots.probing.probe import write_probe
+from palmbots.probing.probe_run import ProbeRun
 from palmbots.probing.slip_comparison import DOWN, UP, Pose, bounds
 from palmbots.scene.files import read_table
 from palmbots.stability.probed_object import PROBED_FILE
@@ -74,13 +78,13 @@ def test_the_truth_stays_in_the_set(count: int) -> None:
         assert found.contact_m <= 0.010
         low, high = found.com_x_m
         half_mm.append(500 * (high - low))
-    good = sum(half < 5 for half in half_mm)
+    good = sum(half <= 5 for half in half_mm)
     print(
         f"COM to ±{statistics.median(half_mm):.1f} mm in the median, to ±{max(half_mm):.1f} mm at "
         f"worst; {good} of {count} to ±5 mm"
     )
-    assert max(half_mm) < 12
-    assert good >= 0.5 * count
+    assert max(half_mm) < 8
+    assert good >= 0.95 * count
 
 
 @pytest.mark.parametrize("count", amounts(300, 20_000))
@@ -177,6 +181,31 @@ def test_a_flipped_switch_is_found(flipped: int) -> None:
         assert found.contains(x, mu)
     else:  # the false observation contradicts nothing that the others say
         assert len(found.boxes)
+
+
+def test_contradictions_are_reported(here: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Through the command, with every second observation false."""
+    flipped = partial(ProbeRun, flipped=frozenset(range(4, 20, 2)))
+    monkeypatch.setattr(probe_command, "ProbeRun", flipped)
+    result = here("probe", "--set", "object.com_m=[0.115,0.04]")
+    assert result.returncode == 1
+    found = re.search(
+        r"^the observations contradict each other: (\d+) observations dropped, of number (.*)$",
+        result.stdout, re.MULTILINE,
+    )  # fmt: skip
+    assert found is not None
+    assert 1 < int(found[1]) <= 8
+    assert {7, 9} <= {int(number) for number in found[2].split(", ")}
+
+
+@pytest.mark.slow
+def test_another_object_may_explain_a_flipped_switch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A limit: one false observation goes unnoticed, and the object is not in the set."""
+    monkeypatch.setattr(probe_command, "ProbeRun", partial(ProbeRun, flipped=frozenset({0})))
+    keys = {"object.com_m": [0.115, 0.04], "palm.left.friction": 0.2, "palm.right.friction": 0.5}
+    found = pb.probe("paper", overrides=keys)
+    assert found.is_consistent
+    assert not found.contains_truth
 
 
 def test_files_and_lines(here: Run, tmp_path: Path) -> None:

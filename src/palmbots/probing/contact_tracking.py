@@ -170,13 +170,20 @@ class ContactBounds:
         ]
         return replace(self, contacts=(contacts[0], contacts[1])).narrowed()
 
-    def moved(self, change: float, angles: Pair, way: int = 0) -> ContactBounds:
+    def moved(
+        self,
+        change: float,
+        angles: Pair,
+        way: int = 0,
+        may_slide: tuple[bool, bool] = (True, True),
+    ) -> ContactBounds:
         """After the separation changed by this much and the palms turned to these angles.
 
         Args:
             change: of the separation.
             angles: nominal, of the palms.
             way: the only way in which contacts can slide: `UP`, `DOWN`; 0: both.
+            may_slide: which contacts can.
         """
         error = abs(change) * self.geometry.odometry
         separation = add(self.separation, around(change, error))
@@ -186,7 +193,7 @@ class ContactBounds:
         contacts = []
         for i, (low, high) in enumerate(self.contacts):
             worst = max(abs(self.angles[i]), abs(angles[i])) + self.geometry.angle_error
-            slid = loose / (math.cos(worst) - steepest * math.sin(worst))
+            slid = may_slide[i] * loose / (math.cos(worst) - steepest * math.sin(worst))
             contacts.append((low - slid * (way <= 0), high + slid * (way >= 0)))
         return replace(after, contacts=(contacts[0], contacts[1]))
 

@@ -31,6 +31,8 @@ _HIDDEN = 0.4
 """How much more of the set a probe has to remove that may drive a contact away from the middle."""
 _LATE = 0.0005
 """How far a contact slides before the robots have stopped [m]."""
+SPARE_M = 0.0015
+"""How far before the end of its permitted part a contact is stopped."""
 _DRIFT = 0.003
 """How far contacts may slide while the palms turn [m]."""
 _ALIKE = math.radians(2.5)
@@ -184,11 +186,7 @@ def is_safe(found: ObjectSet, bounds: ContactBounds, probe: Probe, limits: Limit
 
 def _poses(bounds: ContactBounds, probe: Probe, limits: Limits) -> Iterator[Pose]:
     reach = limits.reach
-    stroke = [
-        _stroke(ends, zones, probe.way, reach)
-        for ends, zones in zip(bounds.contacts, bounds.geometry.zones, strict=True)
-    ]
-    yield _pose_at(replace(bounds, contacts=(stroke[0], stroke[1])), probe.angles)
+    yield stroke_pose(replace(bounds, angles=probe.angles), probe.way, limits)
     wide = [(max(low - _DRIFT, -reach), min(high + _DRIFT, reach)) for low, high in bounds.contacts]
     free = replace(bounds, contacts=(wide[0], wide[1]))
     steps = max(1, math.ceil(_turn(bounds, probe) / _STRIDE))
@@ -198,6 +196,15 @@ def _poses(bounds: ContactBounds, probe: Probe, limits: Limits) -> Iterator[Pose
     ]
     for one, other in itertools.pairwise(poses):
         yield _hull(one, other)
+
+
+def stroke_pose(bounds: ContactBounds, way: int, limits: Limits) -> Pose:
+    """All poses of a stroke at these palm angles."""
+    left, right = (
+        _stroke(ends, zones, way, limits.reach)
+        for ends, zones in zip(bounds.contacts, bounds.geometry.zones, strict=True)
+    )
+    return replace(bounds, contacts=(left, right)).pose()
 
 
 def _stroke(ends: Interval, zones: tuple[Zone, ...], way: int, reach: float) -> tuple[float, float]:
@@ -211,7 +218,8 @@ def _stroke(ends: Interval, zones: tuple[Zone, ...], way: int, reach: float) -> 
 
 def is_at_reach(bounds: ContactBounds, way: int, limits: Limits) -> bool:
     """Whether a contact may be as far that way as it is allowed to be."""
-    return any(max(way * low, way * high) >= limits.reach for low, high in bounds.contacts)
+    last = limits.reach - SPARE_M
+    return any(max(way * low, way * high) >= last for low, high in bounds.contacts)
 
 
 def turned_towards(angles: Pair, target: Pair, most: float) -> Pair:

@@ -23,6 +23,10 @@ from palmbots._types import Interval
 from palmbots.probing.slip_comparison import DOWN, UP, Booleans, Floats, Pose, bounds, leans
 
 _SPLIT_BELOW = 1500
+_FINAL_BELOW = 24_000
+"""Boxes that are fewer than this are bisected: during the probes, and after them."""
+_LEAST_CUT = 0.93
+"""An observation is used if it leaves less than this part of the set."""
 _SMALLEST = 2.0**-9
 """Boxes that are shorter than this part of the prior in every dimension are not bisected."""
 
@@ -67,18 +71,20 @@ class ObjectSet:
         self._cut()
 
     def add(self, observation: Observation) -> bool:
-        """Cut the set by an observation; returns whether it contradicts any object of the set.
+        """Cut the set by an observation; returns whether it was used.
 
-        One that contradicts none is not kept.
+        One that contradicts few objects of the set is not: leaving it out removes no object.
         """
         if np.all(self.may_slide(self.boxes, observation.pose, observation.way)[observation.side]):
             return False
+        before = self.boxes, self.contradicted
         self.observations.append(observation)
         self._cut()
-        while not len(self.boxes):
-            self.misfits += 1
-            self.boxes = self._whole()
-            self._cut()
+        if len(self.boxes) and _size(self.boxes) > _LEAST_CUT * _size(before[0]):
+            self.observations.pop()
+            self.boxes, self.contradicted = before
+            return False
+        self._relax(_SPLIT_BELOW)
         return True
 
     def hull(self) -> Floats:
@@ -87,7 +93,7 @@ class ObjectSet:
 
     def volume(self) -> float:
         """Of the set, as a fraction of the prior's."""
-        return float(_volumes(self.boxes).sum() / _volumes(self._whole())[0])
+        return _size(self.boxes) / _size(self._whole())
 
     def contains(self, com_x: float, friction: tuple[float, float]) -> bool:
         """Whether an object is in the set."""
@@ -129,9 +135,21 @@ class ObjectSet:
         cones = [[math.atan(end) for end in ends] for ends in self.prior.friction]
         return np.array([[[*self.prior.com_x], *cones]])
 
-    def _cut(self) -> None:
+    def sharpen(self) -> None:
+        """Bisect the boxes further: the smaller they are, the closer they enclose the objects."""
+        self._cut(_FINAL_BELOW)
+        self._relax(_FINAL_BELOW)
+
+    def _relax(self, split_below: int) -> None:
+        """While no box is left, permit one contradiction more."""
+        while not len(self.boxes):
+            self.misfits += 1
+            self.boxes = self._whole()
+            self._cut(split_below)
+
+    def _cut(self, split_below: int = _SPLIT_BELOW) -> None:
         self.boxes, counts = self._judged(self.boxes)
-        while 0 < len(self.boxes) < _SPLIT_BELOW and self._lengths().max() > _SMALLEST:
+        while 0 < len(self.boxes) < split_below and self._lengths().max() > _SMALLEST:
             self.boxes, counts = self._judged(self._halved())
         self.contradicted = (
             set(np.flatnonzero(counts.any(axis=0)).tolist()) if counts.size else set()
@@ -165,5 +183,6 @@ def sample(boxes: Floats, most: int) -> Floats:
     return boxes[::step]
 
 
-def _volumes(boxes: Floats) -> Floats:
-    return np.prod(np.maximum(boxes[:, :, 1] - boxes[:, :, 0], 1e-12), axis=1)
+def _size(boxes: Floats) -> float:
+    """The volume of boxes together."""
+    return float(np.prod(np.maximum(boxes[:, :, 1] - boxes[:, :, 0], 1e-12), axis=1).sum())

@@ -64,7 +64,8 @@ class Probe(Result):
     figure = "probe"
 
     is_consistent: bool
-    """Whether an object of the prior explains all observations."""
+    """Whether an object of the prior explains all observations, and the switches agree with the
+    wheels."""
     stop: str
     """Why the run ended early; empty: it did not."""
     com_x_m: Interval
@@ -240,6 +241,7 @@ def probe(
         hands, geometry, found, limits, Pace(rate, _SPEED_M_S, _MOST_PROBES, _MOST_S), start
     )
     run.run(on_progress or (lambda part: None))
+    found.sharpen()
     if not run.strokes:
         raise PalmbotsError(f"probe: {run.stop}; allowed: a narrower prior")
     return _result(
@@ -264,7 +266,7 @@ def _result(
     apart = (boxes[:, 2, 0] - boxes[:, 1, 1]).min(), (boxes[:, 2, 1] - boxes[:, 1, 0]).max()
     width = found.prior.width
     return Probe(
-        is_consistent=not found.misfits,
+        is_consistent=run.is_possible and not found.misfits,
         stop=run.stop,
         com_x_m=com,
         com_y_m=found.prior.com_y,

@@ -15,14 +15,20 @@ from typing import Protocol
 
 from palmbots._types import Interval
 from palmbots.probing.contact_tracking import ContactBounds, Impossible, Pair, PairGeometry
-from palmbots.probing.next_probe import Limits, Probe, next_probe, turned_towards
+from palmbots.probing.next_probe import (
+    SPARE_M,
+    Limits,
+    Probe,
+    next_probe,
+    stroke_pose,
+    turned_towards,
+)
 from palmbots.probing.object_set import ObjectSet, Observation
 from palmbots.probing.slip_comparison import Pose
 
-_SPARE = 0.0015
-"""How far before the end of its permitted part a contact is stopped [m]."""
 _LAST_S = 5.0
-_WASTED = 25
+_ANYWHERE = (-math.inf, math.inf)
+_WASTED = 60
 """Probes in a row that do not cut the set, after which nothing more is to be learned."""
 
 Switches = tuple[tuple[bool, ...], tuple[bool, ...]]
@@ -100,6 +106,8 @@ class ProbeRun:
         self.time_s = 0.0
         self.strokes: list[Stroke] = []
         self.stop = ""
+        self.is_possible = True
+        """Whether the switches agree with the wheels."""
         self._flipped = flipped
         self._geometry = geometry
         self._switches = hands.switches()
@@ -107,6 +115,9 @@ class ProbeRun:
         self.bounds = ContactBounds.at_start(geometry, angles, (anywhere, anywhere)).seen(
             self._switches
         )
+        """Where the contacts are if the object is in the set."""
+        self._sure = self.bounds
+        """Where they are whatever the object is."""
 
     def run(self, on_progress: Callable[[float], None] = lambda part: None) -> None:
         """Probe until nothing more is to be learned, or the limits are reached."""
@@ -131,6 +142,8 @@ class ProbeRun:
                 reported = 1 - side if len(self.found.observations) in self._flipped else side
                 pose = self.bounds.pose() if has_changed else self._pose_since(before)
                 is_new = self.found.add(Observation(reported, probe.way, pose))
+                if self.found.misfits:
+                    self.bounds = self._sure
             idle = [] if is_new else [*idle, probe]
             self.strokes.append(
                 Stroke(probe.angles, probe.way, side, self.time_s, self.found.volume())
@@ -169,11 +182,14 @@ class ProbeRun:
         change = -way * self.pace.speed * self.hands.period_s
         before = self.bounds.contacts
         is_seen = all(way * sign <= 0 for sign in self._signs())
-        reach = self.limits.reach - _SPARE
+        reach = self.limits.reach - SPARE_M
+        free = self._may_slide(way)
         while not self.stop and self.time_s < self.pace.most_s + _LAST_S:
-            changed = self._step(change, self.bounds.angles, way)
+            changed = self._step(change, self.bounds.angles, way, free)
             if changed:
                 return (changed[0] if len(changed) == 1 else None), True
+            if self.bounds is self._sure:  # where they were is not known either
+                free, before = (True, True), (_ANYWHERE, _ANYWHERE)
             narrow = self.bounds.narrowed()
             slid = [
                 max(way * start[0], way * start[1]) < min(way * end[0], way * end[1])
@@ -182,11 +198,24 @@ class ProbeRun:
             if not is_seen and any(slid):
                 self.bounds = narrow
                 return (None if all(slid) else slid.index(True)), False
-            if not is_seen and any(max(way * a, way * b) > reach for a, b in narrow.contacts):
+            far = (max(way * low, way * high) > reach for low, high in narrow.contacts)
+            if not is_seen and any(one and slides for one, slides in zip(far, free, strict=True)):
                 return None, False
         return None, False
 
-    def _step(self, change: float, angles: Pair, way: int) -> list[int]:
+    def _may_slide(self, way: int) -> tuple[bool, bool]:
+        """Which contact may slide in a stroke, for any object of the set. If no object explains all
+        observations, the set does not say."""
+        found = self.found
+        if found.misfits:
+            return True, True
+        pose = stroke_pose(self.bounds, way, self.limits)
+        left, right = found.may_slide(found.boxes, pose, way)
+        return bool(left.any()), bool(right.any())
+
+    def _step(
+        self, change: float, angles: Pair, way: int, free: tuple[bool, bool] = (True, True)
+    ) -> list[int]:
         """One control period; returns the palms whose switches have changed."""
         self.hands.step(change, angles)
         self.time_s += self.hands.period_s
@@ -195,10 +224,14 @@ class ProbeRun:
             return []
         before, self._switches = self._switches, self.hands.switches()
         try:
-            self.bounds = self.bounds.moved(change, angles, way).seen(self._switches)
+            self._sure = self._sure.moved(change, angles, way).seen(self._switches)
         except Impossible:
-            self.stop = "the switches contradict the wheels"
+            self.stop, self.is_possible = "the switches contradict the wheels", False
             return []
+        try:
+            self.bounds = self.bounds.moved(change, angles, way, free).seen(self._switches)
+        except Impossible:  # the object is not in the set: an earlier observation is false
+            self.bounds = self._sure
         return [i for i in (0, 1) if before[i] != self._switches[i]]
 
 

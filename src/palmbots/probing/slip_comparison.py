@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -61,14 +62,15 @@ def bounds(
     """The smallest and the largest G for these intervals; `left` and `right` are leans h."""
     shape = np.broadcast(*com_x, *tangent, *left, *right).shape
     least, most = np.full(shape, np.inf), np.full(shape, -np.inf)
-    slopes = slope if slope[0] != slope[1] else slope[:1]
-    for x, y, t, a, b, s in itertools.product(com_x, com_y, tangent, left, right, slopes):
-        with np.errstate(invalid="ignore"):
-            value = b * (x - y * t) - a * (width - x + y * t) - a * b * width * t
-            if s:
-                value = value + s * (width - a * (x * t + y) - b * (y - (width - x) * t))
-        np.minimum(least, value, out=least)
-        np.maximum(most, value, out=most)
+    with np.errstate(invalid="ignore"):
+        for t in tangent:
+            for rest, of_left, of_right in _linear(width, com_x, com_y, slope, t):
+                for b in right:
+                    of_a, others = of_left - b * (width * t), rest + b * of_right
+                    for a in left:
+                        value = a * of_a + others
+                        np.minimum(least, value, out=least)
+                        np.maximum(most, value, out=most)
     largest = np.maximum(
         np.maximum(np.abs(left[0]), np.abs(left[1])), np.maximum(np.abs(right[0]), np.abs(right[1]))
     )
@@ -78,3 +80,21 @@ def bounds(
     return np.where(is_valid, least - _ROUNDING, -np.inf), np.where(
         is_valid, most + _ROUNDING, np.inf
     )
+
+
+def _linear(
+    width: float, com_x: Ends, com_y: Ends, slope: Ends, t: Any
+) -> Iterator[tuple[Any, Any, Any]]:
+    """G + h_L h_R w T at its corners as a function of the leans: the constant part and what
+    multiplies h_L and h_R.
+
+    Without a specific force it depends on u = c_x − c_y T alone, so two corners are enough.
+    """
+    if slope[0] == slope[1] == 0:
+        ups = com_y[0] * t, com_y[1] * t
+        for u in (com_x[0] - np.maximum(*ups), com_x[1] - np.minimum(*ups)):
+            yield 0.0, u - width, u
+        return
+    for x, y, s in itertools.product(com_x, com_y, slope):
+        u, v = x - y * t, y + x * t
+        yield s * width, u - width - s * v, u - s * (v - width * t)
