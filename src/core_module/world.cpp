@@ -208,7 +208,8 @@ void bind_world(nb::module_& m) {
       [](const Spec& spec) {
         std::vector<std::tuple<std::string, std::string, Numbers2, double, double, double>> found;
         for (const GroundBlock& b : ground_blocks(spec))
-          found.emplace_back(b.key, b.kind, Numbers2{b.low, b.high}, b.height, b.friction, b.gap);
+          found.emplace_back(b.key, name_of(b.ground), Numbers2{b.low, b.high}, b.height,
+                             b.friction, b.gap);
         return found;
       },
       nb::arg("spec"),

@@ -364,6 +364,21 @@ def test_the_oracle_decides_by_hand_what_it_decides() -> None:
     assert whole([Fraction(1, 2), Fraction(-1, 3)]) == (3, -2)
 
 
+def test_equations_that_nearly_depend_on_each_other_lose_no_mode() -> None:
+    """Two contacts a billionth apart, of which one sticks: rounding, magnified by their distance,
+    must not contradict what a third contact that sticks asks for."""
+    eighth, drift = Fraction(1, 8), (Fraction(-1, 4), Fraction(-1, 4))
+    low, steep, slip = Fraction(-1, 16), Fraction(4, 3), (Fraction(-9, 20), Fraction(-1, 10))
+    leaning = Fraction(3, 5), Fraction(4, 5)
+    contacts = [
+        ExactContact("a", (-eighth, low - SLIGHTLY), (ZERO, Fraction(1)), steep, drift),
+        ExactContact("b", (-eighth, low), leaning, Fraction(5, 12), slip),
+        ExactContact("a", (eighth, Fraction(-3, 32)), (Fraction(1), ZERO), steep, drift),
+    ]
+    exact = modes_of(contacts, ZERO)
+    assert exact == {("ST", "SR", "ST")} and exact <= motions_in(in_core(contacts, ZERO))
+
+
 def test_three_rays_that_are_equal_but_for_rounding_span_nothing() -> None:
     """A frictionless contact, which has one ray twice, on an edge of another friction cone."""
     first = SurfaceContact("a", (-1 / 8, -1 / 32), (3 / 5, 4 / 5), 0.0)

@@ -44,6 +44,7 @@ def test_the_command_lists_the_table(here: Run) -> None:
     assert {row["name"]: tuple(row["follows"].values()) for row in found["ends"]} == TABLE
     text = " ".join(here("ends").stdout.split())
     assert all(f"{end.name}: {end.meaning}" in text for end in pb.ends().ends)
+    assert all(f" {what} " in text for what in ("wheels stall", "falls, or NAME", "–"))
 
 
 def test_words_for_people() -> None:

@@ -17,14 +17,16 @@ class EchelonForm {
   using Row = std::array<Real, n>;
 
   constexpr bool add(Row row, Real value) {
+    if (full()) return false;
     const Real scale = largest(row);
     for (std::size_t k = 0; k < count_; ++k) {
+      if (row[pivots_[k]] == Real(0)) continue;
       const Real factor = row[pivots_[k]] / rows_[k][pivots_[k]];
       for (std::size_t c = 0; c < n; ++c) row[c] -= factor * rows_[k][c];
       row[pivots_[k]] = Real(0);
       value -= factor * values_[k];
     }
-    if (count_ == n || !(largest(row) > dependent * scale)) return false;
+    if (!(largest(row) > dependent * scale)) return false;
     std::size_t pivot = 0;
     for (std::size_t c = 1; c < n; ++c)
       pivot = magnitude(row[c]) > magnitude(row[pivot]) ? c : pivot;

@@ -46,6 +46,11 @@ struct Frame {
 // What a surface on the ground is a part of.
 enum class Ground : std::uint8_t { none, floor, wall, stand };
 
+constexpr const char* name_of(Ground ground) {
+  constexpr const char* names[] = {"", "floor", "wall", "stand"};
+  return names[static_cast<int>(ground)];
+}
+
 // A flat piece of a surface, or (`tip`) a convex corner between two of them.
 struct Surface {
   Carrier carrier;

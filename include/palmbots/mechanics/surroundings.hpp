@@ -26,64 +26,38 @@ struct Surroundings {
     return made;
   }
 
-  // A vertical face at x; behind it is solid ground, whose top is level at this height. If it is
-  // infinite, the wall has no upper edge. `behind` is the side of the solid ground.
-  constexpr void add_wall(std::size_t behind, double x, double height, double friction) {
+  // Solid ground from x to x up to a height: its level top, its vertical sides and the edges between
+  // them. It may be endless on one side, and upward.
+  constexpr void add_block(double from, double to, double height, double friction, Ground ground) {
+    constexpr Vec to_left{-1.0, 0.0};
+    constexpr Vec to_right{1.0, 0.0};
+    const bool begins = from > -endless;
+    const bool ends = to < endless;
     const bool has_top = height < endless;
     const double high = has_top ? height : endless;
-    // Faces reach below the floor: it ends nowhere, so no contact can slip between the two.
-    if (behind == right) {
-      add(side_of(right, x, high, friction, Ground::wall));
-      if (has_top) add(edge(right, {x, high}, friction, Ground::wall));
-      if (has_top) add(top({x, high}, 0.0, endless, friction, Ground::wall));
-    } else {
-      if (has_top) add(top({x, high}, -endless, 0.0, friction, Ground::wall));
-      if (has_top) add(edge(left, {x, high}, friction, Ground::wall));
-      add(side_of(left, x, high, friction, Ground::wall));
+    const auto face = [&](Vec place, Vec normal, double low, double end) {
+      add({Carrier::ground, false, place, normal, {}, low, end, friction, ground});
+    };
+    const auto edge = [&](Vec place, Vec first, Vec second) {
+      if (has_top) add({Carrier::ground, true, place, first, second, 0.0, 0.0, friction, ground});
+    };
+    // Sides reach below the floor: it ends nowhere, so no contact can slip between the two.
+    if (begins) {
+      face({from, 0.0}, to_left, -endless, high);  // places count upward
+      edge({from, high}, up, to_left);
     }
-  }
-
-  // A block on the floor: its level top, two edges and two vertical sides.
-  constexpr void add_stand(double from, double to, double height, double friction) {
     const double half = 0.5 * (to - from);
-    add(side_of(right, from, height, friction, Ground::stand));
-    add(edge(right, {from, height}, friction, Ground::stand));
-    add(top({0.5 * (from + to), height}, -half, half, friction, Ground::stand));
-    add(edge(left, {to, height}, friction, Ground::stand));
-    add(side_of(left, to, height, friction, Ground::stand));
+    if (has_top && begins && ends) face({0.5 * (from + to), high}, up, -half, half);
+    if (has_top && !ends) face({from, high}, up, 0.0, endless);
+    if (has_top && !begins) face({to, high}, up, -endless, 0.0);
+    if (ends) {
+      edge({to, high}, to_right, up);
+      face({to, 0.0}, to_right, -high, endless);
+    }
   }
 
  private:
   static constexpr Vec up{0.0, 1.0};
-  static constexpr Vec away(std::size_t behind) { return {behind == right ? -1.0 : 1.0, 0.0}; }
-
-  static constexpr Surface side_of(std::size_t behind, double x, double height, double friction,
-                                   Ground ground) {
-    const bool faces_left = behind == right;  // places then count upward
-    return {Carrier::ground,
-            false,
-            {x, 0.0},
-            away(behind),
-            {},
-            faces_left ? -endless : -height,
-            faces_left ? height : endless,
-            friction,
-            ground};
-  }
-  static constexpr Surface edge(std::size_t behind, Vec at, double friction, Ground ground) {
-    return {Carrier::ground,
-            true,
-            at,
-            behind == right ? up : away(behind),
-            behind == right ? away(behind) : up,
-            0.0,
-            0.0,
-            friction,
-            ground};
-  }
-  static constexpr Surface top(Vec at, double low, double high, double friction, Ground ground) {
-    return {Carrier::ground, false, at, up, {}, low, high, friction, ground};
-  }
 
   // Behind the surfaces that are not farther right.
   constexpr void add(const Surface& surface) {

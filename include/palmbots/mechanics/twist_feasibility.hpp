@@ -46,6 +46,7 @@ struct TwistSpace {
   Triple origin{};
   std::array<Triple, 3> basis{{{1.0, 0, 0}, {0, 1.0, 0}, {0, 0, 1.0}}};
   std::size_t dimension = 3;
+  double error = 0.0;  // bound of that of the origin, by rounding
 
   // Adds an equation. Returns false if it contradicts the earlier ones.
   bool restrict(const Condition& to) {
@@ -59,11 +60,13 @@ struct TwistSpace {
       // Wider than what an inequality must be met by (HalfSpaces): a contact that comes to rest, or
       // begins to slide, is within one of the two at every instant, in whichever order and scale
       // its conditions are added.
-      const double within_rounding = 4.0 * wrench_tolerance;
+      const double within_rounding = 4.0 * wrench_tolerance + error;
       return missing <= within_rounding && -missing <= within_rounding;
     }
     const Triple unit = within * (1.0 / part);
     origin = origin + unit * (missing / part);
+    // Equations that nearly depend on each other magnify rounding.
+    error = (error + 4.0 * std::numeric_limits<double>::epsilon()) / part;
     leave_out(unit);
     return true;
   }

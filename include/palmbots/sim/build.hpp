@@ -11,6 +11,7 @@
 #include "palmbots/control/resilient_timing.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
 #include "palmbots/robot/actuators.hpp"
+#include "palmbots/sim/ground_blocks.hpp"
 #include "palmbots/sim/radio_channel.hpp"
 #include "palmbots/sim/random_streams.hpp"
 #include "palmbots/sim/spec.hpp"
@@ -73,21 +74,6 @@ Model<Real> model_of(const Spec& spec) {
   }
   model.safe_reach = Real(spec.safe_reach);
   return model;
-}
-
-// Floor, walls and stands.
-inline Surroundings surroundings_of(const FloorSpec& spec) {
-  Surroundings made = Surroundings::on_floor(spec.floor_friction);
-  const auto friction = [&](double own) { return own < 0 ? spec.floor_friction : own; };
-  for (std::size_t i = 0; i < spec.wall_count; ++i) {
-    const WallSpec& wall = spec.walls[i];
-    made.add_wall(wall.at < 0 ? left : right, wall.at, wall.height, friction(wall.friction));
-  }
-  for (std::size_t i = 0; i < spec.stand_count; ++i) {
-    const StandSpec& stand = spec.stands[i];
-    made.add_stand(stand.from, stand.to, stand.height, friction(stand.friction));
-  }
-  return made;
 }
 
 // The sensors of the palms.

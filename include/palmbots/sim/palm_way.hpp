@@ -10,44 +10,12 @@
 #include <string_view>
 #include <vector>
 
-#include "palmbots/base/number_text.hpp"
 #include "palmbots/mechanics/carry_ends.hpp"
+#include "palmbots/sim/ground_blocks.hpp"
 #include "palmbots/sim/plate_section.hpp"
-#include "palmbots/sim/task_keys.hpp"
 #include "palmbots/world/travel.hpp"
 
 namespace palmbots {
-
-// Solid ground from x to x, up to a height.
-struct GroundBlock {
-  std::string key;   // of the scene
-  const char* kind;  // floor, wall or stand
-  double low;
-  double high;
-  double height;
-  double friction;
-  double gap = 0.0;  // between its two halves, across the path; 0: none
-};
-
-// The floor, then walls (endless behind their faces) and stands.
-inline std::vector<GroundBlock> ground_blocks(const FloorSpec& spec) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  std::vector<GroundBlock> blocks{{"floor", "floor", -inf, inf, 0.0, spec.floor_friction}};
-  const auto add = [&](const char* kind, std::size_t k, double low, double high, double height,
-                       double friction, double gap = 0.0) {
-    blocks.push_back({sentence("floor.{}s[{}]", {kind, std::to_string(k)}), kind, low, high, height,
-                      friction < 0 ? spec.floor_friction : friction, gap});
-  };
-  for (std::size_t k = 0; k < spec.wall_count; ++k) {
-    const auto& [at, height, friction] = spec.walls[k];
-    add("wall", k, at < 0 ? -inf : at, at < 0 ? at : inf, height, friction);
-  }
-  for (std::size_t k = 0; k < spec.stand_count; ++k) {
-    const auto& [from, to, height, friction, gap] = spec.stands[k];
-    add("stand", k, from, to, height, friction, gap < 0 ? 0.0 : gap);
-  }
-  return blocks;
-}
 
 // Whether the line from a to b is anywhere deeper than `deep` in a block [m].
 inline bool crosses(const GroundBlock& block, Vec a, Vec b, double deep) {
@@ -106,9 +74,9 @@ inline std::string refusal_of_way(const FloorSpec& floor, const PalmSpec (&palms
         for (std::size_t i = 0; i < plate.size(); ++i) {
           const Vec next = plate[(i + 1) % plate.size()];
           if (!crosses(block, plate[i], next, dips * palms[side].length)) continue;
-          return sentence(
-              "{}: {}, the {} palm would be in the {}; allowed: places outside it",
-              {block.key, std::string(when), side == left ? "left" : "right", block.kind});
+          return sentence("{}: {}, the {} palm would be in the {}; allowed: places outside it",
+                          {block.key, std::string(when), side == left ? "left" : "right",
+                           name_of(block.ground)});
         }
       }
     }

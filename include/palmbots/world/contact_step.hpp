@@ -131,7 +131,7 @@ class ContactStep : ContactTrial {
       const double from = worst(now);
       const auto at = [&](double t) {
         there = start;
-        return worst(reach(t, there, regime_));
+        return worst(reach(t, there, regime_, then.settled ? &then : nullptr));
       };
       double when =
           bracketed_root(from > 0.0, done, from, goal, worst(then), at, Tolerance::instant);

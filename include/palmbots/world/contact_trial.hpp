@@ -74,22 +74,30 @@ class ContactTrial {
                          closed_);
   }
 
-  // Settles at an instant; the conditions there.
-  Conditions reach(double t, Place& place, const Regime& regime) const {
-    Frames frames = this->frames(t, place, regime.drives);
-    ActiveContacts contacts;
-    if (!settle(problem_, regime, frames, place.pose, contacts)) {
-      Conditions none;
-      none.settled = false;
-      return none;
-    }
+  // Moves a place to where a regime has the object at an instant. False: there is no such place near.
+  bool settles(double t, Place& place, const Regime& regime, Frames& frames,
+               ActiveContacts& contacts) const {
+    frames = this->frames(t, place, regime.drives);
+    if (!settle(problem_, regime, frames, place.pose, contacts)) return false;
     place.t = t;
     for (const std::size_t side : {left, right}) {
       if (regime.drives[side] == Drive::as_commanded) continue;
       place.lag[side] =
           frames[side].origin.x - travel_.palms[side].pivot.x - problem_.commanded[side] * t;
     }
-    return conditions_of(problem_, regime, frames, place.pose, contacts, near_, pace_);
+    return true;
+  }
+
+  // The same, and the conditions there; with `failing`, only those that fail there are evaluated.
+  Conditions reach(double t, Place& place, const Regime& regime,
+                   const Conditions* failing = nullptr) const {
+    Frames frames;
+    ActiveContacts contacts;
+    if (settles(t, place, regime, frames, contacts))
+      return conditions_of(problem_, regime, frames, place.pose, contacts, near_, pace_, failing);
+    Conditions none;
+    none.settled = false;
+    return none;
   }
 
   // The same where the object is.
@@ -108,10 +116,12 @@ class ContactTrial {
     if (!lasts(from, regime)) return false;
     const double middle = 0.5 * (from + to);
     Place half = here();
-    if (!reach(middle, half, regime).settled) return false;
+    Frames before;
+    ActiveContacts contacts;
+    if (!settles(middle, half, regime, before, contacts)) return false;
     const double jump = apart(pose_, half.pose) - 8.0 * apart(half.pose, end.pose);
     if (jump > Tolerance::jump * problem_.shapes.size) return false;
-    const Frames before = frames(half);
+    before = frames(half);
     const Frames after = frames(end);
     for (std::size_t i = 0; i < regime.count; ++i) {
       const ActivePair& a = regime.active[i];
@@ -129,8 +139,9 @@ class ContactTrial {
     const ActiveContacts contacts = contacts_of(problem_, regime_, frames, pose_);
     const auto twist = detail::equations(problem_, regime_, frames, pose_, contacts, true);
     if (!twist.system.full()) return false;
-    const Conditions all =
-        conditions_of_motion(problem_, regime_, frames, pose_, contacts, twist, pace_);
+    Conditions all;
+    all.add(balance_of(problem_, regime_, contacts));
+    add_motion(all, problem_, regime_, frames, pose_, contacts, twist, pace_);
     return all.least() >= 0.0 && (!twist.balance || is_here()) && lasts(done, regime_, twist);
   }
 

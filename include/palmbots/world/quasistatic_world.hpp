@@ -4,9 +4,9 @@
 // A step changes the separation and the palm angles linearly. Nothing is integrated. In every
 // regime (one contact slides, or both do) the sliding coordinates are closed-form roots of the loop
 // constraint at any instant. A contact that sticks is never written, so it cannot drift. If one
-// contact slides through a whole step, world/fast_step.hpp computes it; if the regime
-// changes, world/general_step.hpp does. If a further contact closes, world/contact_step.hpp takes
-// over until it opens again.
+// contact slides through a whole step, world/fast_step.hpp computes it; if the regime changes,
+// world/general_step.hpp does. If a further contact closes, world/contact_step.hpp takes over until
+// it opens again.
 //
 // `push` is the sideways specific force of the object's inertia when the pair changes its speed
 // (docs/theory/mechanics.md). It affects only which contact slips first. It is small, but so are
@@ -23,19 +23,12 @@
 #include "palmbots/world/contact_shapes.hpp"
 #include "palmbots/world/contact_step.hpp"
 #include "palmbots/world/general_step.hpp"
+#include "palmbots/world/palm_contacts.hpp"
 #include "palmbots/world/rolling_step.hpp"
 #include "palmbots/world/small_fall.hpp"
 #include "palmbots/world/vertex_pose.hpp"
 
 namespace palmbots {
-
-// Whether no step can be one of lanes: a contact vertex rolls, a nose or a heel may touch the object
-// within reach, or a robot may stall.
-template <class Real>
-bool takes_single_steps(const Model<Real>& model) {
-  return rolls(model) || model.limit != no_limits<double> ||
-         model.profile[left].touches_within_reach || model.profile[right].touches_within_reach;
-}
 
 // The world of one carry.
 template <class Real>
@@ -83,9 +76,7 @@ class World {
   }
   // Draws what follows ambiguous events: from a stream of the random numbers of a seed.
   void draw_ambiguous(std::uint64_t seed, std::uint32_t stream) {
-    ambiguous_.is_drawn = true;
-    ambiguous_.seed = seed;
-    ambiguous_.stream = stream;
+    ambiguous_ = {true, seed, stream, ambiguous_.count};
   }
   // How many events were ambiguous so far.
   std::uint32_t ambiguous_events() const { return ambiguous_.count; }
@@ -104,17 +95,11 @@ class World {
   // The coordinates at which the palms are touched: p of the contact vertex as long as that is on
   // the palm [m].
   PerSide<Real> touched() const {
-    PerSide<Real> places = state_.configuration.contacts;
+    const PerSide<Real>& places = state_.configuration.contacts;
     if (!posed_) return places;
-    const Frames frames = here();
-    const PerSide<const ActivePair*> first = problem().first_on_palms(regime_);
-    for (const std::size_t side : {left, right}) {
-      if (first[side] == nullptr || first[side]->pair == shapes().own[side]) continue;
-      const Surface& surface = problem().surface(first[side]->pair);
-      places[side] = Real(surface.tip ? surface.at.x
-                                      : problem().contact(frames, pose_, first[side]->pair).place);
-    }
-    return places;
+    const PerSide<double> found = touched_places(problem(), regime_, here(), pose_,
+                                                 {double(places[left]), double(places[right])});
+    return {Real(found[left]), Real(found[right])};
   }
   const Advance<Real>& last() const { return last_; }
   // The fall that ended the last step, if one did: the rest of the step was not done.
@@ -138,15 +123,7 @@ class World {
   const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
   // All pairs whose gap is at most `closed` [m].
   ClosedPairs touching(double closed) const {
-    const Frames frames = here();
-    const Pose pose = this->pose();
-    const NearPairs near = Neighbourhood{}.near(problem(), left, frames, pose, closed, closed);
-    ClosedPairs found{};
-    for (std::size_t k = 0; k < near.count && found.count < ClosedPairs::most; ++k) {
-      const FeatureContact c = problem().contact(frames, pose, near.at[k].pair);
-      if (c.inside >= -closed) found.at[found.count++] = {near.at[k].pair, c};
-    }
-    return found;
+    return palmbots::touching(problem(), here(), pose(), closed);
   }
   // The carrier whose faces, moved by `deep` into it, still lie in the object; palms come first.
   std::optional<std::size_t> pierced(double deep) const {
@@ -200,8 +177,7 @@ class World {
     return take_apart(by, angles);
   }
 
-  // The same, for a step that the fast step (world/fast_step.hpp) has tried and left
-  // undone. Both robots travel alike.
+  // The same, for a step that the fast step has left undone. Both robots travel alike.
   const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
     if (rolls_ && !posed_ && !is_general() && model_.surroundings.none()) {
       const auto step = RollingStep<Real>{model_, state_, change, angles}.run();
@@ -350,7 +326,8 @@ class World {
     };
     ContactStep contact_step(problem, step, pose_, regime_, around_, ambiguous_, rounding, note);
     const ContactStepResult done = contact_step.run(double(total.fraction));
-    total = {done.reason, Real(done.fraction), motion_of_palms(), total.segments + done.pieces};
+    total = {done.reason, Real(done.fraction), motion_on_palms(problem, regime_),
+             total.segments + done.pieces};
     carry_on(by, done.fraction);
     if (is_limited()) {
       total.lag = {Real(done.lag[left]), Real(done.lag[right])};
@@ -373,20 +350,9 @@ class World {
     for (const std::size_t side : {left, right}) height_[side] += done * by[side].y;
   }
 
-  // A palm's tip at which an edge lies along the palm is an end of a flush contact.
   void begin_contact_event(const Frames& frames, Real t) {
-    for (std::size_t i = 0; i < regime_.count; ++i) {
-      const FeaturePair pair = regime_.active[i].pair;
-      if (problem().own_side(pair) < 2) continue;
-      const std::size_t side = problem().carrier(pair);
-      const Surface& surface = problem().surface(pair);
-      const Vec normal = frames[side].from_world(problem().contact(frames, pose_, pair).normal);
-      const bool slants = magnitude(within_tip(surface, normal)) > double(contact_tolerance<Real>);
-      const bool tip = surface.tip && slants;
-      contact_events_ = {contact_events_.count + 1, tip ? ContactKind::tip : ContactKind::flush,
-                         side, t, t};
-      return;
-    }
+    if (const auto one = first_further(problem(), regime_, frames, pose_))
+      contact_events_ = {contact_events_.count + 1, one->kind, one->side, t, t};
   }
 
   // The moving state at an instant of a step, from the pose.
@@ -401,14 +367,6 @@ class World {
     if (!posed_) return true;
     return regime_.count == 2 && regime_.has(shapes().own[left]) &&
            regime_.has(shapes().own[right]);
-  }
-  // The motion of each palm's first contact.
-  ContactMode motion_of_palms() const {
-    ContactMode motion{};
-    const PerSide<const ActivePair*> first = problem().first_on_palms(regime_);
-    for (const std::size_t side : {left, right})
-      if (first[side] != nullptr) motion[side] = static_cast<SlipDirection>(first[side]->motion);
-    return motion;
   }
 
   Model<Real> model_{};

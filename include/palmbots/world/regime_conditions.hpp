@@ -11,6 +11,8 @@
 //   gaps      those of pairs near by.
 #pragma once
 
+#include <algorithm>
+
 #include "palmbots/world/contact_shapes.hpp"
 #include "palmbots/world/regime_equations.hpp"
 
@@ -147,11 +149,22 @@ struct Conditions {
   static constexpr std::size_t most = 2 * max_supports + most_near + 8;
   std::array<double, most> value;  // up to `count`
   std::size_t count = 0;
+  std::size_t of_motion = 0;  // the first of them: they depend on how the surfaces move
   bool settled = true;
 
   static constexpr double behind = -1.0;  // the value of a pair that is behind where it can touch
 
   void add(double v) { value[count++] = v; }
+  // Adds the next `n` conditions as met where none of them fails in `elsewhere`, conditions of the
+  // same regime. False: they have to be evaluated.
+  bool skips(const Conditions* elsewhere, std::size_t n = 1) {
+    if (elsewhere == nullptr) return false;
+    const auto begin = elsewhere->value.begin() + count;
+    if (std::any_of(begin, begin + n, [](double v) { return v < 0.0; })) return false;
+    std::fill_n(value.begin() + count, n, 1.0);
+    count += n;
+    return true;
+  }
   // The worst of them; negative where one fails or the object cannot be there.
   double least() const {
     if (!settled) return -1.0;
@@ -210,16 +223,12 @@ inline void add_limits(Conditions& all, const ContactProblem& problem, const Reg
   all.add(most + 10.0 * Tolerance::force);
 }
 
-// The conditions that depend on how the surfaces move: forces and slides. `twist` holds the
-// regime's rate equations; `pace` bounds how far a point of a surface moves in the step [m].
-inline Conditions conditions_of_motion(const ContactProblem& problem, const Regime& regime,
-                                       const Frames& frames, const Pose& pose,
-                                       const ActiveContacts& contacts,
-                                       const detail::RegimeEquations& twist, double pace) {
+// The conditions that depend on how the surfaces move, but for balance: limits and slides. `twist`
+// holds the regime's rate equations; `pace` bounds how far a point of a surface moves in the step [m].
+inline void add_motion(Conditions& all, const ContactProblem& problem, const Regime& regime,
+                       const Frames& frames, const Pose& pose, const ActiveContacts& contacts,
+                       const detail::RegimeEquations& twist, double pace) {
   using Tolerance = ContactTolerance;
-  Conditions all;
-  all.add(balance(rays_of(problem, regime, contacts), problem.weight(regime.pushed)) +
-          Tolerance::force);
   const auto moves = twist.system.solution();
   const double least = twist.balance ? Tolerance::balanced_rate : Tolerance::rate;
   if (problem.is_limited()) add_limits(all, problem, regime, contacts, moves[3], least, pace);
@@ -234,22 +243,35 @@ inline Conditions conditions_of_motion(const ContactProblem& problem, const Regi
                          (yields ? c.tangent.x * moves[3] : 0.0);
     all.add(double(static_cast<int>(a.motion)) * speed / pace + least);
   }
-  return all;
 }
 
-// All conditions of a regime in a pose.
+// Whether the forces of the regime balance.
+inline double balance_of(const ContactProblem& problem, const Regime& regime,
+                         const ActiveContacts& contacts) {
+  return balance(rays_of(problem, regime, contacts), problem.weight(regime.pushed)) +
+         ContactTolerance::force;
+}
+
+// All conditions of a regime in a pose. With `failing`, the conditions of the same regime elsewhere,
+// only those that fail there are evaluated; the others count as met.
 inline Conditions conditions_of(const ContactProblem& problem, const Regime& regime,
                                 const Frames& frames, const Pose& pose,
-                                const ActiveContacts& contacts, const NearPairs& near,
-                                double pace) {
+                                const ActiveContacts& contacts, const NearPairs& near, double pace,
+                                const Conditions* failing = nullptr) {
   using Tolerance = ContactTolerance;
-  const auto twist = detail::equations(problem, regime, frames, pose, contacts, true);
-  Conditions all = conditions_of_motion(problem, regime, frames, pose, contacts, twist, pace);
+  Conditions all;
+  if (!all.skips(failing)) all.add(balance_of(problem, regime, contacts));
+  if (!all.skips(failing, failing == nullptr ? 0 : failing->of_motion - 1)) {
+    add_motion(all, problem, regime, frames, pose, contacts,
+               detail::equations(problem, regime, frames, pose, contacts, true), pace);
+  }
+  all.of_motion = all.count;
   for (std::size_t i = 0; i < regime.count; ++i) {
     all.add(contacts[i].inside + Tolerance::inside);
   }
   if (problem.on_both) {
     for (const FeaturePair pair : problem.shapes.own) {
+      if (all.skips(failing)) continue;
       const FeatureContact c = problem.contact(frames, pose, pair);
       const double above = c.gap / problem.shapes.size - Tolerance::gap;
       all.add(larger(problem.left_of_reach(problem.carrier(pair), c), above) + Tolerance::inside);
@@ -257,7 +279,7 @@ inline Conditions conditions_of(const ContactProblem& problem, const Regime& reg
   }
   for (std::size_t k = 0; k < near.count; ++k) {
     const NearPair& n = near.at[k];
-    if (regime.has(n.pair)) continue;
+    if (regime.has(n.pair) || all.skips(failing)) continue;
     const FeatureContact c = problem.contact(frames, pose, n.pair);
     const double gap = c.gap / problem.shapes.size + Tolerance::gap;
     if (n.behind) {  // if it can touch now, another pair has closed in between

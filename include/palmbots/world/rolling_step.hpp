@@ -32,6 +32,14 @@ bool rolls(const Model<Real>& model) {
   return radius[left] > Real(0) || radius[right] > Real(0);
 }
 
+// Whether no step can be one of lanes: a contact vertex rolls, a nose or a heel may touch the object
+// within reach, or a robot may stall.
+template <class Real>
+bool takes_single_steps(const Model<Real>& model) {
+  return rolls(model) || model.limit != no_limits<double> ||
+         model.profile[left].touches_within_reach || model.profile[right].touches_within_reach;
+}
+
 // One step: the separation changes by `change` [m], and the palms turn to `angles` [rad], both
 // linearly.
 template <class Real>

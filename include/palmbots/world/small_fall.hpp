@@ -102,27 +102,22 @@ class SmallFall {
   // one: the object sticks to one contact, or slides along up to two.
   Way fastest(const ClosedPairs& closed) const {
     constexpr std::array<Motion, 2> slides{Motion::up, Motion::down};
+    Way way;
+    const auto finds = [&](std::array<Bond, 2> bonds, std::size_t count, bool rough) {
+      way = tried(closed, bonds, count, rough);
+      return way.found;
+    };
     for (const bool rough : {true, false}) {
-      for (std::size_t i = 0; rough && i < closed.count; ++i) {
-        const Way way = tried(closed, {{{i, Motion::stick}}}, 1, rough);
-        if (way.found) return way;
-      }
-      for (std::size_t i = 0; i < closed.count; ++i) {
-        for (std::size_t j = i + 1; j < closed.count; ++j) {
-          for (const Motion a : slides) {
-            for (const Motion b : slides) {
-              const Way way = tried(closed, {{{i, a}, {j, b}}}, 2, rough);
-              if (way.found) return way;
-            }
-          }
-        }
-      }
-      for (std::size_t i = 0; i < closed.count; ++i) {
-        for (const Motion a : slides) {
-          const Way way = tried(closed, {{{i, a}}}, 1, rough);
-          if (way.found) return way;
-        }
-      }
+      for (std::size_t i = 0; rough && i < closed.count; ++i)
+        if (finds({{{i, Motion::stick}}}, 1, rough)) return way;
+      for (std::size_t i = 0; i < closed.count; ++i)
+        for (std::size_t j = i + 1; j < closed.count; ++j)
+          for (const Motion a : slides)
+            for (const Motion b : slides)
+              if (finds({{{i, a}, {j, b}}}, 2, rough)) return way;
+      for (std::size_t i = 0; i < closed.count; ++i)
+        for (const Motion a : slides)
+          if (finds({{{i, a}}}, 1, rough)) return way;
     }
     return tried(closed, {}, 0, false);
   }

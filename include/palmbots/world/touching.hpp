@@ -3,7 +3,6 @@
 // Source: docs/theory/contacts.md.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -21,8 +20,7 @@ struct Touched {
 };
 
 inline const char* name_of(const Surface& surface) {
-  static constexpr std::array grounds{"", "floor", "wall", "stand"};
-  if (surface.carrier == Carrier::ground) return grounds[static_cast<std::size_t>(surface.ground)];
+  if (surface.carrier == Carrier::ground) return name_of(surface.ground);
   if (surface.tip) return "tip";
   if (surface.normal.y > 0.5) return "vertex";
   return surface.at.x < 0.0 ? "nose" : "heel";

@@ -16,13 +16,14 @@ from typing import Any
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.errors import SceneError
+from palmbots.mujoco.contact_forces import Point
 from palmbots.mujoco.edge_contacts import fit_edges
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.lift_world import LiftWorld
 from palmbots.mujoco.mjcf import layout
 from palmbots.mujoco.path_curve import LEAD_M, Curve, Spot, curve_of
 from palmbots.mujoco.robot_mjcf import lifts
-from palmbots.mujoco.world import MujocoWorld, Point
+from palmbots.mujoco.world import MujocoWorld
 from palmbots.scene.chassis import axle_out, chassis
 from palmbots.scene.scene import Scene, load_scene
 

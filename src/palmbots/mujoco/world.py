@@ -16,16 +16,16 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.mujoco.contact_events import ContactEventTracker, Kind
-from palmbots.mujoco.contact_forces import PalmContacts, PalmLoads, Point
+from palmbots.mujoco.contact_forces import PalmContacts, PalmLoads
 from palmbots.mujoco.edge_contacts import STAYS, edges_of, fit_edges
 from palmbots.mujoco.engine import mujoco
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.mjcf import layout, mjcf, steps_per_tick
+from palmbots.mujoco.pair_places import PairPlaces
 from palmbots.mujoco.switches import Switches
 from palmbots.mujoco.trace_columns import Measured
 from palmbots.scene.chassis import axle_out, chassis
 from palmbots.scene.scene import Scene
-from palmbots.scene.spec import contact_radii
 from palmbots.simulation.carry_ends import ends_in
 
 SLACK = math.radians(0.25)  # a wrist this close to its target has reached it; assumed
@@ -36,10 +36,9 @@ _LET_GO_S = 0.25  # without load on a palm for this long, the object is no longe
 _PITCHED = math.radians(10)  # a robot that pitches by more than the floor and this has tipped
 TURNED = math.radians(60)  # an object turned further has tipped over
 _ENDS = ends_in("held")
-_OUT = (-1.0, 1.0)
 
 
-class MujocoWorld:
+class MujocoWorld(PairPlaces):
     """A scene in MuJoCo, at rest at its start. `model` and `data` are MuJoCo's own."""
 
     def __init__(
@@ -53,17 +52,13 @@ class MujocoWorld:
         pivots over where the scene has them."""
         self._measures = measures
         self._mj = mujoco()
-        self.scene = scene
-        self.layout = layout(scene, pivot_heights_m)
         text = mjcf(scene, engine, pivot_heights_m)
-        self.model: Any = self._mj.MjModel.from_xml_string(text)
-        self.data: Any = self._mj.MjData(self.model)
+        model = self._mj.MjModel.from_xml_string(text)
+        super().__init__(scene, layout(scene, pivot_heights_m), model, self._mj.MjData(model))
         self.steps = steps_per_tick(scene)
         self._ticks, self.time_s = 0, 0.0
         self._period = scene.control.period_s
         self._track = chassis(self.layout.height, axle_out(scene)).track
-        self._radius = scene.mujoco.wheel_radius_m
-        self._first = _core.first_angles(self.layout.spec)
         self._set = list(self._first)  # commanded wrist angles [rad]
         self._find()
         self._unloaded_s = [0.0, 0.0]
@@ -200,19 +195,6 @@ class MujocoWorld:
         """The commanded palm angles [rad]."""
         return self._set[0], self._set[1]
 
-    @property
-    def contacts(self) -> tuple[float, float]:
-        """The contact coordinates p [m]."""
-        left, right = self._vertices()
-        return self._in_palm_frame(0, left)[0], self._in_palm_frame(1, right)[0]
-
-    @property
-    def lifts(self) -> tuple[float, float]:
-        """Heights of the middles of the contact edges above their palms [m]; < 0: the contact is
-        compressed."""
-        left, right = self._vertices()
-        return self._in_palm_frame(0, left)[2], self._in_palm_frame(1, right)[2]
-
     def contact_events(self, until_s: float) -> list[tuple[int, Kind, float, float]]:
         """Further contacts until a time: palm, kind (``flush``, ``tip``), start and end [s]."""
         return self._events.rows(until_s)
@@ -233,27 +215,10 @@ class MujocoWorld:
         """Advance of the midpoint of the pivots since the start, towards +x [m]."""
         return self._midpoint() - self._origin
 
-    def wrists(self) -> tuple[float, float]:
-        """The palm angles as the wrists measure them [rad]."""
-        q = self.data.qpos
-        return (
-            float(q[self._wrist_at[0]]) + self._first[0],
-            float(q[self._wrist_at[1]]) + self._first[1],
-        )
-
-    def rolled(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """How far the rims of the port and the starboard wheel of each robot have turned towards
-        +x [m]."""
-        left, right = (
-            (self._radius * float(self.data.qpos[a]), self._radius * float(self.data.qpos[b]))
-            for a, b in self._wheel_qpos_at
-        )
-        return left, right
-
     # --- inside ---------------------------------------------------------------------------------
 
     def _find(self) -> None:
-        """Look up the indices of actuators, joints and bodies in MuJoCo's arrays."""
+        """Look up the motors, and what ends a carry."""
         m = self.model
         self._wheels = [
             tuple(
@@ -265,38 +230,17 @@ class MujocoWorld:
         self._wrists = [
             [m.actuator(f"{side}_wrist_{part}").id for part in ("angle", "speed")] for side in SIDES
         ]
-        self._wrist_at = [int(m.joint(f"{side}_wrist").qposadr[0]) for side in SIDES]
-        self._wheel_at = [
-            [int(m.joint(f"{side}_{wheel}").dofadr[0]) for wheel in ("port", "starboard")]
-            for side in SIDES
-        ]
-        self._wheel_qpos_at = [
-            [int(m.joint(f"{side}_{wheel}").qposadr[0]) for wheel in ("port", "starboard")]
-            for side in SIDES
-        ]
-        bodies = {name: m.body(name).id for s in SIDES for name in (f"{s}_palm", f"{s}_body")}
-        object_body = m.body("object").id
-        d = self.data
-        # Views into MuJoCo's arrays, which change with every step.
-        self._palm_pos = [d.xpos[bodies[f"{s}_palm"]] for s in SIDES]
-        self._palm_mat = [d.xmat[bodies[f"{s}_palm"]] for s in SIDES]
-        self._body_mat = [d.xmat[bodies[f"{s}_body"]] for s in SIDES]
-        self._object_pos, self._object_mat = d.xpos[object_body], d.xmat[object_body]
-        spec = self.layout.spec
         highest = max((ridge.height_m for ridge in self.scene.mujoco.ridges), default=0.0)
         at = chassis(self.layout.height, axle_out(self.scene))
         self._tipped = _PITCHED + math.atan(highest / abs(at.axle - at.caster))
-        radii = contact_radii(spec)
-        self._offset = [palm.offset + r for palm, r in zip(spec.palms, radii, strict=True)]
         # Inward and outward. Outward, only the heel ends a palm that has one.
         self._reach = [
             (palm.length / 2, palm.length) if palm.stops else (palm.usable / 2, palm.usable / 2)
-            for palm in spec.palms
+            for palm in self.layout.spec.palms
         ]
         self._half_width = [self.scene.palm_of(side).width_m / 2 for side in SIDES]
-        self._edges = edges_of(m, self.scene)
-        self._width = spec.width
-        self._palm_contacts = PalmContacts(m, self.layout)
+        self._edges = edges_of(self.model, self.scene)
+        self._palm_contacts = PalmContacts(self.model, self.layout)
 
     def _fit(self) -> None:
         """Move the contact edges to their overlap with the palms, if they have shifted."""
@@ -330,59 +274,6 @@ class MujocoWorld:
         """The turning rate with which a robot steers to its heading, anticlockwise seen from
         above [rad/s]."""
         return -HEADING * self._yaw(k)
-
-    def _distances(self) -> tuple[float, float]:
-        """Positions of the pivots along the path, towards +x at the start [m]; here their x."""
-        return float(self._palm_pos[0][0]), float(self._palm_pos[1][0])
-
-    def _separation(self, distances: tuple[float, float]) -> float:
-        return distances[1] - distances[0]
-
-    def _midpoint(self) -> float:
-        return 0.5 * sum(self._distances())
-
-    def _vertices(self) -> tuple[Point, Point]:
-        """The middles of the two contact edges (x, y, z)."""
-        x, y, z = self._object_pos.tolist()
-        ax, _, _, ay, _, _, az, _, _ = self._object_mat.tolist()
-        w = self._width
-        return (x, y, z), (x + w * ax, y + w * ay, z + w * az)
-
-    def _in_palm_frame(self, k: int, point: Point) -> Point:
-        """A point in the frame of a palm: outward along it, lateral to its left, above it."""
-        pos, mat = self._palm_pos[k].tolist(), self._palm_mat[k].tolist()
-        dx, dz = point[0] - pos[0], point[2] - pos[2]
-        along = dx * mat[0] + dz * mat[6]
-        above = dx * mat[2] + dz * mat[8] - self._offset[k]
-        return _OUT[k] * along, point[1] - pos[1], above
-
-    @property
-    def lateral(self) -> tuple[float, float]:
-        """Lateral position of the middle of each contact edge on its palm, to the left seen
-        towards +x [m]; no sensor measures it."""
-        left, right = self._vertices()
-        return self._in_palm_frame(0, left)[1], self._in_palm_frame(1, right)[1]
-
-    def _palms(self) -> tuple[float, float]:
-        left, right = self._palm_mat
-        return (
-            -math.atan2(float(left[6]), float(left[0])),
-            math.atan2(float(right[6]), float(right[0])),
-        )
-
-    def _pitches(self) -> tuple[float, float]:
-        left, right = self._body_mat
-        return -math.asin(float(left[6])), math.asin(float(right[6]))
-
-    def _yaw(self, k: int) -> float:
-        mat = self._body_mat[k]
-        return math.atan2(float(mat[3]), float(mat[0]))
-
-    def _places(self) -> list[tuple[float, float]]:
-        """Pivots and contact edges seen from above: x, y, x, y."""
-        one, two = (pos.tolist() for pos in self._palm_pos)
-        left, right = self._vertices()
-        return [(a[i], b[i]) for a, b in ((one, two), (left, right)) for i in (0, 1)]
 
     def _wheel_slips(self, speed: tuple[float, float]) -> tuple[float, float]:
         v = self.data.qvel

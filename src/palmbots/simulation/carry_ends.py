@@ -23,6 +23,12 @@ _FOLLOWS = {
     "falls": "falls, or {}",
     "ends": "ends",
 }
+_LEGEND = {
+    "wheels stall": "they stand for the rest of the control period; the carry goes on",
+    "falls, or NAME": "the object falls to where it rests; if that is farther than world.fall_m, "
+    "the carry ends as NAME",
+    "–": "does not happen in this phase",
+}
 
 
 @dataclass(frozen=True)
@@ -34,9 +40,7 @@ class CarryEnd:
     in_mujoco: str
     """Its meaning in MuJoCo."""
     follows: dict[str, str]
-    """By phase: "goes on"; "wheels stall", and it goes on; "falls, or REASON": it goes on if the
-    object falls no farther than world.fall_m, and otherwise ends for this reason; "ends"; "–": it
-    never happens."""
+    """By phase: "goes on", "ends", or one of the words that `palmbots ends` explains."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -53,6 +57,8 @@ class EndList(Result):
         yield Table([("", *map(bold, self.phases)), *rows], gap=2)
         yield ""
         yield Table([(bold(name), meaning) for name, meaning in self.phases.items()], gap=2)
+        yield ""
+        yield Table([(bold(what), meaning) for what, meaning in _LEGEND.items()], gap=2)
         yield ""
         for end in self.ends:
             yield Line(bold(f"{end.name}: "), end.meaning)
