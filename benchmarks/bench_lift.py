@@ -6,8 +6,8 @@ ends.
     .venv/bin/python benchmarks/bench_lift.py [JOBS] [WORLD] [SCENE]        200 each by default
 
 The scene is `lift`, `stand` or `lone`, with its noise of 1 cm/s, in the quasistatic world or in
-MuJoCo. Seeds are 0, 1, …; the counts depend on nothing but the version. The miss is positive where the
-object went too far.
+MuJoCo. Seeds are 0, 1, …; the counts depend on nothing but the version. The miss is positive where
+the object went too far.
 """
 
 import sys

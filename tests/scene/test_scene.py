@@ -59,7 +59,17 @@ def test_numbers_of_the_paper():
 
 def test_other_built_in_scenes_differ_from_paper_in_few_keys():
     own = [
-        *("around-wall", "figure8", "lift", "lone", "paper", "paper-offset", "pipe", "plate", "stand")
+        *(
+            "around-wall",
+            "figure8",
+            "lift",
+            "lone",
+            "paper",
+            "paper-offset",
+            "pipe",
+            "plate",
+            "stand",
+        )
     ]
     assert built_in_scenes() == own
     route = {"task.route": None}

@@ -220,8 +220,8 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
   bool both(State state) const { return team_.state(left) == state && team_.state(right) == state; }
   bool is_done(bool stands) const {
     const bool low = spec_.ends_on != StandsOn::palms;
-    return Table::has_ended(team_.state(left), low) &&
-           Table::has_ended(team_.state(right), low) && (stands || !low);
+    return Table::has_ended(team_.state(left), low) && Table::has_ended(team_.state(right), low) &&
+           (stands || !low);
   }
 
   bool is_stand(bool ends) const {
