@@ -249,4 +249,4 @@ def test_the_values_of_all_steps_make_a_table() -> None:
     found = calibrate(bench.machine(known(hidden(2))), SimulatedPerson(bench, 2), TASK)
     table = HardwareParameters.model_validate(values_of(found))
     assert table.switches[1].from_m < 0 < table.switches[1].to_m
-    assert set(STEPS) == {"dead-zone", "wheels", "stopping", "palm", "switches"}
+    assert set(STEPS) == {"dead-zone", "wheels", "stopping", "palm", "arm", "switches"}

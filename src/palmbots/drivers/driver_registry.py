@@ -24,6 +24,19 @@ DRIVERS: Registry[DriverMaker] = Registry(
 """The hardware of the kinds of this package has a watchdog of its own."""
 
 
+def check_arm(kind: str) -> None:
+    """Refuse a kind of driver for a job on the floor.
+
+    Raises:
+        PalmbotsError: drivers of this kind move no arm.
+    """
+    if not getattr(DRIVERS.get(kind), "has_arm", False):
+        raise PalmbotsError(
+            f"driver.kind: {kind} moves no arm, which a job on the floor needs (task.from, task.to "
+            "of the scene); allowed: simulated, or a driver with has_arm = True"
+        )
+
+
 def open_driver(kind: str, settings: DriverSettings) -> Driver:
     """Open the driver of a robot; in a guard process, if its hardware has no watchdog.
 
@@ -31,11 +44,8 @@ def open_driver(kind: str, settings: DriverSettings) -> Driver:
         PalmbotsError: there is no such kind, or its hardware cannot be used.
     """
     make = DRIVERS.get(kind)
-    if settings.arm is not None and not getattr(make, "has_arm", False):
-        raise PalmbotsError(
-            f"driver.kind: {kind} moves no arm, which a job on the floor needs (task.from, task.to "
-            "of the scene); allowed: simulated, or a driver with has_arm = True"
-        )
+    if settings.arm is not None:
+        check_arm(kind)
     if kind in DRIVERS:
         return limited(make(settings), settings)
     if getattr(make, "has_watchdog", False):

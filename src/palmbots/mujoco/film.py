@@ -135,7 +135,7 @@ class VideoRenderer:
         phase = ""
         if self._job is not None:
             name = phase_at(self._job, SIDES[k], float(self._times[row]))
-            phase = f"{name.replace('_', ' ')}, "
+            phase = f"{name.replace('_', ' ') or 'stands aside'}, "
         return f"{SIDES[k]}: {phase}sensor {sign}" + (f", case ({case})" if case else "")
 
 

@@ -8,7 +8,7 @@ from palmbots._types import Side
 from palmbots._util.arguments import show
 from palmbots.drivers.arm import arm_shape
 from palmbots.drivers.driver import Driver, DriverFailed, DriverSettings, NoAnswer
-from palmbots.drivers.driver_registry import open_driver
+from palmbots.drivers.driver_registry import check_arm, open_driver
 from palmbots.errors import PalmbotsError
 from palmbots.links.greeting import scene_number
 from palmbots.links.link import Link, LinkSettings, to_stderr
@@ -62,6 +62,17 @@ def check_speed(pair: Pair, side: Side, scene: Scene) -> None:
             f"{fastest_m_s:g} m/s, which the {side} robot needs for the scene {pair.scene()}; "
             "raise it, or lower robot.speed_m_s and robot.correction_m_s of the scene"
         )
+
+
+def check_pair_arms(pair: Pair, scene: Scene) -> None:
+    """Refuse a job on the floor whose robots have no arms.
+
+    Raises:
+        PalmbotsError: drivers of the pair's kind move no arm.
+    """
+    if to_spec(scene).uses_floor:
+        with _named(pair):
+            check_arm(pair.settings.driver.kind)
 
 
 def open_pair_driver(

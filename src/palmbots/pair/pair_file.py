@@ -24,7 +24,6 @@ from palmbots._util.command import Option, command
 from palmbots._util.user_paths import user_path
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.errors import PalmbotsError, SceneError
-from palmbots.mechanics.lifting import check_lift
 from palmbots.mechanics.load_limits import check_load
 from palmbots.pair.pair_keys import LinkTable, PairFile, pair_keys
 from palmbots.pair.stored_state import StateFile, StoredState, write_state
@@ -121,6 +120,8 @@ def check_on_robots(scene: Scene) -> None:
                 'task.dock: value is "alone", and robots as processes work in pairs; allowed: '
                 '"together" or "one-first"'
             )
+        from palmbots.mechanics.lifting import check_lift  # loads numpy
+
         check_lift(scene)
 
 

@@ -19,7 +19,7 @@ from palmbots.control.registry import ControllerEntry
 from palmbots.control.resilient_timing import bounds_of
 from palmbots.errors import PalmbotsError
 from palmbots.pair.link_check import NEWS_LEASE_S
-from palmbots.pair.live_ends import open_pair_driver, open_pair_link
+from palmbots.pair.live_ends import check_pair_arms, open_pair_driver, open_pair_link
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.pair.stored_state import StoredState, booted
@@ -66,6 +66,7 @@ def run_live_robot(
     """
     file = pair.state_file(side)
     scene = pair.checked_scene()
+    check_pair_arms(pair, scene)
     with booted(file) as state, contextlib.ExitStack() as stack:
         live_program(pair, side, state, scene, rate)  # refuses before anything is opened
         # World and station of simulated robots print what these would.

@@ -89,9 +89,10 @@ def with_plain_names(own: type[_AnySection]) -> type[_AnySection]:
     fields: dict[str, Any] = {
         plain_name(name): (field.annotation, field) for name, field in own.model_fields.items()
     }
+    base: Any = own.__base__
     made: Any = create_model(
         own.__name__,
-        __base__=own.__base__,
+        __base__=base,
         __module__=own.__module__,
         __doc__=own.__doc__,
         **fields,

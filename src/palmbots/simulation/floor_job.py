@@ -112,9 +112,9 @@ def stages(job: FloorJob, robot: str) -> list[tuple[str, float, float]]:
 
 
 def phase_at(job: FloorJob, robot: str, time_s: float) -> str:
-    """The phase of a robot at a time."""
+    """The phase of a robot at a time; empty: it takes no part in the job."""
     began = (p.phase for p in reversed(job.phases) if p.robot == robot and p.start_s <= time_s)
-    return next(began)
+    return next(began, "")
 
 
 def contacts_on_palms(scene: Scene, trace: xr.Dataset) -> NDArray[np.float64]:

@@ -128,7 +128,7 @@ def stage_at(carry: Carry, rows: np.ndarray, speedup: int = 1) -> tuple[Stage, l
 
 def _doing(job: FloorJob, robot: str, time: float) -> str:
     """What a robot does in a job on the floor, without until when and why."""
-    return re.split(r"[;,]| until ", MEANINGS[phase_at(job, robot, time)])[0]
+    return re.split(r"[;,]| until ", MEANINGS.get(phase_at(job, robot, time), "stands aside"))[0]
 
 
 def _messages_shown(carry: Carry, times: np.ndarray) -> list[Message | None]:
