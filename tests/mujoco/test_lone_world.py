@@ -10,6 +10,7 @@ import pytest
 from tests.conftest import is_soak
 
 import palmbots as pb
+from palmbots.mechanics.lone import lone_lift
 from palmbots.scene.placement import floor_level, placements
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
@@ -69,7 +70,7 @@ def test_outcomes_agree_from_random_starts() -> None:
             "task.distance_m": 0.2,
         }
         keys["palm.steep_deg"] = math.degrees(math.atan(keys["palm.friction"])) + 8.0
-        closed = pb.analyze("lone", overrides=keys).lone
+        closed = lone_lift(load_scene("lone", keys))
         assert closed is not None
         if closed.refusals or closed.warnings:
             continue
