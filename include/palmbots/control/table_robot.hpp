@@ -57,10 +57,15 @@ class TableRowMasks {
       for (int w = 0; w < Known::count; ++w) {
         add(message_[w], row.heard.has(Known::list[static_cast<std::size_t>(w)]));
       }
-      for (unsigned c = 0; c < inputs; ++c) add(condition_[c], meets(row.when, conditions(c)));
       add(reads_, row.reads());
       next_[i] = row.next;
       send_[i] = row.send;
+    }
+    for (unsigned c = 0; c < inputs; ++c) {
+      const TableConditions<bool> met = conditions(c);
+      for (std::size_t i = 0; i < rows; ++i) {
+        if (meets(Table::rows[i].when, met)) condition_[c] |= Mask{1} << i;
+      }
     }
   }
 
