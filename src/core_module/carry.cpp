@@ -272,8 +272,8 @@ void bind_carry(nb::module_& m) {
   const auto add = [&]<class Table>(Table) {
     for (int i = 0; i < Table::states; ++i) {
       const auto state = static_cast<typename Table::State>(i);
-      const bool low = Table::alone || Table::role(state).arm == ArmMove::follow ||
-                       Table::on_trial.has(state);
+      const bool low =
+          Table::alone || Table::role(state).arm == ArmMove::follow || Table::on_trial.has(state);
       const CarryPhase phase = low ? CarryPhase::low : CarryPhase::held;
       states[Table::meanings[i].name] = Table::meanings[i].meaning;
       phases_of_states[Table::meanings[i].name] =
