@@ -99,7 +99,7 @@ def test_an_image_without_settings_shows_it(image: Image) -> None:
 def test_an_image_without_boots_shows_it(image: Image, boards: MakeBoards) -> None:
     page = bytearray(boards().page("left", 1))
     page[28:32] = (2).to_bytes(4, "little")  # the last of its boots is the second
-    page[168:172] = zlib.crc32(bytes(page[:168])).to_bytes(4, "little")
+    page[196:200] = zlib.crc32(bytes(page[:196])).to_bytes(4, "little")
     board = Board(replace(image, flash=image.flash[:PAGE_ADDRESS] + bytes(page)))
     for _ in range(2):
         board.boot()

@@ -243,9 +243,9 @@ def test_another_key_is_shown(image: Image, boards: MakeBoards) -> None:
     mine = boards()
     pair = LivePair(image, mine, seed=11)
     stranger = LivePair(image, mine, seed=12)
-    other = bytearray(stranger.robots[1].board.bytes_at(0xF000, 172))
+    other = bytearray(stranger.robots[1].board.bytes_at(0xF000, 200))
     other[8:24] = bytes(16)
-    other[168:] = zlib.crc32(bytes(other[:168])).to_bytes(4, "little")
+    other[196:] = zlib.crc32(bytes(other[:196])).to_bytes(4, "little")
     pair.ends[1] = pair.robots[1] = stranger.robots[1]
     pair.robots[1].board.set_bytes(0xF000, bytes(other))
     pair.run(4.0)

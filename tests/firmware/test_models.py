@@ -204,6 +204,6 @@ def test_memory_of_the_radio_is_guarded(image: Image) -> None:
     board = Board(image)
     board.boot()
     board.run_us(5000)
-    board.own(0, 0x20000000, 0x800, may_read=False)  # its stack
+    board.own(0, 0x20000000, 0xC00, may_read=False)  # its stack
     with pytest.raises(Violation, match="memory of a peripheral used at"):
         board.run_us(50_000)

@@ -25,7 +25,8 @@ EXPECTED = {"control.period_s", "control.watchdog_s", "task.direction"}
 
 def settings(controller: str, keys: dict[str, Any]) -> list[bytes]:
     scene = pb.load_scene("paper", keys)
-    prepare(scene, controller)
+    if prepare(scene, controller).spec.uses_floor:
+        raise SceneError("a job on the floor: test_lockstep.py")
     entry = resolve(controller)
     return [lockstep_settings(scene, entry, side).packed() for side in (0, 1)]
 
