@@ -270,7 +270,7 @@ def analyze(
     closing, opening, turning = (
         BySide.of(_report(problem, number, shallow) for shallow in SIDES) for number in (1, 2, 0)
     )
-    load = load_limits(chosen)
+    load, lone = load_limits(chosen), lone_lift(chosen)
     return Analysis(
         scene=chosen,
         problem=problem,
@@ -285,12 +285,13 @@ def analyze(
         slope=slope,
         angle_error_rad=angle,
         clearance=clearance,
-        touch=first_touch(chosen, clearance.rotation_margin),
+        # Of two palms; an object for one may reach farther than between them.
+        touch=None if lone is not None else first_touch(chosen, clearance.rotation_margin),
         wedging=wedging(problem),
         sideways=sideways_of(chosen),
         load=load,
         lifting=lifting(chosen),
-        lone=lone_lift(chosen),
+        lone=lone,
         warnings=limit_warnings(chosen, problem.contacts),
     )
 
