@@ -62,6 +62,7 @@ def test_outcomes_agree_from_random_starts() -> None:
         keys: dict[str, Any] = {
             "object.vertices_m": [[0, 0], [width, 0], [width, high], [0, high]],
             "object.com_m": [rng.uniform(0.4, 0.6) * width, rng.uniform(0.3, 0.6) * high],
+            "object.edge_radius_m": 0.003,
             "object.mass_kg": rng.uniform(0.1, 0.3),
             "palm.friction": rng.uniform(0.25, 0.4),
             "palm.shallow_deg": rng.uniform(6.0, 9.0),
