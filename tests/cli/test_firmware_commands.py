@@ -37,9 +37,9 @@ def test_images_hold_what_the_pair_says(pair: Path, tmp_path: Path, here: Run) -
     for role, file in enumerate(files):
         assert stat.S_IMODE(file.stat().st_mode) == 0o600
         image = IntelHex(str(file))
-        page = image.tobinstr(start=PAGE, size=172)
+        page = image.tobinstr(start=PAGE, size=200)
         assert int.from_bytes(page[:4], "little") == 0x42504D42
-        assert int.from_bytes(page[168:], "little") == zlib.crc32(page[:168])
+        assert int.from_bytes(page[196:], "little") == zlib.crc32(page[:196])
         assert page[80] == role
         if role < 2:
             assert page[8:24] == key
@@ -71,7 +71,7 @@ def test_no_two_images_share_an_epoch(pair: Path, tmp_path: Path, here: Run) -> 
     spans = []
     for _ in range(2):
         assert here("firmware", str(pair), "--out", str(tmp_path / "images")).returncode == 0
-        page = IntelHex(str(tmp_path / "images" / "left.hex")).tobinstr(start=PAGE, size=172)
+        page = IntelHex(str(tmp_path / "images" / "left.hex")).tobinstr(start=PAGE, size=200)
         spans.append(tuple(int.from_bytes(page[i : i + 4], "little") for i in (24, 28)))
     (first, last), (next_first, _) = spans
     assert first == 1
@@ -168,7 +168,7 @@ def test_no_damaged_image_is_flashed(image: Path, tmp_path: Path) -> None:
             flash(file, target)
     content = IntelHex(str(image))
     page = content.tobinstr(start=PAGE, size=0x1000)
-    forged = {80: 2, 82: 255, 83: 100, 84: 2, 92: 2, 93: 0, 98: 6}
+    forged = {80: 2, 82: 255, 83: 100, 84: 2, 92: 2, 93: 0, 98: 7}
     changes = [(at, bytes([value])) for at, value in forged.items()]
     # No period, no epoch, watchdog after 10.000001 s.
     changes += [(at, value.to_bytes(4, "little")) for at, value in
@@ -177,9 +177,9 @@ def test_no_damaged_image_is_flashed(image: Path, tmp_path: Path) -> None:
     for value, *places in ((0, 94, 96), (499, 108, 110, 112, 134), (2501, 108, 110, 112, 134)):
         changes += [(at, value.to_bytes(2, "little")) for at in places]
     for at, value in changes:
-        body = page[:at] + value + page[at + len(value) : 168]
+        body = page[:at] + value + page[at + len(value) : 196]
         check = zlib.crc32(body).to_bytes(4, "little")
-        file.write_text(image_with("robot", body + check + page[172:]))
+        file.write_text(image_with("robot", body + check + page[200:]))
         with pytest.raises(pb.PalmbotsError, match=r"is damaged|has no settings that a board"):
             flash(file, target)
     assert list(target.iterdir()) == [target / "MICROBIT.HTM"]

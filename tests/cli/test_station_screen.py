@@ -20,7 +20,7 @@ ROBOT: dict[str, Any] = {
     "is_heard": True, "silent_s": 0.0, "mode": "carrying", "fault": "none", "reason": "", "sign": 1,
     "palm": "steep", "palm_at_target": True, "case": "a", "at_rest": False, "stop": False,
     "progress": 0.43, "battery_v": 11.84, "overruns": 0, "loss": 0.03, "round_trip_s": 0.062,
-    "boots": 3,
+    "boots": 3, "phase": "",
 }  # fmt: skip
 OTHER = ROBOT | {
     "mode": "holding", "sign": -1, "palm": "shallow", "palm_at_target": False, "case": "c",
