@@ -57,6 +57,7 @@ Situation moved(Situation at, bool touches, bool turned) {
   at.robot.step({Sign::zero, turned, 1, MessageKind::none, false, false, 0});
   at.turns = at.robot.now().command.palm == palm ? at.turns + (at.turns < turning) : 0;
   switch (arm(at.robot)) {
+    case ArmMove::reach:
     case ArmMove::rise: at.height += at.height < top; break;
     case ArmMove::sink: at.height -= at.height > 0; break;
     case ArmMove::hold:
