@@ -138,8 +138,7 @@ def lone_lift(scene: Scene) -> LoneLift | None:
     Raises:
         SceneError: the path is curved, or the object does not stand on its contact vertices.
     """
-    spec = to_spec(scene)
-    if not spec.uses_floor or scene.task.dock != "alone":
+    if scene.task.dock != "alone" or not (spec := to_spec(scene)).uses_floor:
         return None
     if refusal := _core.standing_refusal(spec):
         raise SceneError(refusal)
