@@ -34,6 +34,15 @@ inline bool stands_by(const Spec& spec, std::size_t side) {
   return spec.docking != Docking::together && side != leader_of(spec);
 }
 
+// What the controllers correct, as long as a robot that follows its controller has such a contact. The
+// left robot may stand for both.
+constexpr CorrectionActivity obeyed(const CorrectionActivity& activity, bool by_left,
+                                    bool by_right) {
+  const bool is_obeyed =
+      (by_left && activity.concerns(left)) || (by_right && activity.concerns(right));
+  return is_obeyed ? activity : CorrectionActivity{};
+}
+
 template <class Inner, class TheTable = Lifting>
 class LiftTeam {
  public:
@@ -97,7 +106,7 @@ class LiftTeam {
   bool waits(std::size_t side) const { return is_correcting(side) && inner_.waits(side); }
   MessageKind awaits(std::size_t side) const { return inner_.awaits(side); }
   CorrectionActivity activity(std::size_t side) const {
-    return is_correcting(side) ? inner_.activity(side) : CorrectionActivity{};
+    return obeyed(inner_.activity(side), is_correcting(left), is_correcting(right));
   }
 
  private:

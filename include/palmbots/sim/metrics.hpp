@@ -208,9 +208,7 @@ class Metrics {
       rows[open.row] = {now.name, now.robot, now.assistant, tick, tick};
     }
     for (const std::size_t side : {left, right}) {
-      if (now.robot == CorrectionActivity::both || now.robot == static_cast<std::int8_t>(side)) {
-        alternate(tick, side, now.sense[side]);
-      }
+      if (now.concerns(side)) alternate(tick, side, now.sense[side]);
     }
   }
 

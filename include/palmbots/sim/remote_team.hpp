@@ -282,7 +282,7 @@ class LiftTeam<RemoteTeam<Exchange, has_station>> {
   bool waits(std::size_t side) const { return is_correcting(side) && inner_.waits(side); }
   MessageKind awaits(std::size_t side) const { return inner_.awaits(side); }
   CorrectionActivity activity(std::size_t side) const {
-    return is_correcting(side) ? inner_.activity(side) : CorrectionActivity{};
+    return obeyed(inner_.activity(side), is_correcting(left), is_correcting(right));
   }
 
  private:

@@ -34,6 +34,10 @@ struct CorrectionActivity {
   std::int8_t robot = nobody;  // whose contact is corrected: 0, 1 or both
   std::int8_t assistant = nobody;
   PerSide<std::int8_t> sense{};  // of each contact: +1 positive, −1 negative, 0 left alone
+
+  constexpr bool concerns(std::size_t side) const {
+    return robot == both || robot == static_cast<std::int8_t>(side);
+  }
 };
 
 // The interface of every team.
