@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -87,6 +88,17 @@ def test_cones_and_forces_are_drawn_in(done: Carry, monkeypatch: pytest.MonkeyPa
         bare = studio.picture(sticks)
     assert count(still, green, 60) > count(bare, green, 60) + 100
     assert count(sliding, purple, 60) > count(bare, purple, 60) + 30
+
+
+def test_walls_of_a_route_stand_behind_the_pair(done: Carry) -> None:
+    assert done.mujoco_record is not None
+    walls = ((-0.4, 0.5, 0.4, 0.5),)
+    walled = replace(done, mujoco_record=replace(done.mujoco_record, walls_m=walls))
+    with VideoRenderer(done, SMALL) as studio, VideoRenderer(walled, SMALL) as other:
+        bare, shown = (np.asarray(one.picture(1), dtype=int) for one in (studio, other))
+    rows, columns = np.nonzero(np.abs(shown - bare).max(axis=2) > 10)
+    assert len(rows) > 0.02 * bare.shape[0] * bare.shape[1]
+    assert columns.mean() / bare.shape[1] == pytest.approx(0.5, abs=0.1)
 
 
 def test_title_states_the_slope() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from palmbots.mujoco.curved_world import line_of
 from palmbots.mujoco.path_curve import EASE_M, Spot, corner_length
 from palmbots.mujoco.route_geometry import (
     Rectangle,
@@ -17,9 +18,10 @@ from palmbots.mujoco.route_geometry import (
     divided,
     first_touch,
     heading,
+    seen_from,
     turn_at,
 )
-from palmbots.mujoco.route_plan import Offset, Pair
+from palmbots.mujoco.route_stage import Offset, Pair
 from palmbots.scene.scene import load_scene
 
 RNG = np.random.default_rng(44)
@@ -147,3 +149,26 @@ def test_the_first_wall_that_the_pair_would_touch_is_the_nearest_one() -> None:
         assert (what, which) == ("the robot that leads", 1)
         front = s + found.spread / 2 + body
         assert front == pytest.approx(at, abs=0.03)
+
+
+@pytest.mark.parametrize("direction", ["forward", "backward"])
+def test_walls_of_a_stage_stand_where_the_route_has_them(direction: str) -> None:
+    """As far from the start and the end of the path as in the route, and on the same side."""
+    wall = (0.3, 0.9, 1.1, 1.4)
+    points = [(0.2, 0.1), (1.3, 0.3), (1.9, 1.2)]
+    keys = {"task.route.walls_m": [list(wall)], "task.direction": direction}
+    found = pair([list(point) for point in points], **keys)
+    offset = Offset(ahead_m=0.04)
+    scene = found.stage_scene(points, offset)
+    line = line_of(scene)
+    start, end = line.at(0.0), line.at(found.sense * scene.task.distance_m)
+    way = heading(points[0], points[1])
+    begins = ahead(points[0], way, offset.ahead_m)
+    (seen,) = found.walls_in_stage(points, offset)
+    for place, shown in ((wall[:2], seen[:2]), (wall[2:], seen[2:])):
+        assert math.dist(shown, (start.x, start.y)) == pytest.approx(math.dist(place, begins))
+        assert math.dist(shown, (end.x, end.y)) == pytest.approx(
+            math.dist(place, points[-1]), abs=1e-3
+        )
+    ahead_of, aside = seen_from(begins, way, wall[:2])
+    assert found.sense * np.array(seen[:2]) == pytest.approx([ahead_of, aside])

@@ -18,14 +18,8 @@ from palmbots.mujoco.drift_forecast import Forecast
 from palmbots.mujoco.lift_world import LiftWorld
 from palmbots.mujoco.route_carry import carry_route
 from palmbots.mujoco.route_geometry import heading
-from palmbots.mujoco.route_plan import (
-    Offset,
-    Pair,
-    StageForecast,
-    left_over,
-    plan_stages,
-    stage_seed,
-)
+from palmbots.mujoco.route_planner import plan_stages
+from palmbots.mujoco.route_stage import Offset, Pair, StageForecast, left_over, stage_seed
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.prepare import prepare
 from palmbots.simulation.result import make_carry
@@ -117,7 +111,7 @@ def test_offsets_that_are_left_over_end_a_route(monkeypatch: pytest.MonkeyPatch)
         found = left_over(end, drift)
         return replace(found, aside_m=found.aside_m - wrong.aside_m)
 
-    monkeypatch.setattr("palmbots.mujoco.route_plan.left_over", biased)
+    monkeypatch.setattr("palmbots.mujoco.route_planner.left_over", biased)
     zigzag = [(0.0, 0.0)]
     for k in range(4):
         way = math.radians(40 * k)

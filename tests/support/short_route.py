@@ -4,7 +4,7 @@
 from functools import cache
 
 from palmbots.mujoco import RoutePlan
-from palmbots.mujoco.route_plan import plan_stages
+from palmbots.mujoco.route_planner import plan_stages
 from palmbots.scene.scene import load_scene
 
 BEND = {"task.route.waypoints_m": [[0, 0], [1.2, 0], [2.0, 0.8]], "task.route.walls_m": []}

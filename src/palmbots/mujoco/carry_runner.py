@@ -16,6 +16,7 @@ from palmbots.errors import SceneError
 from palmbots.mujoco.curved_world import world_of
 from palmbots.mujoco.engine_settings import DEFAULT, Engine
 from palmbots.mujoco.lift_world import LiftWorld
+from palmbots.mujoco.route_geometry import Wall
 from palmbots.mujoco.trace_columns import COLUMNS, Measured
 from palmbots.mujoco.world import SLACK, MujocoWorld
 from palmbots.scene.scene import Scene
@@ -38,6 +39,8 @@ class MujocoRecord:
     states: np.ndarray
     """MuJoCo's state (``mjSTATE_INTEGRATION``) at every row of the trace."""
     engine: Engine
+    walls_m: tuple[Wall, ...] = ()
+    """Walls for pictures only: the ends (x1, y1, x2, y2) of each, in the frame of the world."""
 
 
 def run(

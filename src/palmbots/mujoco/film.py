@@ -53,6 +53,7 @@ class VideoRenderer:
             )
         self._mj = mujoco()
         self._states, trace = carry.mujoco_record.states, carry.trace
+        self._walls = carry.mujoco_record.walls_m
         self._model: Any = self._mj.MjModel.from_xml_string(
             mjcf(carry.scene, carry.mujoco_record.engine)
         )
@@ -110,6 +111,8 @@ class VideoRenderer:
         into = self._renderer.scene
         if self._line is not None:
             self._overlay.path(into, self._line, float(self._distance[row]))
+        for wall in self._walls:
+            self._overlay.wall(into, wall)
         left, right = self._motion[min(row, len(self._motion) - 1)].tolist()
         self._overlay.contacts(into, (left, right), self._camera.lookat, self._ahead)
         image = Image.fromarray(self._renderer.render())

@@ -3,7 +3,7 @@
 
 At each palm the friction cone (green: the contact sticks, purple: it slides) and the force on the
 object (an arrow, 25 mm for each newton), both moved to the near side, where the object does not
-hide them. The line that the robots follow lies on the floor.
+hide them. The line that the robots follow lies on the floor, and walls beside it stand there.
 """
 
 import itertools
@@ -16,11 +16,13 @@ from palmbots._types import SIDES
 from palmbots._util.xml_attributes import rgba
 from palmbots.mujoco.curved_world import Line
 from palmbots.mujoco.engine import mujoco
+from palmbots.mujoco.route_geometry import Wall
 from palmbots.scene.scene import Scene
-from palmbots.viz.style import BOTH, INK, PATH, ZERO
+from palmbots.viz.style import BOTH, INK, PATH, QUIET, ZERO
 
 METRES_PER_NEWTON = 0.025
 _CONE_M, _SPOKES = 0.07, 16
+_WALL_M = (0.03, 0.2)  # thickness and height of a drawn wall
 
 
 class Overlay:
@@ -41,6 +43,22 @@ class Overlay:
         points = [np.array([spot.x, spot.y, 0.001]) for spot in spots]
         for start, end in itertools.pairwise(points):
             self.bar(into, 0.004, start, end, colour)
+
+    def wall(self, into: Any, ends: Wall) -> None:
+        """A wall on the floor, which hides little: it is low and translucent."""
+        if into.ngeom >= into.maxgeom:
+            return
+        start, end = np.array(ends[:2]), np.array(ends[2:])
+        along = end - start
+        way = math.atan2(along[1], along[0])
+        cos, sin = math.cos(way), math.sin(way)
+        colour = np.fromstring(rgba(QUIET, 0.6), sep=" ", dtype=np.float32)
+        size = np.array([0.5 * math.hypot(*along), 0.5 * _WALL_M[0], 0.5 * _WALL_M[1]])
+        pos = np.array([*(0.5 * (start + end)), size[2]])
+        turned = np.array([cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0])
+        box = self._mj.mjtGeom.mjGEOM_BOX
+        self._mj.mjv_initGeom(into.geoms[into.ngeom], box, size, pos, turned, colour)
+        into.ngeom += 1
 
     def contacts(
         self, into: Any, motion: tuple[int, int], lookat: np.ndarray, ahead: np.ndarray

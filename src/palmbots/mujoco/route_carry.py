@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Carries an object along a route, stage by stage (`route_plan`), in one of the two worlds.
+"""Carries an object along a route, stage by stage (`route_planner`), in one of the two worlds.
 
 Each stage begins where the last one has left the object. In MuJoCo the pose of the object (x, y,
 yaw) is handed on. The quasistatic world is planar: it hands on what the forecast of the drift says
@@ -25,18 +25,9 @@ from palmbots.mujoco.carry_runner import WORLD
 from palmbots.mujoco.carry_runner import run as run_in_mujoco
 from palmbots.mujoco.curved_world import CurvedLiftWorld
 from palmbots.mujoco.engine import mujoco
-from palmbots.mujoco.route_plan import (
-    MEMBERS,
-    Offset,
-    Pair,
-    RoutePlan,
-    StageForecast,
-    left_over,
-    plan_stages,
-    stage_seed,
-    stage_table,
-    with_minus,
-)
+from palmbots.mujoco.route_plan import RoutePlan, stage_table, with_minus
+from palmbots.mujoco.route_planner import MEMBERS, plan_stages
+from palmbots.mujoco.route_stage import Offset, Pair, StageForecast, left_over, stage_seed
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.simulation.carry_ends import reason_text
 from palmbots.simulation.outcome_counts import OutcomeCounts, reason_counts
@@ -259,6 +250,9 @@ def _carried(
     for k, stage in enumerate(plan.stages):
         scene = pair.stage_scene(stage.waypoints_m, offset)
         result, one, end = run(plan, pair, scene, offset, stage_seed(seed, k), record)
+        if one.mujoco_record is not None:
+            walls = pair.walls_in_stage(stage.waypoints_m, offset)
+            one = replace(one, mujoco_record=replace(one.mujoco_record, walls_m=walls))
         offset = left_over(end, Offset(0.0, stage.drift_m, math.radians(stage.drift_deg)))
         results.append(_result(result, one, offset))
         carries.append(one)

@@ -41,6 +41,13 @@ def ahead(point: Point, way: float, distance: float, aside: float = 0.0) -> Poin
     return point[0] + distance * cos - aside * sin, point[1] + distance * sin + aside * cos
 
 
+def seen_from(origin: Point, way: float, point: Point) -> Point:
+    """A point in the frame with this origin, whose x points along this heading."""
+    cos, sin = math.cos(way), math.sin(way)
+    x, y = point[0] - origin[0], point[1] - origin[1]
+    return cos * x + sin * y, cos * y - sin * x
+
+
 def crossing(one: Point, way: float, other: Point, other_way: float) -> Point:
     """Where two lines cross, each given by a point and its heading."""
     dx, dy = other[0] - one[0], other[1] - one[1]

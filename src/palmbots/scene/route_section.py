@@ -3,7 +3,7 @@
 way.
 
 Frame: seen from above, metres. The stages in which a pair follows a route are planned in
-`palmbots.mujoco.route_plan`.
+`palmbots.mujoco.route_planner`.
 """
 
 from typing import Annotated, Any, Self

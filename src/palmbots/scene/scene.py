@@ -145,7 +145,7 @@ class Scene(Section):
 
     def _check_path(self) -> None:
         """Refuse a radius smaller than the robots' distance, and a route beside a curved path or
-        from palms; `path_curve` and `route_plan` check the rest."""
+        from palms; `path_curve` and `route_planner` check the rest."""
         task, least = self.task, self.object.width_m
         radii = {"path": task.path.radius_m}
         if task.route.is_set:

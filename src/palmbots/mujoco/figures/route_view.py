@@ -19,7 +19,8 @@ from matplotlib.patches import Patch, Polygon
 from palmbots._util.text import plural
 from palmbots.mujoco.route_carry import RouteCarry
 from palmbots.mujoco.route_geometry import ahead, heading
-from palmbots.mujoco.route_plan import Pair, RoutePlan, RouteStage
+from palmbots.mujoco.route_plan import RoutePlan, RouteStage
+from palmbots.mujoco.route_stage import Pair
 from palmbots.scene.path_section import Point
 from palmbots.viz.style import (
     DROP,
