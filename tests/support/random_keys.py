@@ -117,6 +117,7 @@ def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
         del keys["object.vertices_m"]
         keys["object.box_m"] = [draw.uniform(0.27, 0.3), draw.uniform(0.15, 0.2)]
     keys["object.mass_kg"] = 0.5
+    keys["task.from"] = keys["task.to"] = "palms"  # most of what carries random scenes has no floor
     names = [n for n in ROWS if "[" not in n and n not in keys]
     lists = sorted({n.partition("[]")[0] for n in CARRIED_ROWS if "[]." in n})
     for name in draw.sample(names, len(names)):
@@ -134,7 +135,6 @@ def random_keys(draw: random.Random, share: float = 0.6) -> Keys:
         if draw.random() < share:
             keys[name] = records
     keys["task.distance_m"] = draw.uniform(0.2, 0.5)
-    keys["task.from"] = keys["task.to"] = "palms"  # most of what carries random scenes has no floor
     if _core.load_refusal(as_given(load_scene("paper", keys)), False):
         return {name: value for name, value in keys.items() if not name.startswith("mujoco.")}
     return keys

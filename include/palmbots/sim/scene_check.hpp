@@ -205,6 +205,11 @@ inline constexpr std::array<KeysOfKind, fault_choices.count> keys_of_kind = {{
     {"robot", "", "with kind clock-jump, besides at_s and duration_s: robot"},
 }};
 
+inline void refuse_bumps(const SceneValues& scene, Problems& problems, const char* why) {
+  if (scene.of<"bumps.rate_per_m">() > 0) report(problems, "bumps.rate_per_m", common, why, "0");
+  if (!scene.list<"bumps.script">().empty()) report(problems, "bumps.script[]", 0, why, "none");
+}
+
 inline void check_disturbances(const SceneValues& scene, Problems& problems) {
   const auto& faults = scene.list<"faults.script">();
   for (std::size_t k = 0; k < faults.size(); ++k) {
@@ -232,6 +237,11 @@ inline void check_disturbances(const SceneValues& scene, Problems& problems) {
            place == place ? "has a place and a time" : "has no place and no time",
            "exactly one of at_m and at_s");
   }
+  if (scene.of<"task.from">() == 0 && scene.of<"task.to">() == 0) return;
+  refuse_bumps(
+      scene, problems,
+      "shifts contacts, but in a job from or onto the floor or a stand (task.from, task.to) "
+      "palms do not hold the object all the time");
 }
 
 // The cross-section of a ridge is a circular arc, at most half a circle.
@@ -360,9 +370,7 @@ inline void check_pipe(const SceneValues& scene, Problems& problems) {
         "left_m and right_m at which both are equal", {heights[left], heights[right]},
         {scene.of<"start.left_m">(), scene.of<"start.right_m">()});
   }
-  constexpr const char* bump = "shifts one contact, but those of a pipe move together";
-  if (scene.of<"bumps.rate_per_m">() > 0) report(problems, "bumps.rate_per_m", common, bump, "0");
-  if (!scene.list<"bumps.script">().empty()) report(problems, "bumps.script[]", 0, bump, "none");
+  refuse_bumps(scene, problems, "shifts one contact, but those of a pipe move together");
 }
 
 }  // namespace detail

@@ -263,6 +263,11 @@ def assess(
         PalmbotsError: another argument is not allowed.
     """
     chosen = load_scene(scene, overrides)
+    if chosen.task.route.is_set:
+        raise SceneError(
+            "task.route: takes several carries, and each answer is on a single one; allowed: no "
+            "route, or the command palmbots route, which counts how often a route fails"
+        )
     name = chosen.spelled
     planar = respelled(name, {"task.path.kind": "straight"} if chosen.task.path.is_curved else {})
     interval = None if friction is None else interval_of_friction(chosen, friction)
