@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "palmbots/control/machine_table.hpp"
+#include "palmbots/runtime/any_robot.hpp"
 #include "palmbots/runtime/controller_registry.hpp"
-#include "palmbots/runtime/robot_runtime.hpp"
 #include "settings.hpp"
 #include "storage.hpp"
 

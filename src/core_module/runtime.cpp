@@ -12,7 +12,7 @@
 
 #include "carry.hpp"
 #include "machines.hpp"
-#include "palmbots/runtime/robot_runtime.hpp"
+#include "palmbots/runtime/any_robot.hpp"
 #include "palmbots/sim/lift_robots.hpp"
 #include "palmbots/sim/team_registry.hpp"
 #include "remote.hpp"

@@ -39,7 +39,7 @@ mind packed(TableRobot<Lifting> robot) {
 }
 
 Lifting::State state(int side) { return static_cast<Lifting::State>(pair.mind[side].state); }
-const Lifting::Role& role(int side) { return Lifting::role(state(side)); }
+const palmbots::LiftRole& role(int side) { return Lifting::role(state(side)); }
 const palmbots::TableOutput& output(int side) { return Lifting::outputs[pair.mind[side].state]; }
 
 // The arm has reached the height commanded in the last cycle.

@@ -36,121 +36,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "palmbots/control/table.hpp"
+#include "palmbots/control/lift_rules.hpp"
 
 namespace palmbots {
-
-// What an arm is commanded to do.
-enum class ArmMove : std::uint8_t {
-  follow,  // the nose of the palm rests on the floor, also while the palm turns; or, at a stand, the
-           // palm is below the object
-  reach,   // up until something presses the palm
-  hold,
-  rise,  // to the height at which the pair carries
-  sink,  // until the nose is on the floor, or the palm below the top of a stand
-};
-
-// Who commands palm and wheels in a state.
-enum class Driver : std::uint8_t {
-  table,
-  controller_in_place,  // which does not travel
-  while_pressed,        // the same while something presses the palm; otherwise the wheels stand
-  controller,
-};
-
-// What a robot knows besides its sign and its palm.
-struct LiftSenses {
-  bool touches = false;     // a switch is closed
-  bool arm_there = false;   // the arm has reached the height last commanded
-  bool far_enough = false;  // it has travelled the distance of the task
-  // How many steps its arm is above the height at which it stands on the floor, at which its palm
-  // touched an object on a stand, or to which it sinks there. Between, it is on its way to the next
-  // step up, or down to this one.
-  std::uint8_t steps = 0;
-  // By its odometry, it has reached its place below an object on a stand in this attempt.
-  bool beneath = false;
-
-  constexpr bool operator==(const LiftSenses&) const = default;
-};
-
-// The memory of a robot that lifts. Two bits of a beacon say elsewhere whether its sender travels, and
-// whether it may. Here they carry the steps of its arm, modulo 4. That suffices, because the table
-// never lets the arms be two steps apart.
-template <class B, class Count>
-struct LiftMemory {
-  static_assert(sizeof(B) == sizeof(bool), "one robot");
-  static constexpr int most_tries = 3;
-  struct Effect {
-    B ready{};
-    B is_news{};
-  };
-  B stopped{};
-
-  LiftSenses senses{};  // the team sets it before each step
-  std::uint8_t tries = 0;
-  bool was_backing = false;
-  std::uint8_t partner_steps = 0;  // modulo 4
-  std::uint8_t said_steps = 0;     // the same
-
-  static constexpr int limits(const auto&) { return 0; }
-  static constexpr void boot(const auto&...) {}
-  static constexpr void pass(const auto&...) {}
-  static constexpr void until(const auto&...) {}
-  static constexpr void stay(const auto&...) {}
-  constexpr void hear(const auto&, bool low, bool high) {
-    partner_steps = static_cast<std::uint8_t>(low + 2 * high);
-  }
-  constexpr void meet(TableConditions<B>& met, const auto&, const auto& robot,
-                      const auto&...) const {
-    met.touches = senses.touches;
-    switch (robot.now().message) {
-      case MessageKind::carrying: met.reached = senses.far_enough; break;
-      case MessageKind::docking:
-      case MessageKind::holding: met.reached = senses.beneath; break;
-      default: met.reached = senses.arm_there;
-    }
-    met.gave_up = tries >= most_tries;
-    const MessageKind heard = robot.clock().heard();
-    const bool partner_rises = heard == MessageKind::ready || heard == MessageKind::raising;
-    const bool partner_sinks = heard == MessageKind::arrived || heard == MessageKind::lowering;
-    const unsigned above = (senses.steps - partner_steps) % 4U;
-    met.abreast = !(partner_rises && above == 1) && !(partner_sinks && above == 3);
-  }
-  constexpr Effect finish(const auto&, const auto& robot, const auto&...) {
-    const bool backs = robot.now().message == MessageKind::backing;
-    if (backs && !was_backing && tries < most_tries) ++tries;
-    was_backing = backs;
-    const auto steps = static_cast<std::uint8_t>(senses.steps % 4);
-    const bool is_news = steps != said_steps;
-    said_steps = steps;
-    stopped = (steps & 1) != 0;
-    return {(steps & 2) != 0, is_news};
-  }
-};
-
-// What a robot does in a state of such a table: in teams of carries, and in the programs of robots.
-template <class Table>
-struct LiftRules {
-  // An arm that is up holds while its robot's program does not run.
-  static constexpr ArmMove arm(auto state, bool runs) {
-    const ArmMove arm = Table::role(state).arm;
-    return runs || arm == ArmMove::follow ? arm : ArmMove::hold;
-  }
-  // Who commands a robot that knows this: never `while_pressed`.
-  static constexpr Driver driver(auto state, const LiftSenses& senses) {
-    const Driver driver = Table::role(state).driver;
-    if (driver != Driver::while_pressed) return driver;
-    return senses.touches ? Driver::controller_in_place : Driver::table;
-  }
-  // What a robot does whose table commands `own` and whose controller commands `given`.
-  static constexpr Command command(auto state, const LiftSenses& senses, Command own,
-                                   Command given) {
-    const Driver by = driver(state, senses);
-    Command command = by == Driver::table ? own : given;
-    if (by == Driver::controller_in_place) command.stop = true;
-    return command;
-  }
-};
 
 struct Lifting : LiftRules<Lifting> {
   enum class State : std::uint8_t {
@@ -248,67 +136,34 @@ struct Lifting : LiftRules<Lifting> {
   static constexpr Command away_shallow{Palm::shallow, Move::away, true};
 
   // clang-format off
-  static constexpr TableOutput outputs[states] = {
-      /* dock          */ {' ', closer, M::docking, dock_limit},
-      /* under         */ {' ', stands, M::under, wait},
-      /* centre        */ {' ', stands, M::centring, centre_limit},
-      /* ready         */ {' ', stands, M::ready},
-      /* recentre      */ {' ', stands, M::centring, centre_limit},
-      /* raise         */ {' ', stands, M::raising},
-      /* raise_hold    */ {' ', stands, M::raising},
-      /* up            */ {' ', stands, M::lifted},
-      /* carry         */ {' ', stands, M::carrying},
-      /* arrived       */ {' ', stands, M::arrived},
-      /* lower         */ {' ', stands, M::lowering},
-      /* lower_hold    */ {' ', stands, M::lowering},
-      /* down          */ {' ', stands, M::down},
-      /* leave_steep   */ {' ', away, M::leaving, leave_limit},
-      /* leave_shallow */ {' ', away_shallow, M::leaving, leave_limit},
-      /* empty         */ {' ', stands, M::empty, wait},
-      /* retreat       */ {' ', away, M::empty, back},
-      /* done          */ {' ', stands, M::empty},
-      /* back_off      */ {' ', away, M::backing, back},
-      /* stand_back    */ {' ', stands, M::empty, wait},
-      /* failed        */ {' ', stands, M::backing},
-      /* held          */ {' ', stands, M::holding},
-      /* stand_by      */ {' ', stands_shallow, M::docking, wait},
-      /* touch         */ {' ', stands, M::docking, wait},
-      /* meet          */ {' ', stands, M::under, wait},
-      /* poised        */ {' ', stands, M::ready},
-  };
-
-  // What arm and controller do in each state.
-  struct Role {
-    ArmMove arm;
-    Driver driver;
-  };
-  static constexpr Role roles[states] = {
-      /* dock          */ {ArmMove::follow, Driver::table},
-      /* under         */ {ArmMove::follow, Driver::table},
-      /* centre        */ {ArmMove::follow, Driver::controller_in_place},
-      /* ready         */ {ArmMove::follow, Driver::controller_in_place},
-      /* recentre      */ {ArmMove::follow, Driver::controller_in_place},
-      /* raise         */ {ArmMove::rise, Driver::controller_in_place},
-      /* raise_hold    */ {ArmMove::hold, Driver::controller_in_place},
-      /* up            */ {ArmMove::hold, Driver::controller_in_place},
-      /* carry         */ {ArmMove::hold, Driver::controller},
-      /* arrived       */ {ArmMove::hold, Driver::controller_in_place},
-      /* lower         */ {ArmMove::sink, Driver::while_pressed},
-      /* lower_hold    */ {ArmMove::hold, Driver::while_pressed},
-      /* down          */ {ArmMove::follow, Driver::table},
-      /* leave_steep   */ {ArmMove::follow, Driver::table},
-      /* leave_shallow */ {ArmMove::follow, Driver::table},
-      /* empty         */ {ArmMove::follow, Driver::table},
-      /* retreat       */ {ArmMove::follow, Driver::table},
-      /* done          */ {ArmMove::follow, Driver::table},
-      /* back_off      */ {ArmMove::follow, Driver::table},
-      /* stand_back    */ {ArmMove::follow, Driver::table},
-      /* failed        */ {ArmMove::follow, Driver::table},
-      /* held          */ {ArmMove::hold, Driver::controller_in_place},
-      /* stand_by      */ {ArmMove::follow, Driver::table},
-      /* touch         */ {ArmMove::reach, Driver::table},
-      /* meet          */ {ArmMove::hold, Driver::table},
-      /* poised        */ {ArmMove::hold, Driver::table},
+  // What arm and controller do in each state, what it says, and its time limit.
+  static constexpr LiftState behaviour[states] = {
+      /* dock          */ {closer,         M::docking,  ArmMove::follow, Driver::table,               dock_limit},
+      /* under         */ {stands,         M::under,    ArmMove::follow, Driver::table,               wait},
+      /* centre        */ {stands,         M::centring, ArmMove::follow, Driver::controller_in_place, centre_limit},
+      /* ready         */ {stands,         M::ready,    ArmMove::follow, Driver::controller_in_place},
+      /* recentre      */ {stands,         M::centring, ArmMove::follow, Driver::controller_in_place, centre_limit},
+      /* raise         */ {stands,         M::raising,  ArmMove::rise,   Driver::controller_in_place},
+      /* raise_hold    */ {stands,         M::raising,  ArmMove::hold,   Driver::controller_in_place},
+      /* up            */ {stands,         M::lifted,   ArmMove::hold,   Driver::controller_in_place},
+      /* carry         */ {stands,         M::carrying, ArmMove::hold,   Driver::controller},
+      /* arrived       */ {stands,         M::arrived,  ArmMove::hold,   Driver::controller_in_place},
+      /* lower         */ {stands,         M::lowering, ArmMove::sink,   Driver::while_pressed},
+      /* lower_hold    */ {stands,         M::lowering, ArmMove::hold,   Driver::while_pressed},
+      /* down          */ {stands,         M::down,     ArmMove::follow, Driver::table},
+      /* leave_steep   */ {away,           M::leaving,  ArmMove::follow, Driver::table,               leave_limit},
+      /* leave_shallow */ {away_shallow,   M::leaving,  ArmMove::follow, Driver::table,               leave_limit},
+      /* empty         */ {stands,         M::empty,    ArmMove::follow, Driver::table,               wait},
+      /* retreat       */ {away,           M::empty,    ArmMove::follow, Driver::table,               back},
+      /* done          */ {stands,         M::empty,    ArmMove::follow, Driver::table},
+      /* back_off      */ {away,           M::backing,  ArmMove::follow, Driver::table,               back},
+      /* stand_back    */ {stands,         M::empty,    ArmMove::follow, Driver::table,               wait},
+      /* failed        */ {stands,         M::backing,  ArmMove::follow, Driver::table},
+      /* held          */ {stands,         M::holding,  ArmMove::hold,   Driver::controller_in_place},
+      /* stand_by      */ {stands_shallow, M::docking,  ArmMove::follow, Driver::table,               wait},
+      /* touch         */ {stands,         M::docking,  ArmMove::reach,  Driver::table,               wait},
+      /* meet          */ {stands,         M::under,    ArmMove::hold,   Driver::table,               wait},
+      /* poised        */ {stands,         M::ready,    ArmMove::hold,   Driver::table},
   };
 
   using P = ContactCondition;
@@ -400,7 +255,8 @@ struct Lifting : LiftRules<Lifting> {
   };
   // clang-format on
 
-  static constexpr const Role& role(State state) { return roles[static_cast<int>(state)]; }
+  static constexpr auto outputs = outputs_of(behaviour);
+  static constexpr auto roles = roles_of(behaviour);
 
   static constexpr bool alone = false;  // one robot does the job
   // In which state a robot begins: with the object on the floor, or with palms that hold it;

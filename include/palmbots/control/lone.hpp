@@ -22,7 +22,7 @@
 // the arm or the palm arrives.
 #pragma once
 
-#include "palmbots/control/lifting.hpp"
+#include "palmbots/control/lift_rules.hpp"
 
 namespace palmbots {
 
@@ -97,38 +97,22 @@ struct Lone : LiftRules<Lone> {
   static constexpr Command away_shallow{Palm::shallow, Move::away, true};
 
   // clang-format off
-  static constexpr TableOutput outputs[states] = {
-      /* scoop       */ {' ', closer, M::docking, scoop_limit},
-      /* seat        */ {' ', closer, M::under, seat_limit},
-      /* ease        */ {' ', away_shallow, M::under, ease_limit},
-      /* lift        */ {' ', stands, M::raising},
-      /* haul        */ {' ', travels, M::carrying},
-      /* set_down    */ {' ', stands, M::lowering},
-      /* tip_out     */ {' ', tips, M::down},
-      /* leave_steep */ {' ', away, M::leaving, leave_limit},
-      /* retreat     */ {' ', away, M::empty, back},
-      /* done        */ {' ', tips, M::empty},
-      /* sink        */ {' ', stands, M::lowering},
-      /* back_off    */ {' ', away_shallow, M::backing, back},
-      /* failed      */ {' ', stands, M::backing},
-      /* land        */ {' ', stands, M::lowering},
-  };
-
-  static constexpr Lifting::Role roles[states] = {
-      /* scoop       */ {ArmMove::follow, Driver::table},
-      /* seat        */ {ArmMove::follow, Driver::table},
-      /* ease        */ {ArmMove::follow, Driver::table},
-      /* lift        */ {ArmMove::rise, Driver::table},
-      /* haul        */ {ArmMove::hold, Driver::table},
-      /* set_down    */ {ArmMove::sink, Driver::table},
-      /* tip_out     */ {ArmMove::follow, Driver::table},
-      /* leave_steep */ {ArmMove::follow, Driver::table},
-      /* retreat     */ {ArmMove::follow, Driver::table},
-      /* done        */ {ArmMove::follow, Driver::table},
-      /* sink        */ {ArmMove::sink, Driver::table},
-      /* back_off    */ {ArmMove::follow, Driver::table},
-      /* failed      */ {ArmMove::follow, Driver::table},
-      /* land        */ {ArmMove::sink, Driver::table},
+  // What arm and controller do in each state, what it says, and its time limit.
+  static constexpr LiftState behaviour[states] = {
+      /* scoop       */ {closer,       M::docking,  ArmMove::follow, Driver::table, scoop_limit},
+      /* seat        */ {closer,       M::under,    ArmMove::follow, Driver::table, seat_limit},
+      /* ease        */ {away_shallow, M::under,    ArmMove::follow, Driver::table, ease_limit},
+      /* lift        */ {stands,       M::raising,  ArmMove::rise,   Driver::table},
+      /* haul        */ {travels,      M::carrying, ArmMove::hold,   Driver::table},
+      /* set_down    */ {stands,       M::lowering, ArmMove::sink,   Driver::table},
+      /* tip_out     */ {tips,         M::down,     ArmMove::follow, Driver::table},
+      /* leave_steep */ {away,         M::leaving,  ArmMove::follow, Driver::table, leave_limit},
+      /* retreat     */ {away,         M::empty,    ArmMove::follow, Driver::table, back},
+      /* done        */ {tips,         M::empty,    ArmMove::follow, Driver::table},
+      /* sink        */ {stands,       M::lowering, ArmMove::sink,   Driver::table},
+      /* back_off    */ {away_shallow, M::backing,  ArmMove::follow, Driver::table, back},
+      /* failed      */ {stands,       M::backing,  ArmMove::follow, Driver::table},
+      /* land        */ {stands,       M::lowering, ArmMove::sink,   Driver::table},
   };
 
   using P = ContactCondition;
@@ -162,7 +146,8 @@ struct Lone : LiftRules<Lone> {
   };
   // clang-format on
 
-  static constexpr const Lifting::Role& role(State state) { return roles[static_cast<int>(state)]; }
+  static constexpr auto outputs = outputs_of(behaviour);
+  static constexpr auto roles = roles_of(behaviour);
 
   static constexpr bool alone = true;
   static constexpr State first(bool, bool stands_by) { return stands_by ? S::done : initial; }

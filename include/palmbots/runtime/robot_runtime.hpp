@@ -28,66 +28,10 @@
 #include "palmbots/runtime/mode_machine.hpp"
 #include "palmbots/runtime/phase_program.hpp"
 #include "palmbots/runtime/robot_program.hpp"
+#include "palmbots/runtime/runtime_io.hpp"
 #include "palmbots/wire/endpoint.hpp"
 
 namespace palmbots::runtime {
-
-struct RuntimeSettings {
-  ModeSettings mode;
-  std::uint16_t state_period = 0;   // longest silence to the partner [ticks]; 0: no limit
-  std::uint16_t status_period = 0;  // of the status [ticks]; 0: none is sent
-  std::uint32_t number = 0;         // equal on both robots if their settings are; 0: not compared
-  std::uint32_t order_age = never;  // greatest age of an order to arm, start or release [ticks]
-  bool ends_jobs =
-      true;  // a job on the floor that is over ends the carry; in lockstep the world does
-};
-
-// What a robot reads in a tick.
-struct Reading {
-  Observation seen;
-  bool contact = true;                // the object is on the palm: a switch is closed
-  bool battery_ok = true;             // the voltage suffices
-  bool driver_ok = true;              // the motor board answers
-  bool storage_ok = true;             // what has to survive a boot can be stored
-  bool covered = false;               // the distance, by odometry
-  bool stop = false;                  // a stop is given by hand
-  std::uint16_t overruns = 0;         // late ticks within the time that the node counts
-  std::uint16_t battery_mv = 0xFFFF;  // 0xFFFF: not measured
-  std::uint16_t progress = 0;         // covered part of the distance, times 65535, by odometry
-  std::uint32_t stopping = 0;         // measured time in which the wheels stop [ticks]
-  bool arm_there = false;             // the arm has reached the height last commanded
-  std::uint8_t arm_steps = 0;         // its height, as in LiftSenses
-  bool beneath = false;               // the same
-};
-
-// A packet to send.
-struct Outgoing {
-  wire::Role receiver;
-  wire::Bytes bytes;
-  MessageKind message = MessageKind::none;  // what it says to the partner, for logs
-};
-
-// The outputs of one tick.
-struct Outputs {
-  Decision decision;  // of the controller, or rest
-  ModeOutputs mode;
-  Decision phase;               // of the table that lifts, in a job on the floor
-  ArmMove arm = ArmMove::hold;  // what the arm does
-  bool holds = false;           // to be stored: the arms may be up (runtime/phase_program.hpp)
-  std::array<Outgoing, wire::role_count + 1> packets{};
-  std::size_t packet_count = 0;
-};
-
-// Counts of packets from the partner, for the report of a run.
-struct ReceivedCounts {
-  std::uint32_t rejected = 0;  // copies, overtaken packets, packets without a session
-  std::uint32_t late = 0;      // older than the lease
-
-  constexpr void count(Taken taken) {
-    rejected += taken == Taken::rejected ? 1U : 0U;
-    late += taken == Taken::late ? 1U : 0U;
-  }
-};
 
 // One robot.
 template <class Program>
@@ -426,56 +370,6 @@ class RobotRuntime {
   std::uint32_t turn_ = 0;                            // of the numbers in the status
   int since_said_ = 0;
   int since_status_ = 0;
-};
-
-// A robot with any controller: a board and a process choose the controller when they start.
-class Robot {
- public:
-  // Writes the hello with which a carry in lockstep begins, if the controller needs a session.
-  virtual bool greet(wire::Bytes& bytes) = 0;
-  virtual void begin(std::uint16_t elapsed) = 0;
-  virtual wire::Decoded receive(std::span<const std::uint8_t> bytes) = 0;
-  virtual void operate(wire::Operation wish) = 0;
-  virtual void step(const Reading& reading, Outputs& out) = 0;
-  virtual const wire::Endpoint& endpoint() const = 0;
-  virtual const ReceivedCounts& received() const = 0;
-  virtual const ReceivedCounts& received_phases() const = 0;
-  virtual const PhaseProgram& phases() const = 0;
-  virtual char name() const = 0;
-  virtual bool waits() const = 0;
-  virtual MessageKind awaits() const = 0;
-  virtual bool greets() const = 0;
-  virtual bool greets_station() const = 0;
-
- protected:
-  ~Robot() = default;
-};
-
-template <class Program>
-class RobotWith final : public Robot {
- public:
-  template <class... Arguments>
-  explicit RobotWith(const Arguments&... arguments) : runtime_(arguments...) {}
-
-  bool greet(wire::Bytes& bytes) override { return runtime_.greet(bytes); }
-  void begin(std::uint16_t elapsed) override { runtime_.begin(elapsed); }
-  wire::Decoded receive(std::span<const std::uint8_t> bytes) override {
-    return runtime_.receive(bytes);
-  }
-  void operate(wire::Operation wish) override { runtime_.operate(wish); }
-  void step(const Reading& reading, Outputs& out) override { out = runtime_.step(reading); }
-  const wire::Endpoint& endpoint() const override { return runtime_.endpoint(); }
-  const ReceivedCounts& received() const override { return runtime_.received(); }
-  const ReceivedCounts& received_phases() const override { return runtime_.received_phases(); }
-  const PhaseProgram& phases() const override { return runtime_.phases(); }
-  char name() const override { return runtime_.name(); }
-  bool waits() const override { return runtime_.waits(); }
-  MessageKind awaits() const override { return runtime_.program().awaits(); }
-  bool greets() const override { return Program::greets; }
-  bool greets_station() const override { return Program::with_station; }
-
- private:
-  RobotRuntime<Program> runtime_;
 };
 
 }  // namespace palmbots::runtime

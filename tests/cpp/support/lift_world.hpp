@@ -327,7 +327,7 @@ class LiftWorld {
   void act(int i) {
     LiftSide& own = sides_[i];
     LiftSide& other = sides_[1 - i];
-    const Lifting::Role role = Lifting::role(own.robot.state());
+    const LiftRole role = Lifting::role(own.robot.state());
     const std::string_view meaning = Lifting::meanings[static_cast<int>(own.robot.state())].meaning;
     const bool says_drives = meaning.find("drives") != std::string_view::npos;
     const Command command = own.robot.now().command;
