@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import lru_cache, partial
 
 import palmbots._core as _core
 from palmbots._types import SIDES, BySide, MaybeNaN
@@ -232,6 +232,7 @@ class Lifting:
             yield row("  while the pair carries", lambda one: _mm(one.carry_height_m))
 
 
+@lru_cache(maxsize=64)  # of one scene many jobs may be done
 def lifting(scene: Scene) -> Lifting | None:
     """The analysis of a scene; None: its job neither begins nor ends on the floor or on a stand, or
     one robot does it alone.
