@@ -62,6 +62,10 @@ def main() -> None:
         )
         for why, times in failed.most_common():
             print(f"{times:27}  {why}")
+        if world == "quasistatic":
+            first, last = pb.final_place(scene, controller).interval_m
+            share = np.mean([first <= miss <= last for miss in missed])
+            print(f"{'':27}  {100 * share:.1f} % within what final-place states", flush=True)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ import palmbots._core as _core
 from lift_agreement import exact_end, is_possible, keys_of
 from palmbots._types import SIDES
 from palmbots.errors import SceneError
-from palmbots.mechanics.lifting import Lifting, check_lift, lifting
+from palmbots.mechanics.lift_margins import Lifting
+from palmbots.mechanics.lifting import check_lift, lifting
 from palmbots.scene.chassis import chassis, wheel_kg
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec

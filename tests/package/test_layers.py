@@ -29,7 +29,6 @@ UPWARD: dict[str, set[str]] = {}
 
 # Imports for types alone that close a circle, by module. This list may only become shorter.
 CIRCLES = {
-    "palmbots.mechanics.lift_refusals": {"palmbots.mechanics.lifting"},
     "palmbots.stability.tightest_margins": {"palmbots.stability.analysis"},
 }
 

@@ -6,15 +6,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from palmbots._types import SIDES, Side
 from palmbots._util.text import millimetres, rounded_down, rounded_up
+from palmbots.mechanics.lift_margins import Lifting, newtons, numbers_of
 from palmbots.mechanics.unlevel_pivots import PROPERTIES
 from palmbots.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from palmbots.mechanics.lifting import Lifting
 
 
 def refusals(scene: Scene, found: Lifting) -> Iterator[str]:
@@ -193,13 +190,3 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
             f"move, but the properties hold only up to {millimetres(found.permitted_rise_m)} "
             "(arm.rate_m_per_s, arm.height_error_m, radio.lease_s)"
         )
-
-
-def numbers_of(numbers: tuple[int, ...] | list[int]) -> str:
-    """Numbers of properties as text."""
-    return ", ".join(map(str, numbers)) or "none"
-
-
-def newtons(value: float, infinite: str = "any") -> str:
-    """A force as text: 1.90 N; `infinite` where there is no limit."""
-    return infinite if math.isinf(value) else f"{value:.2f} N"

@@ -18,7 +18,8 @@ from palmbots._types import SIDES, BySide, Interval, Overrides, Side
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
-from palmbots.mechanics.lifting import Lifting, lifting
+from palmbots.mechanics.lift_margins import Lifting
+from palmbots.mechanics.lifting import lifting
 from palmbots.mechanics.load_limits import LoadLimit, LoadLimits, load_limits
 from palmbots.mechanics.lone import LoneLift, lone_lift
 from palmbots.scene.scene import Scene, SceneLike, load_scene

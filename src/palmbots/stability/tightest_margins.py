@@ -19,7 +19,7 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots._util.plain_values import derived
 from palmbots._util.text import millimetres, rounded_down
-from palmbots.mechanics.lifting import Lifting
+from palmbots.mechanics.lift_margins import Lifting
 from palmbots.mechanics.load_limits import MEANINGS, mass_text
 from palmbots.scene.scene import Scene
 from palmbots.scene.sides import on_every_side

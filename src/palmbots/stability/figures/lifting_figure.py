@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
-from palmbots.mechanics.lifting import Lifting
+from palmbots.mechanics.lift_margins import Lifting
 from palmbots.mechanics.lifting_bodies import Climb, Plate, Point, Standing
 from palmbots.mechanics.lifting_forces import Docking, docking, raised_by
 from palmbots.stability.analysis import Analysis
