@@ -28,6 +28,7 @@ import palmbots as pb
 from palmbots import viz
 from palmbots.assessment.page import _outcomes
 from palmbots.control.registry import shipped_names
+from palmbots.fitting.object_fit import fit_object, touch_of
 from palmbots.mujoco.route_carry import carry_route
 from palmbots.mujoco.validation.speed_limits import Limit, Pace, SpeedLimits
 from palmbots.optimum.design_law import KEYS, DesignLaw, LawPoint
@@ -113,6 +114,8 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
     kept = np.flatnonzero(~gilbert(np.random.default_rng(1), 2000, 0.05, 0.05, 3.0)).astype(float)
     packets = packets_csv(folder, "packets.csv", "index,time_s", kept, 0.05 * kept)
     yield "radio-fit", pb.fit([packets], radio=True)
+    touch = touch_of(pb.carry("paper", "shared-sign", overrides=SHORT), "carry.mcap")
+    yield "object-fit", fit_object([touch], ())
     yield "validation", short_validation()
     yield "speed_limits", speed_limits()
     ranges = {

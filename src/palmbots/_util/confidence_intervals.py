@@ -16,14 +16,16 @@ Z95 = _core.z95
 """97.5 % quantile of the normal distribution."""
 
 # 97.5 % quantiles of Student's t, by degrees of freedom.
-_T95 = ((15, 2.131), (20, 2.086), (30, 2.042), (60, 2.000), (120, 1.980), (10_000, 1.960))
+_T95 = (
+    (1, 12.707), (2, 4.303), (3, 3.183), (4, 2.777), (5, 2.571), (7, 2.365), (10, 2.229),
+    (15, 2.132), (20, 2.086), (30, 2.043), (60, 2.001), (120, 1.980), (10_000, 1.961),
+)  # fmt: skip
 
 
 def student_t95(freedom: int) -> float:
     """97.5 % quantile of Student's t at the next smaller tabled number of degrees of freedom.
 
-    The quantile falls with the degrees of freedom, so an interval is never too narrow. The table
-    begins at 15 degrees of freedom.
+    The quantile falls with the degrees of freedom, so an interval is never too narrow.
     """
     return min(t for n, t in _T95 if n <= freedom)
 

@@ -15,6 +15,7 @@ from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import fragment, write_fragment
 from palmbots.fitting.log_fit import LogFit, fit_logs
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
+from palmbots.fitting.object_fit import ObjectFit
 from palmbots.fitting.radio_fit import RadioFit, fit_radio
 from palmbots.fitting.recorded_logs import are_logs
 from palmbots.fitting.replay_files import write_replay
@@ -38,10 +39,10 @@ def fit(
 ) -> MotionFit | RadioFit | LogFit:
     """Fit keys of a scene to recordings, with 95 % intervals.
 
-    Logs give the errors of the robots' speeds, and the losses and delays of the radio; `motion` or
-    `radio` selects one of the two. Other files need one of them. With `motion` they are pairs of
-    files with the commands and the positions of a robot, one pair for each run. With `radio` they
-    are files with the packets that arrived, one file for each run.
+    Logs give the errors of the robots' speeds, the losses and delays of the radio, and the object
+    and the palms; `motion` or `radio` selects one of the first two. Other files need one of them.
+    With `motion` they are pairs of files with the commands and the positions of a robot, one pair
+    for each run. With `radio` they are files with the packets that arrived, one file for each run.
 
     Args:
         files: the recordings: logs of carries (palmbots carry --out), folders with the logs of
@@ -73,16 +74,17 @@ def write_fit(
     result: MotionFit | RadioFit | LogFit, path: str | os.PathLike[str]
 ) -> list[Path | Item]:
     """Write a part of a scene with the fitted keys, a figure, and the recording for carries that
-    replay it, of robots, radio or both.
+    replay it, of robots and radio.
 
     Args:
         result: the fit.
-        path: write parts of a scene, robot.toml or radio.toml, and their figures to this folder.
+        path: write parts of a scene, robot.toml, radio.toml and object.toml, and their figures to
+            this folder.
 
     Raises:
         PalmbotsError: a file cannot be written.
     """
-    parts: dict[str, MotionFit | RadioFit]
+    parts: dict[str, MotionFit | RadioFit | ObjectFit]
     if isinstance(result, LogFit):
         parts = result.parts
     else:
@@ -91,14 +93,15 @@ def write_fit(
     options = ""
     replays = ""
     for name, part in parts.items():
-        text = fragment(part.estimates, part.sources, [part.replay.remark])
+        replay = None if isinstance(part, ObjectFit) else part.replay
+        text = fragment(part.estimates, part.sources, [replay.remark] if replay else [])
         files.append(write_fragment(text, path, name))
         options += f" --with {shlex.quote(str(files[-1]))}"
         files.append(folder(Path(path)) / f"{name}.png")
         part.save_figure(files[-1])
-        if not part.replay.reason:
-            files.append(write_replay(part.replay, part.sources, path))
-            replays += f" --set {part.replay.key}={shlex.quote(str(files[-1]))}"
+        if replay and not replay.reason:
+            files.append(write_replay(replay, part.sources, path))
+            replays += f" --set {replay.key}={shlex.quote(str(files[-1]))}"
     notes = [Line(f"carry with it: {command_text('carry', f'SCENE{options}')}", is_whole=True)]
     if replays:
         command = command_text("carry", f"SCENE{options}{replays}")

@@ -12,6 +12,9 @@ from palmbots._util.atomic_files import folder, write_whole
 from palmbots._util.toml_writer import toml_value
 from palmbots._version import __version__
 
+Value = float | bool | tuple[float, float]
+"""Of a key: a number, a switch, or a point [x, y]."""
+
 LEAST_RUNS = 5
 """Fewest runs that intervals are bootstrapped over."""
 
@@ -29,9 +32,10 @@ class Estimate:
     """One quantity: a key of a scene, or what the recording has besides."""
 
     key: str
-    value: float | bool | None
+    value: Value | None
     low: float | None
-    """95 % interval; equal to the end of the range: a bound on one side."""
+    """95 % interval, of a point that of its x; equal to the end of the range: a bound on one
+    side."""
     high: float | None
     reason: str
     """Why it is not identified; empty: it is."""
@@ -47,12 +51,24 @@ class Estimate:
         return "." in self.key
 
 
-def shown(value: float | bool) -> float | bool:
+def shown(value: Value) -> Value:
     """A value with the digits that a file has."""
-    return value if isinstance(value, bool) else float(f"{value:.4g}")
+    if isinstance(value, tuple):
+        return _digits(value[0]), _digits(value[1])
+    return value if isinstance(value, bool) else _digits(value)
 
 
-def fitted_keys(estimates: Sequence[Estimate]) -> dict[str, float | bool]:
+def _digits(value: float) -> float:
+    return float(f"{value:.4g}")
+
+
+def _text(value: Value) -> str:
+    numbers = value if isinstance(value, tuple) else (value,)
+    text = ", ".join(f"{one:.4g}" for one in numbers)
+    return f"[{text}]" if isinstance(value, tuple) else text
+
+
+def fitted_keys(estimates: Sequence[Estimate]) -> dict[str, Value]:
     """What was identified, as overrides of a scene."""
     return {
         one.key: shown(one.value)
@@ -64,7 +80,7 @@ def fitted_keys(estimates: Sequence[Estimate]) -> dict[str, float | bool]:
 def estimate_rows(estimates: Sequence[Estimate]) -> list[tuple[str, str, str]]:
     """Key, value and interval of what was identified."""
     return [
-        (f"  {one.key}", f"{one.value:.4g}", f"{one.low:.4g} to {one.high:.4g}")
+        (f"  {one.key}", _text(one.value), f"{one.low:.4g} to {one.high:.4g}")
         for one in estimates
         if one.is_identified
         and one.value is not None
@@ -97,6 +113,8 @@ def fragment(
             line = f"{key} = {toml_value(shown(one.value))}"
             if one.low is not None and one.high is not None:
                 line += f"  # {one.low:.4g} to {one.high:.4g}"
+                if isinstance(one.value, tuple):
+                    line += " for x; y is that of the logs"
             lines.append(line)
         else:
             lines.append(f"# {key}: {one.reason}")
@@ -105,7 +123,7 @@ def fragment(
         lines.append("")
     for one in others:
         if one.is_identified and one.value is not None:
-            lines.append(f"# {one.key}: {one.value:.4g} ({one.low:.4g} to {one.high:.4g})")
+            lines.append(f"# {one.key}: {_text(one.value)} ({one.low:.4g} to {one.high:.4g})")
         else:
             lines.append(f"# {one.key}: {one.reason}")
     return "\n".join(lines) + "\n"

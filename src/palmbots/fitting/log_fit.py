@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Robots and radio together, fitted to logs of carries (`fit_logs`)."""
+"""Robots, radio and object together, fitted to logs of carries (`fit_logs`)."""
 
 from __future__ import annotations
 
@@ -11,30 +11,34 @@ from palmbots._util.report import Item, Line
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
+from palmbots.fitting.fitted_values import Value
 from palmbots.fitting.motion_fit import MotionFit, fit_recorded
+from palmbots.fitting.object_fit import NothingIdentified, ObjectFit, fit_object
 from palmbots.fitting.radio_fit import RadioFit, fit_packets
 from palmbots.fitting.recorded_logs import LEAST_ARRIVED, RecordedCarry, read_carry
 
 
 @dataclass(frozen=True, repr=False)
 class LogFit(Result):
-    """Robots and radio of some carries. Both robots of a pair count as robots of one kind."""
+    """Robots, radio and object of some carries. Both robots of a pair count as robots of one
+    kind."""
 
     carries: int
     robot: MotionFit | None
     radio: RadioFit | None
+    object: ObjectFit | None
     not_fitted: tuple[str, ...]
-    """Why one of them is missing."""
+    """Why some of them are missing."""
 
     @property
-    def keys(self) -> dict[str, float | bool]:
+    def keys(self) -> dict[str, Value]:
         """What was fitted, as overrides of a scene."""
         return {key: one for part in self.parts.values() for key, one in part.keys.items()}
 
     @property
-    def parts(self) -> dict[str, MotionFit | RadioFit]:
+    def parts(self) -> dict[str, MotionFit | RadioFit | ObjectFit]:
         """What was fitted, by name."""
-        named = {"robot": self.robot, "radio": self.radio}
+        named = {"robot": self.robot, "radio": self.radio, "object": self.object}
         return {name: one for name, one in named.items() if one is not None}
 
     def lines(self) -> Iterator[Item]:
@@ -53,12 +57,12 @@ def fit_logs(
     radio: bool,
     on_progress: Callable[[float], None] | None = None,
 ) -> LogFit:
-    """Fit the robots, the radio, or both.
+    """Fit the robots, the radio, or both with the object and the palms.
 
     Args:
         files: logs of carries, and folders with the logs of robots.
         motion: fit the robots.
-        radio: fit the radio.
+        radio: fit the radio; with `motion`, the object and the palms as well.
         on_progress: called with the completed fraction.
 
     Raises:
@@ -71,12 +75,17 @@ def fit_logs(
         carries.append(read_carry(file, run))
     sources = tuple(source for one in carries for source in one.sources)
     why: list[str] = []
-    of_robot = of_radio = None
+    of_robot = of_radio = of_object = None
+    share = 0.3 if motion and radio else 0.5  # of the time: the robots
     if motion:
         stretches = [stretch for one in carries for stretch in one.stretches]
         try:
             of_robot = fit_recorded(
-                stretches, sources, len(carries), on_progress=lambda part: report(0.5 + 0.5 * part)
+                stretches,
+                sources,
+                len(carries),
+                steps=[step for one in carries for step in one.steps],
+                on_progress=lambda part: report(0.5 + share * part),
             )
         except PalmbotsError as error:
             why.append(str(error).removesuffix("; nothing is written"))
@@ -88,6 +97,14 @@ def fit_logs(
             why.append(
                 f"--radio: the logs show fewer than {LEAST_ARRIVED} packets of each direction"
             )
-    if of_robot is None and of_radio is None:
+    if motion and radio:
+        touches = [one.touch for one in carries]
+        try:
+            of_object = fit_object(
+                touches, sources, on_progress=lambda part: report(0.5 + share + 0.2 * part)
+            )
+        except NothingIdentified as error:
+            why.append(str(error))
+    if of_robot is None and of_radio is None and of_object is None:
         raise PalmbotsError(f"fit: nothing is identified, and nothing is written; {'; '.join(why)}")
-    return LogFit(len(carries), of_robot, of_radio, tuple(why))
+    return LogFit(len(carries), of_robot, of_radio, of_object, tuple(why))

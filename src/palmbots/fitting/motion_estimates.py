@@ -60,14 +60,12 @@ class FittedStretches:
 def fit_stretches(
     stretches: Sequence[Stretch],
     on_progress: Callable[[float], None] = lambda part: None,
-    not_fitted: Sequence[tuple[str, str]] = (),
 ) -> FittedStretches:
     """Fit the parameters to stretches: greatest likelihood, and 95 % intervals.
 
     Args:
         stretches: of all runs.
         on_progress: called with the completed fraction.
-        not_fitted: what no recording of this kind shows, and why.
     """
     arrays = Stretches(stretches)
     commands = np.array([each.command_m_s for each in stretches])
@@ -96,10 +94,7 @@ def fit_stretches(
 
     found = _intervals(of_stretches, function, arrays.runs, best, free, ends, of_intervals)
     return FittedStretches(
-        (
-            *_estimates(best, found, stretches, has_bias, ends),
-            *(Estimate(key, None, None, None, reason) for key, reason in not_fitted),
-        ),
+        _estimates(best, found, stretches, has_bias, ends),
         _displacements(stretches, arrays, best.place, plain.place),
         best.place,
     )

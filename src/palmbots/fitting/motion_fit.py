@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -10,20 +11,24 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from palmbots._util.confidence_intervals import student_t95
 from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import (
+    LEAST_RUNS,
     Estimate,
     Source,
+    Value,
     estimate_rows,
     fitted_keys,
 )
 from palmbots.fitting.motion_estimates import LEAST_STRETCHES, Displacements, fit_stretches
 from palmbots.fitting.motion_likelihood import Stretch
 from palmbots.fitting.replay_files import Replay, error_replay
+from palmbots.fitting.speed_steps import Step, step_estimates, steps_in
 from palmbots.fitting.straight_stretches import (
     COMMANDS,
     ENDS_S,
@@ -33,7 +38,9 @@ from palmbots.fitting.straight_stretches import (
     Alignment,
     align,
     check_units,
+    straight,
     stretches_of,
+    way_of,
 )
 from palmbots.scene.recorded_tables import read_recording
 
@@ -43,18 +50,10 @@ LEAST_FOR_GAIN = 5
 _MOST_APART_S = 600.0  # commands may have a row for each change
 _READING = 0.2  # of the time
 _GAINS = (0.5, 2.0)  # limits of the scene key
-_NOT_FITTED = (
-    ("robot.acceleration_m_s2", "the stretches begin when the robot has reached its speed"),
-    ("dead time", "the lag of the positions is dead time and offset of the clocks together"),
-    ("trim", "the robot's distance between its wheels is not in the recording"),
-)
+_WITH_OFFSET = "dead_time_and_clock_offset_s"
+_DEAD_TIME = "dead_time_s"
 _USABLE = f"with a constant command of at least {LEAST_S + SETTLED_S + ENDS_S:g} s"
 _IN_LOGS = f"of at least {LEAST_S:g} s in which a robot does not stand"
-_NOT_IN_LOGS = (
-    ("robot.acceleration_m_s2", "that of the logged scene is assumed"),
-    ("dead time", "the wheels are assumed to follow a command at once"),
-    ("trim", "the log does not have it"),
-)
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,7 +85,7 @@ class MotionFit(Result):
     """The recording for carries that replay it."""
 
     @property
-    def keys(self) -> dict[str, float | bool]:
+    def keys(self) -> dict[str, Value]:
         """What was fitted, as overrides of a scene."""
         return fitted_keys(self.estimates)
 
@@ -142,6 +141,7 @@ def fit_motion(
         )
     sources: list[Source] = []
     stretches: list[Stretch] = []
+    steps: list[Step] = []
     alignments: list[Alignment] = []
     jumps = 0
     report = on_progress or (lambda fraction: None)
@@ -151,7 +151,11 @@ def fit_motion(
         positions = read_recording(other, POSITIONS, 2)
         check_units(commands, positions)
         alignments.append(align(commands, positions))
-        found, left_out = stretches_of(commands, positions, alignments[-1].lag_s, run)
+        lag_s = alignments[-1].lag_s
+        found, left_out = stretches_of(commands, positions, lag_s, run)
+        way = way_of(commands, positions, lag_s)
+        if way is not None:
+            steps += steps_in(straight(commands), positions.times_s, way, lag_s, run)
         stretches += found
         jumps += left_out
         sources += [Source(each.name, each.sha256) for each in (commands, positions)]
@@ -161,6 +165,7 @@ def fit_motion(
         len(alignments),
         tuple(alignments),
         jumps,
+        steps=steps,
         on_progress=lambda part: report(_READING + (1 - _READING) * part),
     )
 
@@ -172,9 +177,10 @@ def fit_recorded(
     alignments: tuple[Alignment, ...] = (),
     jumps: int = 0,
     *,
+    steps: Sequence[Step],
     on_progress: Callable[[float], None] = lambda part: None,
 ) -> MotionFit:
-    """Fit the errors of speeds to stretches.
+    """Fit the errors of speeds to stretches, and acceleration and dead time to steps.
 
     Args:
         stretches: of all runs.
@@ -182,6 +188,7 @@ def fit_recorded(
         runs: how many recordings there are.
         alignments: how their clocks lie, if there are two.
         jumps: stretches that were left out.
+        steps: changes of the commanded speed.
         on_progress: called with the completed fraction.
 
     Raises:
@@ -203,7 +210,9 @@ def fit_recorded(
             f"--motion: {named} a robot that moves {mean:.4g} times as fast as commanded; "
             f"expected m and m/s, and a gain from {_GAINS[0]:g} to {_GAINS[1]:g}"
         )
-    fitted = fit_stretches(stretches, on_progress, _NOT_FITTED if alignments else _NOT_IN_LOGS)
+    fitted = fit_stretches(stretches, on_progress)
+    others = step_estimates(steps, _WITH_OFFSET if alignments else _DEAD_TIME)
+    estimates = (*fitted.estimates, *others, _curvature(stretches))
     return MotionFit(
         sources=sources,
         runs=runs,
@@ -211,12 +220,32 @@ def fit_recorded(
         jumps=jumps,
         duration_s=float(sum(each.times_s[-1] for each in stretches)),
         alignments=alignments,
-        estimates=fitted.estimates,
+        estimates=estimates,
         misfit=_misfit(fitted.data.model_m, fitted.data),
         misfit_without_white=_misfit(fitted.data.without_white_m, fitted.data),
         data=fitted.data,
         replay=error_replay(stretches, fitted.parameters, _why_no_model(fitted.estimates)),
     )
+
+
+def _curvature(stretches: Sequence[Stretch]) -> Estimate:
+    """How a robot turns without a command: trim over the distance between its wheels."""
+    key = "curvature_rad_per_m"
+    known = [one for one in stretches if math.isfinite(one.curvature_rad_m)]
+    if len(known) < LEAST_FOR_GAIN:
+        return Estimate(key, None, None, None, "the recording does not have the heading")
+    weights = np.array([abs(one.positions_m[-1] - one.positions_m[0]) for one in known])
+    values = np.array([one.curvature_rad_m for one in known])
+    mean = float(np.average(values, weights=weights))
+    # What varies independently: runs, if there are enough of them.
+    groups = np.array([one.run for one in known])
+    if len(set(groups.tolist())) < LEAST_RUNS:
+        groups = np.arange(len(known))
+    rest = np.bincount(np.unique(groups, return_inverse=True)[1], weights * (values - mean))
+    count = len(rest)
+    error = math.sqrt(float(rest @ rest) * count / (count - 1)) / float(weights.sum())
+    half = student_t95(count - 1) * error
+    return Estimate(key, mean, mean - half, mean + half, "")
 
 
 def _why_no_model(estimates: Sequence[Estimate]) -> str:

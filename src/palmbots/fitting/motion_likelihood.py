@@ -23,6 +23,7 @@ Many stretches, and many sets of parameters, are filtered side by side.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -49,6 +50,8 @@ class Stretch:
     """Where the commands alone would have moved it, from any origin."""
     run: int
     """Number of the recording: stretches of one run may have something in common."""
+    curvature_rad_m: float = math.nan
+    """By how much the robot turned beyond its command, over its displacement; NaN: unknown."""
 
     @property
     def command_m_s(self) -> float:

@@ -20,6 +20,7 @@ from palmbots.fitting.fitted_values import (
     LEAST_RUNS,
     Estimate,
     Source,
+    Value,
     estimate_rows,
     fitted_keys,
 )
@@ -86,7 +87,7 @@ class RadioFit(Result):
     """The recording for carries that replay it."""
 
     @property
-    def keys(self) -> dict[str, float | bool]:
+    def keys(self) -> dict[str, Value]:
         """What was fitted, as overrides of a scene."""
         return fitted_keys(self.estimates)
 

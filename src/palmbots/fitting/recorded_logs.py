@@ -26,7 +26,9 @@ from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import Source
 from palmbots.fitting.motion_likelihood import Stretch
+from palmbots.fitting.object_fit import Touch, touch_of
 from palmbots.fitting.recorded_packets import Packets, packets_of
+from palmbots.fitting.speed_steps import Step, steps_in
 from palmbots.fitting.straight_stretches import LEAST_S, MOST_S, SLOWEST_M_S, thinned
 from palmbots.logs.mcap_reader import read_log
 from palmbots.logs.run_log_reader import RunLog
@@ -55,8 +57,10 @@ class RecordedCarry:
 
     sources: tuple[Source, ...]
     stretches: tuple[Stretch, ...]
+    steps: tuple[Step, ...]
     packets: tuple[Packets, ...]
     """Of each direction between two programs."""
+    touch: Touch
 
 
 def read_carry(path: str | os.PathLike[str], run: int) -> RecordedCarry:
@@ -85,7 +89,13 @@ def read_carry(path: str | os.PathLike[str], run: int) -> RecordedCarry:
     stretches = tuple(stretches_in(carry, run))
     period_s = carry.scene.control.period_s
     packets = (_packets(sources[0], sent, period_s) for sent in links)
-    return RecordedCarry(tuple(sources), stretches, tuple(one for one in packets if one))
+    return RecordedCarry(
+        tuple(sources),
+        stretches,
+        tuple(steps_of(carry, run)),
+        tuple(one for one in packets if one),
+        touch_of(carry, os.fspath(path)),
+    )
 
 
 def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
@@ -94,9 +104,7 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
     assert trace is not None
     times = trace["time"].to_numpy()
     for number, side in enumerate(SIDES):
-        outward = -0.5 if side == "left" else 0.5
-        separation, midpoint = (trace[name].to_numpy() for name in ("separation", "midpoint"))
-        moved = midpoint + outward * separation
+        moved = _moved(carry, side)
         wanted = trace["commanded"].to_numpy()[:, number]
         speeds = _reached(wanted, carry, side)
         commanded = np.concatenate([[0.0], np.cumsum(speeds[:-1] * np.diff(times))])
@@ -112,6 +120,27 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
             if duration > LEAST_S and way > SLOWEST_M_S * duration:
                 since = times[rows] - times[rows[0]]
                 yield Stretch(since, moved[rows] - moved[rows[0]], commanded[rows], run)
+
+
+def steps_of(carry: Carry, run: int) -> Iterator[Step]:
+    """Changes of the commanded speed of each robot."""
+    trace = carry.trace
+    assert trace is not None
+    times = trace["time"].to_numpy()
+    for number, side in enumerate(SIDES):
+        moved = _moved(carry, side)
+        is_known = np.isfinite(moved)
+        if is_known.sum() > 1:
+            wanted = trace["commanded"].to_numpy()[:, number]
+            yield from steps_in((times, wanted), times[is_known], moved[is_known], 0.0, run)
+
+
+def _moved(carry: Carry, side: Side) -> Floats:
+    """The displacement of a robot."""
+    trace = carry.trace
+    assert trace is not None
+    outward = -0.5 if side == "left" else 0.5
+    return trace["midpoint"].to_numpy() + outward * trace["separation"].to_numpy()
 
 
 def _reached(wanted: Floats, carry: Carry, side: Side) -> Floats:

@@ -51,6 +51,7 @@ _FARTHEST_S = 2.0
 _LEAST_CORRELATION = 0.3
 _LONGER = 100.0  # commands that last longer by this factor have times in another unit
 _SCALE = 10.0  # a ratio of speeds beyond this is another unit
+_WIDEST = 0.02  # of its length: a line of places that is wider has a bend
 _JUMP_M = 0.02  # beyond what a robot can travel: the position was lost
 
 
@@ -233,8 +234,43 @@ def stretches_of(
         kept = thinned(when)
         command = float(abs(speed[first]))
         since = when[kept] - when[0]
-        found.append(Stretch(since, moved[kept], command * since, run))
+        curvature = math.nan
+        if "heading_rad" in positions:
+            heading = np.unwrap(positions["heading_rad"][rows])
+            turned = heading[-1] - heading[0] - turn[first:after].mean() * (when[-1] - when[0])
+            curvature = float(np.sign(speed[first]) * turned / moved[-1])
+        found.append(Stretch(since, moved[kept], command * since, run, curvature))
     return found, jumps
+
+
+def straight(commands: Recording) -> tuple[Floats, Floats]:
+    """Times and speeds of the commands; a speed is NaN where the robot turns."""
+    speed = commands["speed_m_s"]
+    if "turn_rad_s" not in commands:
+        return commands.times_s, speed
+    turns = np.abs(commands["turn_rad_s"]) >= STRAIGHT_RAD_S
+    return commands.times_s, np.where(turns, np.nan, speed)
+
+
+def way_of(commands: Recording, positions: Recording, lag_s: float) -> Floats | None:
+    """The places along the heading, over a whole recording; None: they are not known."""
+    x = positions["x_m"]
+    if "y_m" not in positions:
+        return x
+    y = positions["y_m"]
+    if "heading_rad" in positions:
+        heading = np.unwrap(positions["heading_rad"])
+        middle = 0.5 * (heading[1:] + heading[:-1])
+        return np.concatenate(
+            [[0.0], np.cumsum(np.diff(x) * np.cos(middle) + np.diff(y) * np.sin(middle))]
+        )
+    places = np.column_stack([x - x.mean(), y - y.mean()])
+    _, sizes, axes = np.linalg.svd(places, full_matrices=False)
+    if sizes[1] > _WIDEST * sizes[0]:  # no straight line
+        return None
+    way = places @ axes[0]
+    wanted = _held(commands, positions.times_s[:-1] - lag_s, commands["speed_m_s"])
+    return way if wanted @ np.diff(way) >= 0 else -way
 
 
 def thinned(times: Floats, commands: Floats | None = None) -> list[int]:
