@@ -92,9 +92,8 @@ std::vector<std::vector<int>> possible(const std::vector<SupportTuple>& given,
   const Supports supports = supports_of(given);
   std::vector<std::vector<int>> found;
   Twists(supports, velocities_of(velocities, supports.count))
-      .each(
-          0, [](std::uint32_t) { return true; },
-          [&](const Motions& m) { found.push_back(listed(m, supports.count)); });
+      .each({}, BalancingRays(),
+            [&](const Motions& m, std::size_t) { found.push_back(listed(m, supports.count)); });
   return found;
 }
 

@@ -15,6 +15,9 @@
 // sufficient to test pairs, triples and quadruples.
 #pragma once
 
+#include <algorithm>
+#include <bit>
+
 #include "palmbots/base/vec.hpp"
 #include "palmbots/mechanics/wrench_cone.hpp"
 
@@ -116,6 +119,10 @@ class HalfSpaces {
     return true;
   }
 
+  std::size_t count() const { return count_; }
+  // Only the first ones.
+  void keep(std::size_t count) { count_ = count; }
+
  private:
   using Side = Condition;
 
@@ -168,6 +175,17 @@ class HalfSpaces {
   std::size_t count_ = 0;
 };
 
+// Selections of contacts: which ones each of them leaves out, as bits.
+struct Selections {
+  static constexpr std::size_t most = 27;
+  std::array<std::uint32_t, most> out{};  // up to `count`
+  std::size_t count = 1;
+
+  void add(std::uint32_t one) {
+    if (std::find(out.begin(), out.begin() + count, one) == out.begin() + count) out[count++] = one;
+  }
+};
+
 // The body's possible twists, built up contact by contact.
 class Twists {
  public:
@@ -187,17 +205,27 @@ class Twists {
     }
   }
 
-  // Calls found(motions) for every combination of contact motions that is kinematically possible and
-  // not ruled out by the edges of the friction cones on which forces can lie then, two bits for each
-  // contact: may_be(edges) is asked early, too, with both edges of contacts that come later.
-  // Contacts that are left out, as bits, count as not there and get the motion `leave`.
-  template <class MayBe, class Found>
-  void each(std::uint32_t left_out, MayBe may_be, Found found) const {
-    Motions motions{};
+  // Calls found(motions, k) for every combination of contact motions that is kinematically possible and
+  // in which the edges of the friction cones on which forces can lie balance. The contacts that the
+  // k-th selection leaves out count as not there and get the motion `leave`.
+  template <class Found>
+  void each(const Selections& selections, const BalancingRays& balancing, Found found) const {
+    Search<Found> search{balancing, found, {}, {}};
+    std::uint32_t hold = 0;  // selections that balance where all of their contacts stick
     std::uint32_t edges = 0;
-    for (std::size_t i = 0; i < count_; ++i)
-      if (!is_in(left_out, i)) edges |= edges_of(Motion::stick) << (2 * i);
-    if (may_be(edges)) descend(motions, 0, left_out, edges, {}, {}, may_be, found);
+    for (std::size_t k = 0; k < selections.count; ++k) {
+      std::uint32_t own = 0;
+      for (std::size_t i = 0; i < count_; ++i) {
+        const std::uint32_t is_out = selections.out[k] >> i & 1;
+        search.without[i] |= is_out << k;
+        if (is_out == 0) own |= edges_of(Motion::stick) << (2 * i);
+      }
+      if (balancing.first_of(own) == balancing.none()) continue;
+      hold |= std::uint32_t{1} << k;
+      edges |= own;
+    }
+    Open open;
+    if (hold != 0) descend(search, 0, hold, {edges, balancing.first_of(edges)}, {}, open);
   }
 
  private:
@@ -211,8 +239,6 @@ class Twists {
     return {row * scale, (dx * palm.x + dy * palm.y) * pace * scale};
   }
 
-  static constexpr bool is_in(std::uint32_t bits, std::size_t i) { return (bits >> i & 1) != 0; }
-
   // Adds the inequality of a contact. False if no twist of the space satisfies it as well.
   bool add(Open& open, const Space& space, std::size_t i, Motion motion) const {
     const Condition& along = tangent_[i];
@@ -220,44 +246,76 @@ class Twists {
     if (motion == Motion::up) return open.add(space, along);
     return motion == Motion::stick || open.add(space, {along.row * -1.0, -along.value});
   }
-  bool add(Open& open, const Space& space, const Motions& motions, std::size_t count,
-           std::uint32_t left_out) const {
-    for (std::size_t i = 0; i < count; ++i)
-      if (!is_in(left_out, i) && !add(open, space, i, motions[i])) return false;
-    return true;
-  }
+  // Edges on which forces can lie, two bits for each contact, both of those that come later; and the
+  // first set of them that balances.
+  struct Forces {
+    std::uint32_t edges;
+    std::size_t set;
+  };
 
-  // From contact i on. The earlier ones leave this space, in which their inequalities are `open`.
-  template <class MayBe, class Found>
-  void descend(Motions& motions, std::size_t i, std::uint32_t left_out, std::uint32_t edges,
-               const Space& space, const Open& open, MayBe& may_be, Found& found) const {
-    if (i == count_) return found(static_cast<const Motions&>(motions));
-    if (is_in(left_out, i)) {
-      motions[i] = Motion::leave;
-      return descend(motions, i + 1, left_out, edges, space, open, may_be, found);
+  template <class Found>
+  struct Search {
+    const BalancingRays& balancing;
+    Found& found;
+    Motions motions;
+    std::array<std::uint32_t, max_supports> without;  // each contact: the selections, as bits
+
+    Forces with(const Forces& forces, std::size_t contact, Motion motion) const {
+      const std::uint32_t closed = edges_of(Motion::stick) & ~edges_of(motion);
+      const std::uint32_t edges = forces.edges & ~(closed << (2 * contact));
+      return {edges, balancing.first_of(edges, forces.set)};
     }
-    Space touching = space;
-    const bool may_touch = touching.restrict(normal_[i]);
-    Open open_there;
-    const bool may_slide = may_touch && add(open_there, touching, motions, i, left_out);
-    for (const Motion motion : {Motion::stick, Motion::up, Motion::down, Motion::leave}) {
-      const std::uint32_t rest =
-          edges & ~((edges_of(Motion::stick) & ~edges_of(motion)) << (2 * i));
-      if (!may_be(rest)) continue;
+    bool balances(const Forces& forces) const { return forces.set != balancing.none(); }
+  };
+
+  // From contact i on. The earlier ones leave this space, in which their inequalities are `open`; they
+  // are the same in all of these selections.
+  template <class Found>
+  void descend(Search<Found>& search, std::size_t i, std::uint32_t selections, const Forces& forces,
+               const Space& space, Open& open) const {
+    Motions& motions = search.motions;
+    if (i == count_) return search.found(motions, std::size_t(std::countr_zero(selections)));
+    const Forces away = search.with(forces, i, Motion::leave);
+    if (const std::uint32_t without = selections & search.without[i]; without != 0) {
+      motions[i] = Motion::leave;
+      if (search.balances(away)) descend(search, i + 1, without, away, space, open);
+      selections &= ~without;
+      if (selections == 0) return;
+    }
+    const auto go_on = [&](Motion motion, const Forces& rest, const Space& in, Open& there) {
       motions[i] = motion;
-      const auto go_on = [&](const Space& in, Open with) {
-        if (add(with, in, i, motion))
-          descend(motions, i + 1, left_out, rest, in, with, may_be, found);
-      };
-      if (motion == Motion::leave) {
-        go_on(space, open);
-      } else if (motion != Motion::stick) {
-        if (may_slide) go_on(touching, open_there);
-      } else if (Space still = touching; may_touch && still.restrict(tangent_[i])) {
-        Open open_still;
-        if (add(open_still, still, motions, i, left_out)) go_on(still, open_still);
+      const std::size_t before = there.count();
+      if (search.balances(rest) && add(there, in, i, motion))
+        descend(search, i + 1, selections, rest, in, there);
+      there.keep(before);
+    };
+    // The inequalities in a part of the space: the same, or `made` anew. None: no twist satisfies them.
+    const auto in_part = [&](const Space& part, Open& made) -> Open* {
+      if (part.dimension == space.dimension) return &open;
+      for (std::size_t k = 0; k < i; ++k) {
+        if ((selections & search.without[k]) == 0 && !add(made, part, k, motions[k]))
+          return nullptr;
+      }
+      return &made;
+    };
+    Space touching = space;
+    if (touching.restrict(normal_[i])) {
+      Space still = touching;
+      if (still.restrict(tangent_[i])) {
+        Open made;
+        if (Open* const there = in_part(still, made)) go_on(Motion::stick, forces, still, *there);
+      }
+      const Forces up = search.with(forces, i, Motion::up);
+      const Forces down = search.with(forces, i, Motion::down);
+      if (search.balances(up) || search.balances(down)) {
+        Open made;
+        if (Open* const there = in_part(touching, made)) {
+          go_on(Motion::up, up, touching, *there);
+          go_on(Motion::down, down, touching, *there);
+        }
       }
     }
+    go_on(Motion::leave, away, space, open);
   }
 
   std::size_t count_;
@@ -275,8 +333,9 @@ inline BalancingRays balancing_edges(const Supports& supports, double slope) {
 template <class Found>
 void each_outcome(const Supports& supports, const Velocities& palms, double slope, Found found) {
   const BalancingRays balancing = balancing_edges(supports, slope);
-  Twists(supports, palms)
-      .each(0, [&](std::uint32_t edges) { return balancing.any_of(edges); }, found);
+  Twists(supports, palms).each({}, balancing, [&](const Motions& motions, std::size_t) {
+    found(motions);
+  });
 }
 
 }  // namespace palmbots

@@ -251,24 +251,41 @@ inline double distance_from_cone(const Rays& rays, Triple wrench) {
 // cone contains the wrench. The answers agree with `distance_from_cone`.
 class BalancingRays {
  public:
+  // No wrench: nothing has to balance it.
+  BalancingRays() { add(0); }
+
   BalancingRays(const Rays& rays, Triple wrench) {
     const auto& ray = rays.ray;
     const auto bit = [](std::size_t i) { return std::uint32_t{1} << i; };
     // The volume that two rays span with the wrench; it is no larger than its distance from them.
     std::array<std::array<double, n>, n> volume;
+    std::array<std::uint32_t, n> with;  // of each ray: those with which it balances the wrench
+    std::uint32_t alone = 0;            // rays that balance it alone
     for (std::size_t i = 0; i < rays.count; ++i) {
-      if (detail::distance_from_pair(ray[i], ray[i], wrench) <= wrench_tolerance) add(bit(i));
+      with[i] = 0;
+      if (detail::distance_from_pair(ray[i], ray[i], wrench) <= wrench_tolerance) {
+        alone |= bit(i);
+        add(bit(i));
+      }
       for (std::size_t j = 0; j < i; ++j) {
         volume[j][i] = dot(wrench, cross(ray[j], ray[i]));
+        if (((bit(i) | bit(j)) & alone) != 0) {
+          with[j] |= bit(i);
+          continue;
+        }
         if (magnitude(volume[j][i]) > 2.0 * wrench_tolerance) continue;
         const double distance = smaller(detail::distance_from_pair(ray[i], ray[j], wrench),
                                         detail::distance_from_pair(ray[j], ray[i], wrench));
-        if (distance <= wrench_tolerance) add(bit(i) | bit(j));
+        if (distance > wrench_tolerance) continue;
+        with[j] |= bit(i);
+        add(bit(i) | bit(j));
       }
     }
     for (std::size_t i = 0; i < rays.count; ++i) {
       for (std::size_t j = i + 1; j < rays.count; ++j) {
+        if ((with[i] & bit(j)) != 0) continue;
         for (std::size_t k = j + 1; k < rays.count; ++k) {
+          if (((with[i] | with[j]) & bit(k)) != 0) continue;
           const double least = smaller(smaller(volume[i][j], volume[j][k]), -volume[i][k]);
           const double most = larger(larger(volume[i][j], volume[j][k]), -volume[i][k]);
           if (least < 0.0 && most > 0.0) continue;  // shares of both signs
@@ -278,19 +295,18 @@ class BalancingRays {
     }
   }
 
-  // Whether some of these rays (as bits) balance the wrench.
-  bool any_of(std::uint32_t rays) const {
-    for (std::size_t i = 0; i < count_; ++i)
-      if ((sets_[i] & ~rays) == 0) return true;
-    return false;
+  // The number of the first set, from one on, that consists of these rays (as bits); `none()`: they
+  // do not balance the wrench. Fewer rays have a later one.
+  std::size_t first_of(std::uint32_t rays, std::size_t from = 0) const {
+    while (from < count_ && (sets_[from] & ~rays) != 0) ++from;
+    return from;
   }
+  std::size_t none() const { return count_; }
 
  private:
   static constexpr std::size_t n = 2 * max_supports;
 
-  void add(std::uint32_t set) {
-    if (!any_of(set)) sets_[count_++] = set;
-  }
+  void add(std::uint32_t set) { sets_[count_++] = set; }
 
   std::array<std::uint32_t, n*(n - 1) * (n - 2) / 6> sets_;  // up to `count_`
   std::size_t count_ = 0;

@@ -113,11 +113,12 @@ class ContactStep : ContactTrial {
     const Conditions now = conditions_here();
     const Place start = here();
     for (int i = 0; i < most_events; ++i) {
+      const bool is_behind = then.settled && !then.spare_behind();
+      // Not a number, so that the search bisects and does not take a jump for a slope.
+      constexpr double jumps = std::numeric_limits<double>::quiet_NaN();
       const auto worst = [&](const Conditions& at) {
-        // Not a number, so that the search bisects and does not take the jump for a slope.
-        constexpr double jumps = std::numeric_limits<double>::quiet_NaN();
         if (!at.settled) return jumps;
-        double least = 1.0;
+        double least = Conditions::met;
         for (std::size_t k = 0; k < at.count; ++k) {
           if (!(then.value[k] < 0.0) && then.settled) continue;
           // What starts at zero, such as a corner of an edge that lies flush, does not show when it
@@ -129,17 +130,19 @@ class ContactStep : ContactTrial {
       };
       Place there = start;
       const double from = worst(now);
+      double before = from;  // the good end
       const auto at = [&](double t) {
         there = start;
-        return worst(reach(t, there, regime_, then.settled ? &then : nullptr));
+        const double value = worst(reach(t, there, regime_, then.settled ? &then : nullptr));
+        if (value >= 0.0) before = value;
+        return before == Conditions::met && value < 0.0 ? jumps : value;
       };
-      double when =
-          bracketed_root(from > 0.0, done, from, goal, worst(then), at, Tolerance::instant);
+      const double to = from == Conditions::met ? jumps : worst(then);
+      double when = bracketed_root(from > 0.0, done, from, goal, to, at, Tolerance::instant);
       if (!(when > done)) return done;
       there = start;
       Conditions found = reach(when, there, regime_);
-      if (found.least() >= 0.0 && then.settled && then.least() == Conditions::behind)
-        found = passed(done, when, start);
+      if (found.least() >= 0.0 && is_behind) found = passed(done, when, start);
       if (found.least() >= 0.0) {
         go_to(there);
         return when;
@@ -291,6 +294,7 @@ class ContactStep : ContactTrial {
   // object elsewhere.
   Found go_on_with(const RegimeCandidates& found, double done) {
     constexpr double elsewhere = 1e-3;  // of the way of the surfaces
+    std::array<bool, RegimeCandidates::most> is_out{};
     for (double ahead = 1e-7; ahead < 0.1; ahead *= 16.0) {
       const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
       std::array<const RegimeCandidate*, RegimeCandidates::most> best;
@@ -299,8 +303,11 @@ class ContactStep : ContactTrial {
       for (std::size_t k = 0; k < found.count; ++k) {
         const RegimeCandidate& one = found.at[k];
         if (count > 0 && !one.is_as_good_as(*best[0])) break;
+        if (is_out[k]) continue;
         Place end = here();
-        if (!goes_on(done, then, one.regime, end)) continue;
+        const Trial trial = try_out(done, then, one.regime, end);
+        is_out[k] = trial == Trial::fails;
+        if (trial != Trial::goes_on) continue;
         ends[count] = end.pose;
         const auto is_there = [&](const Pose& other) {
           return apart(ends[count], other) < elsewhere * (then - done) * pace_;
@@ -332,7 +339,8 @@ class ContactStep : ContactTrial {
         for (std::size_t way = 1; way < ways; ++way) {
           const Regime regime = varied(instant, way);
           Place end = here();
-          if (regime.count + leaving != instant.count || !goes_on(done, then, regime, end))
+          if (regime.count + leaving != instant.count ||
+              try_out(done, then, regime, end) != Trial::goes_on)
             continue;
           regime_ = regime;
           return true;

@@ -88,13 +88,14 @@ class ContactTrial {
     return true;
   }
 
-  // The same, and the conditions there; with `failing`, only those that fail there are evaluated.
+  // The same, and the conditions there (regime_conditions.hpp).
   Conditions reach(double t, Place& place, const Regime& regime,
-                   const Conditions* failing = nullptr) const {
+                   const Conditions* failing = nullptr, bool all = true) const {
     Frames frames;
     ActiveContacts contacts;
     if (settles(t, place, regime, frames, contacts))
-      return conditions_of(problem_, regime, frames, place.pose, contacts, near_, pace_, failing);
+      return conditions_of(problem_, regime, frames, place.pose, contacts, near_, pace_, failing,
+                           all);
     Conditions none;
     none.settled = false;
     return none;
@@ -107,20 +108,25 @@ class ContactTrial {
                          contacts_of(problem_, regime_, frames, pose_), near_, pace_);
   }
 
+  // Whether a regime goes on, and if not, whether it may over a longer time.
+  enum class Trial : std::uint8_t { fails, fails_here, goes_on };
+
   // Whether a regime holds at a later instant, and its contacts slide in their directions until
   // then. They are compared from the middle on: at first the pose may jump by a rounding error. It may
   // not jump farther: where forces balance elsewhere, as when two palms pass through level together,
   // the object does not get there. `end`, the place before, becomes that at the later instant.
-  bool goes_on(double from, double to, const Regime& regime, Place& end) const {
-    if (!(reach(to, end, regime).least() >= 0.0)) return false;
-    if (!lasts(from, regime)) return false;
+  Trial try_out(double from, double to, const Regime& regime, Place& end) const {
+    constexpr double clearly = 1e-3;  // far above what rounding does to a condition
+    const double least = reach(to, end, regime, nullptr, false).least();
+    if (!(least >= 0.0)) return least < -clearly ? Trial::fails : Trial::fails_here;
+    if (!lasts(from, regime)) return Trial::fails_here;
     const double middle = 0.5 * (from + to);
     Place half = here();
     Frames before;
     ActiveContacts contacts;
-    if (!settles(middle, half, regime, before, contacts)) return false;
+    if (!settles(middle, half, regime, before, contacts)) return Trial::fails_here;
     const double jump = apart(pose_, half.pose) - 8.0 * apart(half.pose, end.pose);
-    if (jump > Tolerance::jump * problem_.shapes.size) return false;
+    if (jump > Tolerance::jump * problem_.shapes.size) return Trial::fails_here;
     before = frames(half);
     const Frames after = frames(end);
     for (std::size_t i = 0; i < regime.count; ++i) {
@@ -128,9 +134,10 @@ class ContactTrial {
       if (a.motion == Motion::stick) continue;
       const double ran = problem_.contact(after, end.pose, a.pair, a.reference).run -
                          problem_.contact(before, half.pose, a.pair, a.reference).run;
-      if (double(static_cast<int>(a.motion)) * ran < -8.0 * Tolerance::epsilon) return false;
+      if (double(static_cast<int>(a.motion)) * ran < -8.0 * Tolerance::epsilon)
+        return Trial::fails_here;
     }
-    return true;
+    return Trial::goes_on;
   }
 
   // Whether the regime of the last step also holds in the motion of this one. The pose is the same.

@@ -16,7 +16,6 @@
 #pragma once
 
 #include <algorithm>
-#include <utility>
 
 #include "palmbots/base/few_sorted.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
@@ -26,8 +25,9 @@ namespace palmbots {
 
 struct RegimeCandidate {
   Regime regime;
-  bool on_both;  // palms
-  bool alike;    // all contacts slide
+  bool on_both;           // palms
+  bool alike;             // all contacts slide
+  std::size_t selection;  // of the closed pairs, the first one in which it is possible
 
   constexpr bool is_as_good_as(const RegimeCandidate& other) const {
     return on_both == other.on_both && regime.count == other.regime.count;
@@ -94,7 +94,8 @@ inline bool in_one_direction(const FeatureContact& a, const FeatureContact& b) {
 
 // Adds a candidate in which the closed pairs have these motions.
 inline void add_candidate(const ContactProblem& problem, const ClosedPairs& closed,
-                          const Motions& motions, bool pushed, RegimeCandidates& found) {
+                          const Motions& motions, bool pushed, std::size_t selection,
+                          RegimeCandidates& found) {
   if (found.count == RegimeCandidates::most) return;
   RegimeCandidate made;
   made.regime.pushed = pushed;
@@ -117,8 +118,13 @@ inline void add_candidate(const ContactProblem& problem, const ClosedPairs& clos
   // On both palms in one direction: nothing but balance drives the object, which falls off.
   const auto& active = made.regime.active;
   if (problem.on_both && made.alike && slide == 2 && active[0].motion != active[1].motion) return;
-  for (std::size_t k = 0; k < found.count; ++k)
-    if (found.at[k].regime.is_like(made.regime)) return;
+  made.selection = selection;
+  for (std::size_t k = 0; k < found.count; ++k) {
+    RegimeCandidate& other = found.at[k];
+    if (!other.regime.is_like(made.regime)) continue;
+    other.selection = selection < other.selection ? selection : other.selection;
+    return;
+  }
   found.at[found.count++] = made;
 }
 
@@ -164,8 +170,7 @@ inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frame
                                       const Pose& pose, const ClosedPairs& closed) {
   // Each selection of the closed pairs, as bits of those that are left out: of two at one point, the
   // first, the second or both take part.
-  std::array<std::uint32_t, 27> left_out{};
-  std::size_t ways = 1;
+  Selections selections;
   int doubled = 0;
   for (std::size_t j = 0; j < closed.count; ++j) {
     for (std::size_t i = 0; i < j && doubled < 3; ++i) {
@@ -173,16 +178,12 @@ inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frame
       const FeatureContact& b = closed.at[j].contact;
       if (!detail::at_one_point(a, b, problem.shapes.size)) continue;
       ++doubled;
-      const auto before = left_out;
-      const std::size_t count = std::exchange(ways, 0);
+      const Selections before = selections;
+      selections.count = 0;
       for (const std::uint32_t out : {1U << j, 1U << i, 0U}) {
         // Where both touch in one direction they are the same contact.
         if (out == 0 && detail::in_one_direction(a, b)) continue;
-        for (std::size_t k = 0; k < count; ++k) {
-          const auto end = left_out.begin() + ways;
-          if (std::find(left_out.begin(), end, before[k] | out) == end)
-            left_out[ways++] = before[k] | out;
-        }
+        for (std::size_t k = 0; k < before.count; ++k) selections.add(before.out[k] | out);
       }
     }
   }
@@ -201,19 +202,15 @@ inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frame
   RegimeCandidates found;
   for (const bool pushed : {true, false}) {
     const auto balancing = balancing_edges(supports, problem.weight(pushed).x);
-    for (std::size_t way = 0; way < ways; ++way) {
-      twists.each(
-          left_out[way], [&](std::uint32_t edges) { return balancing.any_of(edges); },
-          [&](const Motions& motions) {
-            detail::add_candidate(problem, closed, motions, pushed, found);
-          });
-    }
+    twists.each(selections, balancing, [&](const Motions& motions, std::size_t selection) {
+      detail::add_candidate(problem, closed, motions, pushed, selection, found);
+    });
     if (found.count > 0 || problem.push == 0.0) break;
   }
   sort_few(found.at.data(), found.count, [](const RegimeCandidate& a, const RegimeCandidate& b) {
     if (a.on_both != b.on_both) return a.on_both;
     if (a.regime.count != b.regime.count) return a.regime.count > b.regime.count;
-    return a.alike && !b.alike;
+    return a.alike != b.alike ? a.alike : a.selection < b.selection;
   });
   return found;
 }

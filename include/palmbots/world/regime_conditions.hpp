@@ -153,6 +153,7 @@ struct Conditions {
   bool settled = true;
 
   static constexpr double behind = -1.0;  // the value of a pair that is behind where it can touch
+  static constexpr double met = 1.0;      // that of a condition without a measure
 
   void add(double v) { value[count++] = v; }
   // Adds the next `n` conditions as met where none of them fails in `elsewhere`, conditions of the
@@ -161,8 +162,15 @@ struct Conditions {
     if (elsewhere == nullptr) return false;
     const auto begin = elsewhere->value.begin() + count;
     if (std::any_of(begin, begin + n, [](double v) { return v < 0.0; })) return false;
-    std::fill_n(value.begin() + count, n, 1.0);
+    std::fill_n(value.begin() + count, n, met);
     count += n;
+    return true;
+  }
+  // Takes pairs that are behind as met if another condition fails. False: none does.
+  bool spare_behind() {
+    const auto fails = [](double v) { return v < 0.0 && v != behind; };
+    if (!std::any_of(value.begin(), value.begin() + count, fails)) return false;
+    std::replace(value.begin(), value.begin() + count, behind, met);
     return true;
   }
   // The worst of them; negative where one fails or the object cannot be there.
@@ -252,12 +260,13 @@ inline double balance_of(const ContactProblem& problem, const Regime& regime,
          ContactTolerance::force;
 }
 
-// All conditions of a regime in a pose. With `failing`, the conditions of the same regime elsewhere,
-// only those that fail there are evaluated; the others count as met.
+// All conditions of a regime in a pose, or (not `all`) those up to some that fail. With `failing`, the
+// conditions of the same regime elsewhere, only those that fail there are evaluated; the others count
+// as met.
 inline Conditions conditions_of(const ContactProblem& problem, const Regime& regime,
                                 const Frames& frames, const Pose& pose,
                                 const ActiveContacts& contacts, const NearPairs& near, double pace,
-                                const Conditions* failing = nullptr) {
+                                const Conditions* failing = nullptr, bool all_of_them = true) {
   using Tolerance = ContactTolerance;
   Conditions all;
   if (!all.skips(failing)) all.add(balance_of(problem, regime, contacts));
@@ -266,6 +275,7 @@ inline Conditions conditions_of(const ContactProblem& problem, const Regime& reg
                detail::equations(problem, regime, frames, pose, contacts, true), pace);
   }
   all.of_motion = all.count;
+  if (!all_of_them && all.least() < 0.0) return all;
   for (std::size_t i = 0; i < regime.count; ++i) {
     all.add(contacts[i].inside + Tolerance::inside);
   }
@@ -285,9 +295,9 @@ inline Conditions conditions_of(const ContactProblem& problem, const Regime& reg
     if (n.behind) {  // if it can touch now, another pair has closed in between
       const bool sunk = c.inside > Tolerance::blank && gap < 0.0 &&
                         !is_clear(problem, frames, pose, near, n.pair, c.gap);
-      all.add(sunk ? Conditions::behind : 1.0);
+      all.add(sunk ? Conditions::behind : Conditions::met);
     } else {
-      all.add(c.inside < -Tolerance::inside ? 1.0 : gap);
+      all.add(c.inside < -Tolerance::inside ? Conditions::met : gap);
     }
   }
   return all;
