@@ -90,7 +90,7 @@ class ContactStep : ContactTrial {
         continue;
       }
       ahead = look_;
-      if (then.least() >= 0.0) {
+      if (then.hold()) {
         go_to(there);
         done = goal;
         if (done < 1.0) look_around();
@@ -120,7 +120,7 @@ class ContactStep : ContactTrial {
         if (!at.settled) return jumps;
         double least = Conditions::met;
         for (std::size_t k = 0; k < at.count; ++k) {
-          if (!(then.value[k] < 0.0) && then.settled) continue;
+          if (!(then.value[k] < -Conditions::rounding) && then.settled) continue;
           // What starts at zero, such as a corner of an edge that lies flush, does not show when it
           // fails before it does.
           const bool blank = now.value[k] < Tolerance::blank && (&at == &now || at.value[k] >= 0.0);
@@ -142,8 +142,8 @@ class ContactStep : ContactTrial {
       if (!(when > done)) return done;
       there = start;
       Conditions found = reach(when, there, regime_);
-      if (found.least() >= 0.0 && is_behind) found = passed(done, when, start);
-      if (found.least() >= 0.0) {
+      if (found.hold() && is_behind) found = passed(done, when, start);
+      if (found.hold()) {
         go_to(there);
         return when;
       }
@@ -159,7 +159,7 @@ class ContactStep : ContactTrial {
     constexpr int looks = 16;
     Conditions found{};
     const double end = when;
-    for (int k = 1; k <= looks && found.least() >= 0.0; ++k) {
+    for (int k = 1; k <= looks && found.hold(); ++k) {
       Place there = start;
       when = done + (end - done) * (double(k) / looks);
       found = reach(when, there, regime_);
@@ -294,8 +294,10 @@ class ContactStep : ContactTrial {
   // object elsewhere.
   Found go_on_with(const RegimeCandidates& found, double done) {
     constexpr double elsewhere = 1e-3;  // of the way of the surfaces
-    std::array<bool, RegimeCandidates::most> is_out{};
-    for (double ahead = 1e-7; ahead < 0.1; ahead *= 16.0) {
+    constexpr double grown = 16.0;
+    constexpr double lost = -1e-3;  // far beyond what rounding does to a condition
+    std::array<double, RegimeCandidates::most> missed{};  // what fails of each
+    for (double ahead = 1e-7; ahead < 0.1; ahead *= grown) {
       const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
       std::array<const RegimeCandidate*, RegimeCandidates::most> best;
       std::array<Pose, RegimeCandidates::most> ends;
@@ -303,11 +305,14 @@ class ContactStep : ContactTrial {
       for (std::size_t k = 0; k < found.count; ++k) {
         const RegimeCandidate& one = found.at[k];
         if (count > 0 && !one.is_as_good_as(*best[0])) break;
-        if (is_out[k]) continue;
+        if (missed[k] < lost) continue;
         Place end = here();
         const Trial trial = try_out(done, then, one.regime, end);
-        is_out[k] = trial == Trial::fails;
-        if (trial != Trial::goes_on) continue;
+        // What fails clearly, or the more the longer it lasts, will not hold later.
+        const bool grows =
+            missed[k] < -Conditions::rounding && trial.least < 0.5 * grown * missed[k];
+        missed[k] = grows ? 2.0 * lost : trial.least;
+        if (!trial.goes_on) continue;
         ends[count] = end.pose;
         const auto is_there = [&](const Pose& other) {
           return apart(ends[count], other) < elsewhere * (then - done) * pace_;
@@ -337,10 +342,9 @@ class ContactStep : ContactTrial {
       const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
       for (std::size_t leaving = 0; leaving < instant.count; ++leaving) {
         for (std::size_t way = 1; way < ways; ++way) {
-          const Regime regime = varied(instant, way);
+          const Regime regime = varied(problem_, instant, way);
           Place end = here();
-          if (regime.count + leaving != instant.count ||
-              try_out(done, then, regime, end) != Trial::goes_on)
+          if (regime.count + leaving != instant.count || !try_out(done, then, regime, end).goes_on)
             continue;
           regime_ = regime;
           return true;
@@ -348,30 +352,6 @@ class ContactStep : ContactTrial {
       }
     }
     return false;
-  }
-
-  // A regime in which each contact does what two bits of `way` say: it goes on, leaves or, if it
-  // sticks, slides. The regime has no contacts if that is impossible.
-  Regime varied(const Regime& instant, std::size_t way) const {
-    constexpr std::array<Motion, 4> next{Motion::stick, Motion::up, Motion::down, Motion::leave};
-    Regime regime = instant;
-    regime.count = 0;
-    PerSide<bool> touched{};
-    for (std::size_t i = 0; i < instant.count; ++i, way >>= 2) {
-      ActivePair contact = instant.active[i];
-      const Motion motion = next[way & 3];
-      if (motion == Motion::leave) continue;
-      if (contact.motion == Motion::stick) {
-        contact.motion = motion;
-      } else if (motion != Motion::stick) {
-        return {};
-      }
-      regime.active[regime.count++] = contact;
-      const std::size_t carrier = problem_.carrier(contact.pair);
-      if (carrier < 2) touched[carrier] = true;
-    }
-    if (problem_.on_both && !(touched[left] && touched[right])) regime.count = 0;
-    return regime;
   }
 
   // The pairs that touch, those of the palm that leads first, and of each those of the regime.

@@ -108,25 +108,27 @@ class ContactTrial {
                          contacts_of(problem_, regime_, frames, pose_), near_, pace_);
   }
 
-  // Whether a regime goes on, and if not, whether it may over a longer time.
-  enum class Trial : std::uint8_t { fails, fails_here, goes_on };
+  // Whether a regime goes on, and its worst condition.
+  struct Trial {
+    bool goes_on;
+    double least;
+  };
 
   // Whether a regime holds at a later instant, and its contacts slide in their directions until
   // then. They are compared from the middle on: at first the pose may jump by a rounding error. It may
   // not jump farther: where forces balance elsewhere, as when two palms pass through level together,
   // the object does not get there. `end`, the place before, becomes that at the later instant.
   Trial try_out(double from, double to, const Regime& regime, Place& end) const {
-    constexpr double clearly = 1e-3;  // far above what rounding does to a condition
     const double least = reach(to, end, regime, nullptr, false).least();
-    if (!(least >= 0.0)) return least < -clearly ? Trial::fails : Trial::fails_here;
-    if (!lasts(from, regime)) return Trial::fails_here;
+    const Trial fails{false, least};
+    if (!(least >= -Conditions::rounding) || !lasts(from, regime)) return fails;
     const double middle = 0.5 * (from + to);
     Place half = here();
     Frames before;
     ActiveContacts contacts;
-    if (!settles(middle, half, regime, before, contacts)) return Trial::fails_here;
+    if (!settles(middle, half, regime, before, contacts)) return fails;
     const double jump = apart(pose_, half.pose) - 8.0 * apart(half.pose, end.pose);
-    if (jump > Tolerance::jump * problem_.shapes.size) return Trial::fails_here;
+    if (jump > Tolerance::jump * problem_.shapes.size) return fails;
     before = frames(half);
     const Frames after = frames(end);
     for (std::size_t i = 0; i < regime.count; ++i) {
@@ -134,10 +136,9 @@ class ContactTrial {
       if (a.motion == Motion::stick) continue;
       const double ran = problem_.contact(after, end.pose, a.pair, a.reference).run -
                          problem_.contact(before, half.pose, a.pair, a.reference).run;
-      if (double(static_cast<int>(a.motion)) * ran < -8.0 * Tolerance::epsilon)
-        return Trial::fails_here;
+      if (double(static_cast<int>(a.motion)) * ran < -8.0 * Tolerance::epsilon) return fails;
     }
-    return Trial::goes_on;
+    return {true, least};
   }
 
   // Whether the regime of the last step also holds in the motion of this one. The pose is the same.
@@ -149,7 +150,7 @@ class ContactTrial {
     Conditions all;
     all.add(balance_of(problem_, regime_, contacts));
     add_motion(all, problem_, regime_, frames, pose_, contacts, twist, pace_);
-    return all.least() >= 0.0 && (!twist.balance || is_here()) && lasts(done, regime_, twist);
+    return all.hold() && (!twist.balance || is_here()) && lasts(done, regime_, twist);
   }
 
   // Whether the pose in which the forces of the regime balance is that of the object. Another push

@@ -215,4 +215,28 @@ inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frame
   return found;
 }
 
+// A regime in which each contact does what two bits of `way` say: it goes on, leaves or, if it
+// sticks, slides. The regime has no contacts if that is impossible.
+inline Regime varied(const ContactProblem& problem, const Regime& instant, std::size_t way) {
+  constexpr std::array<Motion, 4> next{Motion::stick, Motion::up, Motion::down, Motion::leave};
+  Regime regime = instant;
+  regime.count = 0;
+  PerSide<bool> touched{};
+  for (std::size_t i = 0; i < instant.count; ++i, way >>= 2) {
+    ActivePair contact = instant.active[i];
+    const Motion motion = next[way & 3];
+    if (motion == Motion::leave) continue;
+    if (contact.motion == Motion::stick) {
+      contact.motion = motion;
+    } else if (motion != Motion::stick) {
+      return {};
+    }
+    regime.active[regime.count++] = contact;
+    const std::size_t carrier = problem.carrier(contact.pair);
+    if (carrier < 2) touched[carrier] = true;
+  }
+  if (problem.on_both && !(touched[left] && touched[right])) regime.count = 0;
+  return regime;
+}
+
 }  // namespace palmbots

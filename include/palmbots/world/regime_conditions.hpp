@@ -153,7 +153,8 @@ struct Conditions {
   bool settled = true;
 
   static constexpr double behind = -1.0;  // the value of a pair that is behind where it can touch
-  static constexpr double met = 1.0;      // that of a condition without a measure
+  static constexpr double rounding = 8.0 * ContactTolerance::epsilon;
+  static constexpr double met = 1.0;  // that of a condition without a measure
 
   void add(double v) { value[count++] = v; }
   // Adds the next `n` conditions as met where none of them fails in `elsewhere`, conditions of the
@@ -173,6 +174,8 @@ struct Conditions {
     std::replace(value.begin(), value.begin() + count, behind, met);
     return true;
   }
+  // Whether all hold. One that an event leaves at 0 may fall below it by rounding.
+  bool hold() const { return least() >= -rounding; }
   // The worst of them; negative where one fails or the object cannot be there.
   double least() const {
     if (!settled) return -1.0;
@@ -275,7 +278,7 @@ inline Conditions conditions_of(const ContactProblem& problem, const Regime& reg
                detail::equations(problem, regime, frames, pose, contacts, true), pace);
   }
   all.of_motion = all.count;
-  if (!all_of_them && all.least() < 0.0) return all;
+  if (!all_of_them && !all.hold()) return all;
   for (std::size_t i = 0; i < regime.count; ++i) {
     all.add(contacts[i].inside + Tolerance::inside);
   }
