@@ -4,7 +4,6 @@
 // memory, and who commands palm and wheels.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -116,26 +115,29 @@ struct LiftState {
   std::int8_t limit = -1;  // the number of its time limit; -1: it has none
 };
 
+// The same as columns.
 template <std::size_t n>
-constexpr std::array<TableOutput, n> outputs_of(const LiftState (&states)[n]) {
-  std::array<TableOutput, n> outputs{};
-  for (std::size_t i = 0; i < n; ++i)
-    outputs[i] = {' ', states[i].command, states[i].message, states[i].limit};
-  return outputs;
-}
+struct LiftColumns {
+  TableOutput outputs[n]{};
+  LiftRole roles[n]{};
+};
 
 template <std::size_t n>
-constexpr std::array<LiftRole, n> roles_of(const LiftState (&states)[n]) {
-  std::array<LiftRole, n> roles{};
-  for (std::size_t i = 0; i < n; ++i) roles[i] = {states[i].arm, states[i].driver};
-  return roles;
+constexpr LiftColumns<n> columns_of(const LiftState (&states)[n]) {
+  LiftColumns<n> columns;
+  for (std::size_t i = 0; i < n; ++i) {
+    const LiftState& state = states[i];
+    columns.outputs[i] = {' ', state.command, state.message, state.limit};
+    columns.roles[i] = {state.arm, state.driver};
+  }
+  return columns;
 }
 
 // What a robot does in a state of such a table: in teams of carries, and in the programs of robots.
 template <class Table>
 struct LiftRules {
   static constexpr const LiftRole& role(auto state) {
-    return Table::roles[static_cast<std::size_t>(state)];
+    return Table::columns.roles[static_cast<int>(state)];
   }
   // An arm that is up holds while its robot's program does not run.
   static constexpr ArmMove arm(auto state, bool runs) {

@@ -255,8 +255,8 @@ struct Lifting : LiftRules<Lifting> {
   };
   // clang-format on
 
-  static constexpr auto outputs = outputs_of(behaviour);
-  static constexpr auto roles = roles_of(behaviour);
+  static constexpr auto columns = columns_of(behaviour);
+  static constexpr const auto& outputs = columns.outputs;
 
   static constexpr bool alone = false;  // one robot does the job
   // In which state a robot begins: with the object on the floor, or with palms that hold it;

@@ -146,8 +146,8 @@ struct Lone : LiftRules<Lone> {
   };
   // clang-format on
 
-  static constexpr auto outputs = outputs_of(behaviour);
-  static constexpr auto roles = roles_of(behaviour);
+  static constexpr auto columns = columns_of(behaviour);
+  static constexpr const auto& outputs = columns.outputs;
 
   static constexpr bool alone = true;
   static constexpr State first(bool, bool stands_by) { return stands_by ? S::done : initial; }
