@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from palmbots._util.text import plural
 from palmbots.fitting.radio_fit import RadioFit
@@ -46,6 +47,8 @@ def _draw_bursts(axes: Axes, result: RadioFit) -> None:
     axes.set_yscale("log")
     if data.burst_packets.max() > 20:
         axes.set_xscale("log")
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_ylim(0.3, 2 * max(data.bursts.max(), 2))
     axes.legend()
 
@@ -81,7 +84,9 @@ def _draw_rest(axes: Axes, result: RadioFit) -> None:
     axes.axhline(0, color=style.QUIET, linestyle=":")
     axes.set_xscale("log")
     if data.delays_s.max() > _LONG * data.model_s.max():
-        axes.set_yscale("symlog", linthresh=1e3 * data.model_s.max())
+        thresh = 1e3 * float(data.model_s.max())
+        axes.set_yscale("symlog", linthresh=thresh)
+        axes.set_ylim(bottom=-thresh)  # a delay is never much shorter than the model's
     axes.set_title("residuals")
 
 

@@ -48,8 +48,12 @@ _GRID_S = 0.03  # between the times at which speeds are compared: no part of 0.0
 _LAGS_S = 0.02  # between the lags that are tried
 _FINE_S = 0.01  # a part of both
 _FARTHEST_S = 2.0
+_LAGS: Floats = np.linspace(-_FARTHEST_S, _FARTHEST_S, round(2 * _FARTHEST_S / _LAGS_S) + 1)
 _LEAST_CORRELATION = 0.3
+_CLEAR_CORRELATION = 0.5
+_PARTS = 4  # of a recording, between which a clock may have jumped
 _LONGER = 100.0  # commands that last longer by this factor have times in another unit
+_LEAST_AGREED = 0.5  # mean cosine of twice the angle between heading and motion
 _SCALE = 10.0  # a ratio of speeds beyond this is another unit
 _WIDEST = 0.02  # of its length: a line of places that is wider has a bend
 _JUMP_M = 0.02  # beyond what a robot can travel: the position was lost
@@ -90,6 +94,7 @@ def check_units(commands: Recording, positions: Recording) -> None:
             f"{commands.name}: lasts {long:.4g} s, and {positions.name} {short:.4g} s; expected "
             "times in s in both"
         )
+    _check_heading(positions)
     first = max(commands.times_s[0], positions.times_s[0])
     last = min(commands.times_s[-1], positions.times_s[-1])
     if last - first < 2 * _FARTHEST_S + 10:
@@ -97,6 +102,31 @@ def check_units(commands: Recording, positions: Recording) -> None:
         raise PalmbotsError(
             f"{positions.name}: overlaps with {commands.name} for {overlap:.4g} s; expected at "
             f"least {2 * _FARTHEST_S + 10:g} s, and one clock or nearly so"
+        )
+
+
+def _check_heading(positions: Recording) -> None:
+    """Refuse a heading in degrees: it is not the direction in which the robot moves.
+
+    Raises:
+        PalmbotsError: it is not.
+    """
+    if "heading_rad" not in positions:
+        return
+    times, heading = positions.times_s, positions["heading_rad"]
+    grid = np.arange(times[0], times[-1], 1.0)
+    rows = np.searchsorted(times, grid)
+    x, y = (np.diff(positions[key][rows]) for key in ("x_m", "y_m"))
+    moves = np.hypot(x, y) > 0.5 * np.quantile(np.hypot(x, y), 0.9)
+    way = np.arctan2(y, x)[moves]
+    # Forward or backward: the double angle is the same.
+    agreed, in_degrees = (
+        np.cos(2 * (way - angle[rows[1:]][moves])).mean()
+        for angle in (heading, np.radians(heading))
+    )
+    if agreed < _LEAST_AGREED < in_degrees:
+        raise PalmbotsError(
+            f"{positions.name}: heading_rad is the direction of motion in degrees; expected rad"
         )
 
 
@@ -109,6 +139,7 @@ def align(commands: Recording, positions: Recording) -> Alignment:
     first = max(commands.times_s[0], positions.times_s[0]) + _FARTHEST_S + _WINDOW_S
     last = min(commands.times_s[-1], positions.times_s[-1]) - _FARTHEST_S - _WINDOW_S
     lag, correlation = _lag(commands, positions, first, last)
+    _check_clocks(commands, positions, np.linspace(first, last, _PARTS + 1))
     if correlation < _LEAST_CORRELATION or abs(lag) > _FARTHEST_S - _LAGS_S:
         raise PalmbotsError(
             f"{positions.name}: the speed correlates with {commands.name} by {correlation:.2f} at "
@@ -123,6 +154,7 @@ def align(commands: Recording, positions: Recording) -> Alignment:
             f"{positions.name}: the robot moves about {ratio:.2g} times as fast as commanded in "
             f"{commands.name}; expected m and m/s"
         )
+    _check_turns(commands, positions, times, lag)
     middle = 0.5 * (first + last)
     early, late = (
         _lag(commands, positions, *ends)[0] for ends in ((first, middle), (middle, last))
@@ -130,31 +162,80 @@ def align(commands: Recording, positions: Recording) -> Alignment:
     return Alignment(lag, correlation, float(1e6 * (late - early) / (middle - first)))
 
 
-def _lag(
-    commands: Recording, positions: Recording, first: float, last: float
-) -> tuple[float, float]:
+def _check_turns(commands: Recording, positions: Recording, times: Floats, lag_s: float) -> None:
+    """Refuse turns in degrees/s.
+
+    Raises:
+        PalmbotsError: the robot turns much less than commanded.
+    """
+    if "turn_rad_s" not in commands or "heading_rad" not in positions:
+        return
+    half = _WINDOW_S / 2
+    wanted = _held(commands, times - lag_s, commands["turn_rad_s"])
+    heading = np.unwrap(positions["heading_rad"])
+    ends = (np.interp(times + one, positions.times_s, heading) for one in (half, -half))
+    turned = (next(ends) - next(ends)) / _WINDOW_S
+    if wanted.std() == 0 or _correlation(wanted, turned) < _LEAST_CORRELATION:
+        return
+    ratio = float(np.polyfit(wanted, turned, 1)[0])
+    if not 1 / _SCALE < ratio < _SCALE:
+        raise PalmbotsError(
+            f"{positions.name}: the robot turns about {ratio:.2g} times as fast as commanded in "
+            f"{commands.name}; expected rad and rad/s"
+        )
+
+
+def _check_clocks(commands: Recording, positions: Recording, ends: Floats) -> None:
+    """Refuse positions that follow the commands at one lag in some parts of a recording only.
+
+    Raises:
+        PalmbotsError: they do.
+    """
+    at = int(_correlations(commands, positions, ends[0], ends[-1]).argmax())
+    spread = float(
+        _held(commands, np.arange(ends[0], ends[-1], _GRID_S), commands["speed_m_s"]).std()
+    )
+    follows = []
+    for part in itertools.pairwise(ends):
+        if _held(commands, np.arange(*part, _GRID_S), commands["speed_m_s"]).std() > 0.5 * spread:
+            found = _correlations(commands, positions, *part)
+            follows.append(float(found[at]))
+    if sorted(follows)[-2:-1] > [_CLEAR_CORRELATION] and min(follows) < _LEAST_CORRELATION:
+        raise PalmbotsError(
+            f"{positions.name}: the positions lag behind {commands.name} by {_LAGS[at]:.2f} s in "
+            "a part of the recording, and not in another; expected clocks that do not jump"
+        )
+
+
+def _correlations(commands: Recording, positions: Recording, first: float, last: float) -> Floats:
+    """Of commanded and measured speed, at each of the lags."""
     times = np.arange(first, last, _GRID_S)
     measured = _speed(positions, times)
     # The commands once on a grid that has the times of all lags.
     steps, shifts = round(_GRID_S / _FINE_S), round(_LAGS_S / _FINE_S)
-    count = round(2 * _FARTHEST_S / _LAGS_S)
-    lags = _LAGS_S * np.arange(count + 1) - _FARTHEST_S
+    count = len(_LAGS) - 1
     size = len(times) * steps + count * shifts
     grid: Floats = np.arange(size, dtype=np.float64) * _FINE_S + (first - _FARTHEST_S)
     fine = _held(commands, grid, _wanted(commands, positions))
-    found = np.array(
+    return np.array(
         [
             _correlation(fine[(count - k) * shifts :: steps][: len(times)], measured)
             for k in range(count + 1)
         ]
     )
+
+
+def _lag(
+    commands: Recording, positions: Recording, first: float, last: float
+) -> tuple[float, float]:
+    found = _correlations(commands, positions, first, last)
     best = int(found.argmax())
-    if 0 < best < len(lags) - 1:  # the vertex of a parabola through three points
+    if 0 < best < len(_LAGS) - 1:  # the vertex of a parabola through three points
         low, middle, high = found[best - 1 : best + 2]
         bend = low - 2 * middle + high
         shift = 0.5 * (low - high) / bend if bend < 0 else 0.0
-        return float(lags[best] + shift * _LAGS_S), float(middle)
-    return float(lags[best]), float(found[best])
+        return float(_LAGS[best] + shift * _LAGS_S), float(middle)
+    return float(_LAGS[best]), float(found[best])
 
 
 def _wanted(commands: Recording, positions: Recording) -> Floats:
