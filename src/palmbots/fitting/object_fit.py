@@ -217,8 +217,8 @@ def _of_object(found: ObjectSet, scene: Scene, frame: ObjectFrame) -> list[Estim
         reason = ""
         if ends[1] > _NARROW_FRICTION * ends[0]:
             reason = (
-                f"the slides bound it to {ends[0]:.2g} to {ends[1]:.2g}; steeper palms or another "
-                "COM show more"
+                f"the slides bound it to {ends[0]:.2g} to {ends[1]:.2g}; they compare both palms, "
+                "and hardly show the level"
             )
         value = float(math.tan(centre[number]))
         estimates.append(

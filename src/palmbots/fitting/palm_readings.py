@@ -88,6 +88,8 @@ def _half_width(places: Floats, beyond: NDArray[np.bool_]) -> Estimate:
     contradict than the best one (the likelihood ratio).
     """
     key = "tactile.zero_half_width_m"
+    if not len(beyond):
+        return Estimate(key, None, None, None, "the logs do not show where the contacts are")
     if not beyond.any() or beyond.all():
         return Estimate(key, None, None, None, _NO_EDGE)
     order = np.argsort(places, kind="stable")
