@@ -55,16 +55,19 @@ UNITS = {"%", "cm/s", "m", "m/s", "m/s²", "mm", "ms", "s", "weight", "°"}
 WITHOUT_UNIT = {
     "correction\n(case)",
     "density of the residuals",
+    "fitted lead of the left contact\n(difference of squeezes over the weight)",
     "friction μ",
     "messages per metre",
     "multiple of the scene's value",
     "number of bursts",
     "packets lost together, at least",
     "palm friction",
+    "readings",
     "residual / its standard deviation",
     "sensor",
     "share of packets with more",
     "share of the variance (Sobol index)",
+    "slides",
     "tolerance of friction, ±",
 }
 
