@@ -130,10 +130,20 @@ class ContactStep : ContactTrial {
       };
       Place there = start;
       const double from = worst(now);
-      double before = from;  // the good end
+      double before = from;                      // the good end
+      std::array<double, 2> failed{goal, goal};  // the last instants at which something fails
+      std::array<double, 2> by{worst(then), jumps};
       const auto at = [&](double t) {
         there = start;
-        const double value = worst(reach(t, there, regime_, then.settled ? &then : nullptr));
+        double value = worst(reach(t, there, regime_, then.settled ? &then : nullptr));
+        if (value < 0.0) {
+          failed = {t, failed[0]};
+          by = {value, by[0]};
+        } else if (value == Conditions::met) {
+          // Without a measure, what the failures after it suggest.
+          const double line = by[0] + (by[1] - by[0]) * ((t - failed[0]) / (failed[1] - failed[0]));
+          if (line > 0.0) value = line;
+        }
         if (value >= 0.0) before = value;
         return before == Conditions::met && value < 0.0 ? jumps : value;
       };
