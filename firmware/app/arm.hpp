@@ -15,11 +15,13 @@ namespace palmbots::app {
 
 class Arm {
  public:
-  // `edge`: what was stored (below).
-  Arm(const Settings& settings, std::uint8_t edge) : settings_(settings) {
+  // `edge`: what was stored (below). An arm that `is_new` begins where its job does: low, or up with the
+  // object.
+  Arm(const Settings& settings, std::uint8_t edge, bool is_new) : settings_(settings) {
     sense_ = settings.arm_top_us >= settings.arm_floor_us[0] ? 1 : -1;
     const std::int32_t stored = std::int32_t{edge} * step();
-    height_ = stored < top() ? stored : top();
+    const bool is_up = is_new && !is_job(settings, Job::begins_low);
+    height_ = is_up || stored > top() ? top() : stored;
     rises_ = height_ == top();
   }
 

@@ -46,7 +46,8 @@ class Program {
         switches_(page.settings),
         outbox_(page.settings.period_us, board::random_word()),
         palm_(storage.content().assists ? Palm::shallow : Palm::steep),
-        arm_(page.settings, storage.content().arm_edge),
+        arm_(page.settings, storage.content().arm_edge,
+             storage.content().epoch == page.settings.first_epoch),
         pulse_(settings_.palm_us[static_cast<std::size_t>(palm_)]),
         wheel_{settings_.wheels[0][1][0], settings_.wheels[1][1][0]} {
     const bool begins = storage.content().epoch == settings_.first_epoch;

@@ -76,20 +76,26 @@ REBOOTS = {
 }
 
 
-DIFFERS = pytest.mark.xfail(strict=True, reason="a board that restarts differs from the host")
+# Before the arms sink: a board does not see that its palm still turns then.
+REBOOTS_EARLY = REBOOTS | {
+    "faults.script": [
+        {"kind": "reboot", "robot": "left", "at_s": 2.0, "duration_s": 0.5},
+        {"kind": "reboot", "robot": "right", "at_s": 4.0, "duration_s": 0.3},
+    ]
+}
+JOBS: dict[str, dict[str, Any]] = {
+    "as it is": {},
+    "reboots and losses": REBOOTS,
+    "from the palms, reboots and losses": REBOOTS_EARLY | {"task.from": "palms"},
+    "onto the palms, reboots and losses": REBOOTS | {"task.to": "palms"},
+}
 
 
-@pytest.mark.parametrize(
-    "faulty",
-    [
-        pytest.param({}, id="as it is"),
-        pytest.param(REBOOTS, id="reboots and losses", marks=DIFFERS),
-    ],
-)
+@pytest.mark.parametrize("case", JOBS)
 def test_boards_do_a_job_on_the_floor_as_one_program(
-    images: tuple[Image, Image], faulty: dict[str, Any]
+    images: tuple[Image, Image], case: str
 ) -> None:
-    check(images, "shared-sign", JOB | faulty, scene="lift")
+    check(images, "shared-sign", JOB | JOBS[case], scene="lift")
 
 
 @pytest.mark.soak

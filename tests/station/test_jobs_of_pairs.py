@@ -14,7 +14,7 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
-from palmbots.drivers.arm import FOLLOWS, HOLDS, SINKS
+from palmbots.drivers.arm import FOLLOWS, HOLDS, RISES, SINKS
 from palmbots.pair.launcher import UP
 from palmbots.simulation.floor_job import MEANINGS, TASK_PHASES
 from palmbots.simulation.world_stage import FloorStage
@@ -192,3 +192,27 @@ def test_arms_go_down_once_the_object_is_taken_away(job: Job) -> None:
     for robot in pair.robots.values():
         robot.step(1, low, [])
         assert (robot.arm, robot.phase, robot.holds) == (FOLLOWS, "dock", False)
+
+
+def test_after_a_job_from_the_palms_empty_arms_go_up_again(tmp_path: Path) -> None:
+    """They do so when the robots are disarmed."""
+    job = Job(tmp_path / "pair", **{"task.from": "palms"})
+    pair = job.pair
+    assert pair.carry_until_the_end() == "delivered"
+    assert max(job.stage.heights_m) < 0.05
+    pair.wish("disarm", "disarmed")
+    for _ in range(20):
+        job.tick()
+    high = _core.runtime.Reading(-1, True, contact=False, arm_there=True, arm_steps=6)
+    for robot in pair.robots.values():
+        assert robot.arm == RISES
+        robot.step(1, high, [])
+        assert (robot.arm, robot.phase) == (HOLDS, "carry")
+    job.close()
+
+
+def test_a_job_onto_the_palms_ends_in_the_air(tmp_path: Path) -> None:
+    job = Job(tmp_path / "pair", **{"task.to": "palms"})
+    assert job.pair.carry_until_the_end() == "delivered"
+    assert min(job.stage.heights_m) > 0.1
+    job.close()

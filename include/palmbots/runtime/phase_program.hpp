@@ -69,14 +69,15 @@ class PhaseProgram {
   bool has_failed() const { return lifts() && state() == State::failed; }
   // Its partner has to go on even if this robot is done.
   bool ends_alone() const { return lifts() && settings_.ends_low; }
-  // The arm is where a new job begins.
-  bool may_begin() const {
-    return !lifts() || Lifting::role(state()).arm == Lifting::role(first()).arm;
+  // The arm, so many steps up, is where a new job begins.
+  bool may_begin(std::uint8_t steps) const {
+    const bool is_alike = Lifting::role(state()).arm == Lifting::role(first()).arm;
+    return !lifts() || (is_alike && (settings_.begins_low || steps > 0));
   }
+  // How the arm of a robot that is disarmed gets there, once nothing is on its palm.
+  ArmMove way_back() const { return settings_.begins_low ? ArmMove::sink : ArmMove::rise; }
   // What the arm does; `runs`: the program does.
   ArmMove arm(bool runs) const { return lifts() ? Lifting::arm(state(), runs) : ArmMove::hold; }
-  // The arm of a robot that is disarmed sinks once nothing is on its palm.
-  bool may_sink() const { return lifts() && settings_.begins_low && !may_begin(); }
 
  private:
   using Robot = TableRobot<Lifting>;

@@ -106,7 +106,7 @@ class RobotRuntime {
                     reading.battery_ok,
                     settings_.number == 0 || partner_settings_ == settings_.number,
                     reading.stopping,
-                    phases_.may_begin()};
+                    phases_.may_begin(reading.arm_steps)};
     in.driver_ok = reading.driver_ok;
     in.storage_ok = reading.storage_ok;
     in.overruns = reading.overruns;
@@ -177,13 +177,16 @@ class RobotRuntime {
   bool corrects() const { return !phases_.lifts() || phases_.corrects(); }
 
   void decide(const Reading& reading, Outputs& out) {
+    Observation seen = reading.seen;
     if (phases_.lifts()) {
-      out.phase = phases_.step(reading.seen,
-                               {reading.contact, reading.arm_there, reading.covered || is_far(),
-                                reading.arm_steps, reading.beneath});
+      // As in simulations: where nothing presses the palm, its contact is inward.
+      if (!reading.contact) seen.sign = Sign::negative;
+      out.phase =
+          phases_.step(seen, {reading.contact, reading.arm_there, reading.covered || is_far(),
+                              reading.arm_steps, reading.beneath});
     }
     // While the table drives, the controller sees a centred contact.
-    out.decision = program_.step(corrects() ? reading.seen : Observation{Sign::zero, true});
+    out.decision = program_.step(corrects() ? seen : Observation{Sign::zero, true});
     if (phases_.lifts()) {
       Command& command = out.decision.command;
       command = Lifting::command(phases_.state(), phases_.senses(), out.phase.command, command);
@@ -192,13 +195,13 @@ class RobotRuntime {
   }
 
   // The arm holds, or follows the floor. Once a robot is disarmed and nothing is on its palm, the arm
-  // goes down to where a job begins.
+  // goes to where a job begins.
   void rest(const Reading& reading, Outputs& out) {
     out.arm = phases_.arm(false);
-    if (machine_.memory().mode != wire::RobotMode::disarmed || !phases_.may_sink()) return;
-    if (sinks_ && reading.arm_there) phases_.begin(tick_);
-    sinks_ = !phases_.may_begin() && !reading.contact;
-    out.arm = sinks_ ? ArmMove::sink : phases_.arm(false);
+    if (machine_.memory().mode != wire::RobotMode::disarmed) return;
+    if (returns_ && reading.arm_there) phases_.begin(tick_);
+    returns_ = !phases_.may_begin(reading.arm_steps) && !reading.contact;
+    out.arm = returns_ ? phases_.way_back() : phases_.arm(false);
   }
 
   // The age of what was sent, or arrived, in that tick; `never` for nothing.
@@ -363,7 +366,7 @@ class RobotRuntime {
   ReceivedCounts received_;
   ReceivedCounts received_phases_;
   std::uint32_t travelled_ = 0;  // time of a job on the floor in which the pair travels
-  bool sinks_ = false;           // the arm goes down after a job that has ended early
+  bool returns_ = false;         // the arm goes to where a job begins
   std::uint32_t sent_ = 0;
   wire::RobotMode said_mode_ = wire::RobotMode::off;  // the newest that the partner was sent
   std::uint32_t extras_ = 0;                          // packets to the partner without a message

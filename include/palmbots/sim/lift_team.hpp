@@ -43,6 +43,17 @@ constexpr CorrectionActivity obeyed(const CorrectionActivity& activity, bool by_
   return is_obeyed ? activity : CorrectionActivity{};
 }
 
+// A robot with the table, whose first step after a boot reads its switches as any other step does.
+template <class Table>
+struct LiftRobot : TableRobot<Table> {
+  explicit LiftRobot(const TableRobot<Table>& robot) : TableRobot<Table>(robot) {}
+  LiftRobot booted() const {
+    LiftRobot made(TableRobot<Table>::booted());
+    made.clock().own.senses = this->clock().own.senses;
+    return made;
+  }
+};
+
 template <class Inner, class TheTable = Lifting>
 class LiftTeam {
  public:
@@ -110,7 +121,8 @@ class LiftTeam {
   }
 
  private:
-  using Phases = TableTeam<Table>;
+  using Robot = LiftRobot<Table>;
+  using Phases = RobotTeam<Robot>;
 
   // Robots whose controllers measure no time have the clock of the carry.
   static PerSide<double> drift_of(const Spec& spec) {
@@ -120,7 +132,7 @@ class LiftTeam {
   }
 
   static Phases phases_of(const Spec& spec, std::uint64_t seed) {
-    return {{table_robot_of<Table>(spec, left), table_robot_of<Table>(spec, right)},
+    return {{Robot(table_robot_of<Table>(spec, left)), Robot(table_robot_of<Table>(spec, right))},
             drift_of(spec),
             channel_of(spec),
             seed_of_phases(seed),

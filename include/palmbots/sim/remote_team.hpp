@@ -104,8 +104,6 @@ class RemoteTeam {
       if (elapsed == 0) continue;  // a slow clock: the next step is not due yet
       clock_[side] -= elapsed;
       const bool boots = state == ProgramState::booting;
-      if (boots)
-        senses_[side] = {};  // as in sim/lift_team.hpp: it reads them from its next tick on
       ProgramInput input{sensed[side], elapsed, boots, {}, senses_[side]};
       for (Link<wire::Bytes>* link : {&phase_inbox_[side], &inbox_[side]}) {
         for (; const wire::Bytes* bytes = link->oldest(tick); link->pop()) {

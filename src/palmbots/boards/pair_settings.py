@@ -18,7 +18,7 @@ from palmbots.boards.settings_page import (
     settings_page,
 )
 from palmbots.control.registry import ControllerEntry
-from palmbots.drivers.arm import arm_shape
+from palmbots.drivers.arm import arm_shape, refuse_stands
 from palmbots.drivers.hardware import (
     HardwareParameters,
     arm_servo_angle,
@@ -246,11 +246,7 @@ def _check_times(scene: Scene) -> None:
 
 
 def _check_arm(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
-    for key, on in zip(("from", "to"), scene.task.ends, strict=True):
-        if on != "floor":
-            raise PalmbotsError(
-                f'task.{key}: value is "{on}"; allowed in a job on the floor with boards: "floor"'
-            )
+    refuse_stands(scene)
     if hardware.arm_floor_deg == hardware.arm_top_deg:
         raise PalmbotsError(
             f"hardware.arm_top_deg: value is {hardware.arm_top_deg:g}, as arm_floor_deg: the {side}"

@@ -37,6 +37,11 @@ class ArmShape:
     step_m: float
     """A step of the table (`control/lifting.hpp`)."""
 
+    @property
+    def top_edge(self) -> int:
+        """`ArmMotion.edge` of an arm that is up."""
+        return math.ceil((self.top_m - self.floors_m[0]) / self.step_m)
+
 
 def arm_shape(scene: Scene, side: Side) -> ArmShape:
     """What the job of a scene asks of the arm of one side.

@@ -104,6 +104,9 @@ def open_pair_driver(
     """
     check_speed(pair, side, scene)
     table, limit_m_s = pair.settings.driver, pair.settings.limits.max_speed_m_s
+    shape = arm_shape(scene, side) if to_spec(scene).uses_floor and arm_edge is not None else None
+    if shape is not None and epoch == 1 and getattr(scene.task, "from") == "palms":
+        arm_edge = shape.top_edge
     settings = DriverSettings(
         side=side,
         leads=(side == "right") == (scene.task.direction == "forward"),
@@ -117,7 +120,7 @@ def open_pair_driver(
         epoch=epoch,
         within_s=within_s,
         scene=scene_number(scene),
-        arm=arm_shape(scene, side) if to_spec(scene).uses_floor and arm_edge is not None else None,
+        arm=shape,
         arm_edge=arm_edge or 0,
         table=getattr(pair.settings, table.kind, None),
         on_line=on_line,

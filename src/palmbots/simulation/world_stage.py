@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots.drivers.arm import ARM_WORDS, FOLLOWS, HOLDS, refuse_stands
+from palmbots.drivers.arm import ARM_WORDS, FOLLOWS, HOLDS, RISES, refuse_stands
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.links.local_connection import ConnectionLost
@@ -203,8 +203,11 @@ class FloorStage:
         return command[0], 0, True, FOLLOWS if command[3] == FOLLOWS else HOLDS
 
     def step(self, left: tuple[int, int, bool, int], right: tuple[int, int, bool, int]) -> None:
-        """One control period."""
-        self._job.step(left, right)
+        """One control period. Nobody lays an object that was put down on the palms again, so arms
+        that rise without it have no effect."""
+        rises = RISES in (left[3], right[3])
+        if self._low or not (rises and self._job.stands):
+            self._job.step(left, right)
 
 
 def perfect_stage(scene: Scene, world: str, seed: int) -> PerfectStage | FloorStage:
