@@ -33,6 +33,7 @@ from palmbots.cli.declared_commands import commands_of, declared_commands, resul
 from palmbots.cli.json_schemas import schema_of, with_scene
 from palmbots.cli.main import build_app
 from palmbots.control import bounds_of
+from palmbots.fitting.object_fit import fit_object, touch_of
 from palmbots.learn import EpisodeResult
 from palmbots.mujoco.curve_comparison import CurveComparison
 from palmbots.mujoco.curve_trial import CurveTrial
@@ -231,6 +232,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "FinalPlace": lambda folder: pb.final_place("lift", jobs=100),
     "NoiseLimit": lambda folder: noise_limit(),
     "OutcomeCounts": lambda folder: OutcomeCounts("silent", 40, 2, 0),
+    "ObjectFit": lambda folder: fit_object([touch_of(pb.carry("paper", "shared-sign"), "")], ()),
     "ObjectList": lambda folder: pb.objects(),
     "Probe": lambda folder: pb.probe("paper", com_x_m=(0.12, 0.13)),
     "RadioFit": lambda folder: pb.fit(
