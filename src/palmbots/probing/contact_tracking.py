@@ -32,6 +32,30 @@ class Impossible(Exception):
 
 
 @dataclass(frozen=True)
+class Give:
+    """By how much a world departs from the quasistatic one; zero in that world."""
+
+    angle: float = 0.0
+    """A palm from the angle that its encoder reads, once the arms yield [rad]."""
+    loop: float = 0.0
+    """The separation from what the wheels have rolled [m]."""
+    turn: float = 0.0
+    """How far a contact slides while the palms turn, beyond what the encoders explain [m]."""
+    squeeze: float = math.inf
+    """The largest squeeze in a probe, in weights of the object: the arms yield to it."""
+    creep: float = 0.0
+    """Speed of a contact that sticks [m/s]."""
+    edge: float = 0.0
+    """A contact from the place at which its switch feels it [m]."""
+    overshoot: float = 0.0
+    """How far the robots go on after a switch has changed, away from that edge [m]."""
+    clearance: float = 0.0
+    """How far they have to go before a switch that changes shows that a contact has slid [m]."""
+    settling_s: float = 0.0
+    """How long the palms take to come to rest after a turn."""
+
+
+@dataclass(frozen=True)
 class PairGeometry:
     """What the robots know of themselves and of the object."""
 
@@ -39,9 +63,10 @@ class PairGeometry:
     offset: Pair
     zones: tuple[tuple[Zone, ...], tuple[Zone, ...]]
     angle_error: float
-    """Of each palm [rad]."""
+    """Of each palm, with what the arms yield [rad]."""
     odometry: float
     """Error of a change of the separation, as a fraction."""
+    give: Give = Give()
 
 
 def add(a: Interval, b: Interval) -> Interval:
@@ -146,7 +171,8 @@ class ContactBounds:
             left, right = (
                 times(exactly(o), s) for o, s in zip(self.geometry.offset, sines, strict=True)
             )
-            whole = add(span, add(left, right))  # p_L cos + p_R cos + d
+            yields = around(0.0, self.geometry.give.loop)
+            whole = add(add(span, add(left, right)), yields)  # p_L cos + p_R cos + d
             runs = [times(p, c) for p, c in zip(contacts, cosines, strict=True)]
             others = add(runs[0], runs[1])
             separation = both(separation, (whole[0] - others[1], whole[1] - others[0]))
@@ -164,11 +190,17 @@ class ContactBounds:
         Raises:
             Impossible: they contradict the wheels.
         """
+        edge = self.geometry.give.edge
         contacts = [
-            both(p, _covered(zones, flags, p))
+            both(p, add(_covered(zones, flags, p), (-edge, edge)))
             for p, zones, flags in zip(self.contacts, self.geometry.zones, closed, strict=True)
         ]
         return replace(self, contacts=(contacts[0], contacts[1])).narrowed()
+
+    def loosened(self, most: float) -> ContactBounds:
+        """After each contact has slid by at most this much, either way [m]."""
+        left, right = (add(p, (-most, most)) for p in self.contacts)
+        return replace(self, contacts=(left, right))
 
     def moved(
         self,

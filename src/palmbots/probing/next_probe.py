@@ -29,6 +29,8 @@ _SAMPLE = 120
 _TRIED = 600
 _HIDDEN = 0.4
 """How much more of the set a probe has to remove that may drive a contact away from the middle."""
+_AT_REACH = 0.5
+"""How much more a probe has to remove in which a contact rests that may not slide any farther."""
 _LATE = 0.0005
 """How far a contact slides before the robots have stopped [m]."""
 SPARE_M = 0.0015
@@ -136,7 +138,8 @@ def _ranked(
             leaves = share[1 if shows[0] else 0]
             is_apart = -1 in signs and 1 in signs
             score = 1 + leaves if is_apart else rest.max(axis=0) + _HIDDEN
-            score = np.where(is_at_reach(bounds, way, limits) & (leaves > 0), np.inf, score)
+            if is_at_reach(bounds, way, limits):
+                score = np.where(leaves > 0, np.inf, score + _AT_REACH)
         else:
             continue
         for one in idle:
@@ -177,6 +180,11 @@ def _first_safe(
 def is_safe(found: ObjectSet, bounds: ContactBounds, probe: Probe, limits: Limits) -> bool:
     """Whether the robots keep every object of the set, while they turn and while they slide it."""
     few = sample(found.boxes, 40)
+    most = bounds.geometry.give.squeeze
+    if probe.way == UP and most < math.inf:
+        pose = stroke_pose(replace(bounds, angles=probe.angles), UP, limits)
+        if found.largest_squeeze(pose) > most:
+            return False
     return all(
         _clears(limits, pose) and found.held(boxes, pose)
         for boxes in (few, found.boxes)
@@ -201,19 +209,21 @@ def _poses(bounds: ContactBounds, probe: Probe, limits: Limits) -> Iterator[Pose
 def stroke_pose(bounds: ContactBounds, way: int, limits: Limits) -> Pose:
     """All poses of a stroke at these palm angles."""
     left, right = (
-        _stroke(ends, zones, way, limits.reach)
+        _stroke(ends, zones, way, limits.reach, _LATE + bounds.geometry.give.overshoot)
         for ends, zones in zip(bounds.contacts, bounds.geometry.zones, strict=True)
     )
     return replace(bounds, contacts=(left, right)).pose()
 
 
-def _stroke(ends: Interval, zones: tuple[Zone, ...], way: int, reach: float) -> tuple[float, float]:
+def _stroke(
+    ends: Interval, zones: tuple[Zone, ...], way: int, reach: float, late: float
+) -> tuple[float, float]:
     """Where a contact can be until its next switch changes, or it is as far as it may be."""
     low, high = ends
     edges = sorted({edge for zone in zones for edge in (zone.from_m, zone.to_m)} | {-reach, reach})
     if way == UP:
-        return low, next((edge for edge in edges if edge >= high), high) + _LATE
-    return next((edge for edge in reversed(edges) if edge <= low), low) - _LATE, high
+        return low, next((edge for edge in edges if edge >= high), high) + late
+    return next((edge for edge in reversed(edges) if edge <= low), low) - late, high
 
 
 def is_at_reach(bounds: ContactBounds, way: int, limits: Limits) -> bool:

@@ -25,7 +25,7 @@ from palmbots.probing.slip_comparison import DOWN, UP, Booleans, Floats, Pose, b
 _SPLIT_BELOW = 1500
 _FINAL_BELOW = 24_000
 """Boxes that are fewer than this are bisected: during the probes, and after them."""
-_LEAST_CUT = 0.93
+_LEAST_CUT = 0.88
 """An observation is used if it leaves less than this part of the set."""
 _SMALLEST = 2.0**-9
 """Boxes that are shorter than this part of the prior in every dimension are not bisected."""
@@ -115,6 +115,16 @@ class ObjectSet:
             if not bool(np.all(low > 0 if first == DOWN else high < 0)):
                 return False
         return True
+
+    def largest_squeeze(self, pose: Pose) -> float:
+        """At most this squeeze makes a contact slide outward, for any object, in its weight. At a
+        small object angle: the levers are taken as those of a level object."""
+        boxes, width = self.boxes, self.prior.width
+        left, right = (
+            leans(pose.angles[i], (boxes[:, 1 + i, 0], boxes[:, 1 + i, 1]), UP)[1] for i in (0, 1)
+        )
+        both = np.minimum(left * (width - boxes[:, 0, 0]), right * boxes[:, 0, 1])
+        return float(both.max()) / width
 
     def compared(self, boxes: Floats, pose: Pose, ways: tuple[int, int]) -> tuple[Floats, Floats]:
         """The bounds of G for each box, at these ends of the friction cones (left, right)."""

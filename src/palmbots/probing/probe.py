@@ -26,7 +26,7 @@ from palmbots.probing.contact_tracking import PairGeometry
 from palmbots.probing.next_probe import Limits
 from palmbots.probing.object_set import ObjectSet, Prior
 from palmbots.probing.probe_run import Pace, ProbeRun
-from palmbots.probing.simulated_hands import SimulatedHands
+from palmbots.probing.simulated_hands import SimulatedHands, give_of
 from palmbots.probing.slip_comparison import UP
 from palmbots.scene.command_text import command_text
 from palmbots.scene.object_frame import object_frame
@@ -139,6 +139,8 @@ class Probe(Result):
                     f"{plural(self.dropped, 'observation')} dropped, of number {numbers}"
                 )
             )
+        elif self.is_consistent:
+            yield Line("a false observation that another object explains would not be noticed")
         if self.stop:
             yield Line(f"ended early: {self.stop}")
 
@@ -162,6 +164,7 @@ def _ends(ends: Interval, factor: float, unit: str) -> str:
 def probe(
     scene: SceneLike = "paper",
     *,
+    world: str = "quasistatic",
     com_x_m: Interval | None = None,
     com_y_m: Interval | None = None,
     friction: Interval = (0.15, 0.6),
@@ -180,6 +183,7 @@ def probe(
 
     Args:
         scene: as in `palmbots.carry`.
+        world: ``quasistatic`` or ``mujoco``.
         com_x_m: prior of the COM along the line of contacts, from the left contact; None: the
             middle ± 3 cm.
         com_y_m: prior of the COM's height above that line; None: as in the scene ± 1 cm.
@@ -192,8 +196,9 @@ def probe(
 
     Raises:
         SceneError: the scene cannot be read or is invalid, or the world refuses it.
-        PalmbotsError: an interval is out of range, the object is a pipe or its contact vertices are
-            rounded, or no probe is safe for every object of the prior.
+        PalmbotsError: no probe runs in this world, an interval is out of range, the object is a
+            pipe or its contact vertices are rounded, or no probe is safe for every object of the
+            prior.
     """
     chosen = load_scene(scene, overrides)
     refuse_pipe(chosen)
@@ -215,9 +220,11 @@ def probe(
         (coefficients, coefficients),
         (spec.slope, spec.slope),
     )
+    give = give_of(world)
     error = math.radians(angle_error_deg)
     draws = random.Random(seed_of(seed))
-    hands = SimulatedHands(chosen, (draws.uniform(-error, error), draws.uniform(-error, error)))
+    errors = draws.uniform(-error, error), draws.uniform(-error, error)
+    hands = SimulatedHands(chosen, errors, world)
     if hands.end:
         raise PalmbotsError(f"probe: the object is not held at the start: {hands.end}")
     palms = [chosen.palm_of(side) for side in SIDES]
@@ -226,8 +233,9 @@ def probe(
         frame.width,
         (palms[0].pivot_offset_m, palms[1].pivot_offset_m),
         (zones[0], zones[1]),
-        error,
+        error + give.angle,
         _ODOMETRY,
+        give,
     )
     limits = Limits(
         (math.radians(degrees[0]), math.radians(degrees[1])),
@@ -236,10 +244,7 @@ def probe(
     )
     rate = math.radians(min(palm.rate_deg_s for palm in palms))
     found = ObjectSet(prior)
-    start = (math.radians(palms[0].steep_deg), math.radians(palms[1].steep_deg))
-    run = ProbeRun(
-        hands, geometry, found, limits, Pace(rate, _SPEED_M_S, _MOST_PROBES, _MOST_S), start
-    )
+    run = ProbeRun(hands, geometry, found, limits, Pace(rate, _SPEED_M_S, _MOST_PROBES, _MOST_S))
     run.run(on_progress or (lambda part: None))
     found.sharpen()
     if not run.strokes:

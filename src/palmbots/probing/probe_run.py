@@ -26,7 +26,7 @@ from palmbots.probing.next_probe import (
 from palmbots.probing.object_set import ObjectSet, Observation
 from palmbots.probing.slip_comparison import Pose
 
-_LAST_S = 5.0
+_ROUNDING = 1e-9
 _ANYWHERE = (-math.inf, math.inf)
 _WASTED = 60
 """Probes in a row that do not cut the set, after which nothing more is to be learned."""
@@ -50,6 +50,10 @@ class Hands(Protocol):
 
     def step(self, change: float, angles: Pair) -> None:
         """Change the separation [m], and turn the palms to these angles [rad]."""
+        ...
+
+    def read(self) -> tuple[float, Pair]:
+        """What the encoders show: the separation from any start [m], and the palm angles [rad]."""
         ...
 
 
@@ -88,7 +92,6 @@ class ProbeRun:
         found: the prior; the observations cut it.
         limits: what probes may do.
         pace: of the robots.
-        angles: of the palms at the start [rad].
         flipped: numbers of the observations whose switch reports the wrong palm, for tests.
     """
 
@@ -99,7 +102,6 @@ class ProbeRun:
         found: ObjectSet,
         limits: Limits,
         pace: Pace,
-        angles: Pair,
         flipped: frozenset[int] = frozenset(),
     ) -> None:
         self.hands, self.found, self.limits, self.pace = hands, found, limits, pace
@@ -109,8 +111,12 @@ class ProbeRun:
         self.is_possible = True
         """Whether the switches agree with the wheels."""
         self._flipped = flipped
-        self._geometry = geometry
+        self._geometry, self._give = geometry, geometry.give
+        self._at_edge: set[int] = set()
+        """The contacts that may lie at the edge that they passed last; they can creep over it."""
         self._switches = hands.switches()
+        self._separation, angles = hands.read()
+        self._commanded = angles
         anywhere = (-limits.reach, limits.reach)
         self.bounds = ContactBounds.at_start(geometry, angles, (anywhere, anywhere)).seen(
             self._switches
@@ -123,24 +129,21 @@ class ProbeRun:
         """Probe until nothing more is to be learned, or the limits are reached."""
         idle: list[Probe] = []
         while (
-            not self.stop
+            self._may_go_on()
             and len(idle) < _WASTED
             and len(self.found.observations) < self.pace.most_probes
-            and self.time_s < self.pace.most_s
         ):
             done = len(self.found.observations) / self.pace.most_probes
             on_progress(max(done, self.time_s / self.pace.most_s))
-            probe = next_probe(self.found, self.bounds, self._signs(), self.limits, idle)
+            probe = self._next(idle)
             if probe is None:
                 self.stop = "no further probe is safe for every object of the set"
                 break
             self._turn(probe.angles)
-            before = self.bounds.contacts
-            side, has_changed = self._slide(probe.way) if not self.stop else (None, False)
+            side, pose = self._slide(probe.way) if not self.stop else (None, None)
             is_new = False
-            if side is not None:
+            if side is not None and pose is not None:
                 reported = 1 - side if len(self.found.observations) in self._flipped else side
-                pose = self.bounds.pose() if has_changed else self._pose_since(before)
                 is_new = self.found.add(Observation(reported, probe.way, pose))
                 if self.found.misfits:
                     self.bounds = self._sure
@@ -148,6 +151,16 @@ class ProbeRun:
             self.strokes.append(
                 Stroke(probe.angles, probe.way, side, self.time_s, self.found.volume())
             )
+
+    def _next(self, idle: list[Probe]) -> Probe | None:
+        """The best probe. Large boxes overestimate the set: if no probe is safe for them, one may
+        be for smaller ones."""
+        for _ in range(2):
+            probe = next_probe(self.found, self.bounds, self._signs(), self.limits, idle)
+            if probe is not None:
+                return probe
+            self.found.sharpen()
+        return None
 
     def _pose_since(self, before: tuple[Interval, Interval]) -> Pose:
         """All poses of a stroke that began with these contacts."""
@@ -165,43 +178,58 @@ class ProbeRun:
             signs.append(0 if not names or "0" in names else (1 if "+" in names else -1))
         return signs[0], signs[1]
 
+    def _may_go_on(self) -> bool:
+        return not self.stop and self.time_s < self.pace.most_s - 0.5 * self.hands.period_s
+
     def _turn(self, target: Pair) -> None:
         most = self.pace.rate * self.hands.period_s
-        while self.bounds.angles != target and not self.stop:
-            angles = turned_towards(self.bounds.angles, target, most)
-            self._step(_compensation(self.bounds, angles), angles, 0)
+        is_sure = self.bounds is self._sure
+        self._sure = self._sure.loosened(self._give.turn)
+        self.bounds = self._sure if is_sure else self.bounds.loosened(self._give.turn)
+        while self._commanded != target and self._may_go_on():
+            angles = turned_towards(self._commanded, target, most)
+            self._at_edge.update(self._step(_compensation(self.bounds, angles), angles, 0))
+        for _ in range(round(self._give.settling_s / self.hands.period_s)):
+            if self._may_go_on():
+                self._at_edge.update(self._step(0.0, target, 0))
         self.bounds = self.bounds.narrowed()
 
-    def _slide(self, way: int) -> tuple[int | None, bool]:
-        """Close or open until it is known which contact slides; returns which, and whether a switch
-        has changed.
+    def _slide(self, way: int) -> tuple[int | None, Pose | None]:
+        """Close or open until it is known which contact slides; returns which, and the pose.
 
         A contact that is beyond the last edge that way changes no switch. It has slid if the other
         one would have reached its edge.
         """
         change = -way * self.pace.speed * self.hands.period_s
-        before = self.bounds.contacts
+        before, start, start_s = self.bounds.contacts, self._separation, self.time_s
         is_seen = all(way * sign <= 0 for sign in self._signs())
         reach = self.limits.reach - SPARE_M
         free = self._may_slide(way)
-        while not self.stop and self.time_s < self.pace.most_s + _LAST_S:
-            changed = self._step(change, self.bounds.angles, way, free)
+        while self._may_go_on():
+            changed = self._step(change, self._commanded, way, free)
+            crept = self._give.creep * (self.time_s - start_s)
             if changed:
-                return (changed[0] if len(changed) == 1 else None), True
+                has_slid = abs(self._separation - start) >= self._give.clearance
+                side = changed[0] if has_slid and len(changed) == 1 else None
+                if self._give.creep and side in self._at_edge:
+                    side = None
+                self._at_edge.difference_update(changed)
+                pose = self.bounds.pose()
+                for _ in range(round(self._give.overshoot / abs(change))):
+                    if self._may_go_on():
+                        self._at_edge.update(self._step(change, self._commanded, way))
+                return side, pose
             if self.bounds is self._sure:  # where they were is not known either
                 free, before = (True, True), (_ANYWHERE, _ANYWHERE)
             narrow = self.bounds.narrowed()
-            slid = [
-                max(way * start[0], way * start[1]) < min(way * end[0], way * end[1])
-                for start, end in zip(before, narrow.contacts, strict=True)
-            ]
+            slid = _slid(before, narrow.contacts, way, crept + _ROUNDING)
             if not is_seen and any(slid):
                 self.bounds = narrow
-                return (None if all(slid) else slid.index(True)), False
+                return (None if all(slid) else slid.index(True)), self._pose_since(before)
             far = (max(way * low, way * high) > reach for low, high in narrow.contacts)
             if not is_seen and any(one and slides for one, slides in zip(far, free, strict=True)):
-                return None, False
-        return None, False
+                return None, None
+        return None, None
 
     def _may_slide(self, way: int) -> tuple[bool, bool]:
         """Which contact may slide in a stroke, for any object of the set. If no object explains all
@@ -218,21 +246,37 @@ class ProbeRun:
     ) -> list[int]:
         """One control period; returns the palms whose switches have changed."""
         self.hands.step(change, angles)
+        self._commanded = angles
         self.time_s += self.hands.period_s
         if self.hands.end:
             self.stop = f"the object was lost: {self.hands.end}"
             return []
         before, self._switches = self._switches, self.hands.switches()
+        last, (self._separation, angles) = self._separation, self.hands.read()
+        change, crept = self._separation - last, self._give.creep * self.hands.period_s
+        way = way if change * way <= 0 else 0
         try:
-            self._sure = self._sure.moved(change, angles, way).seen(self._switches)
+            moved = self._sure.moved(change, angles, way).loosened(crept)
+            self._sure = moved.seen(self._switches)
         except Impossible:
             self.stop, self.is_possible = "the switches contradict the wheels", False
             return []
         try:
-            self.bounds = self.bounds.moved(change, angles, way, free).seen(self._switches)
+            moved = self.bounds.moved(change, angles, way, free).loosened(crept)
+            self.bounds = moved.seen(self._switches)
         except Impossible:  # the object is not in the set: an earlier observation is false
             self.bounds = self._sure
         return [i for i in (0, 1) if before[i] != self._switches[i]]
+
+
+def _slid(
+    before: tuple[Interval, Interval], after: tuple[Interval, Interval], way: int, crept: float
+) -> list[bool]:
+    """Which contacts have certainly moved that way by at least as much as one that sticks."""
+    return [
+        max(way * start[0], way * start[1]) + crept <= min(way * end[0], way * end[1])
+        for start, end in zip(before, after, strict=True)
+    ]
 
 
 def _compensation(bounds: ContactBounds, angles: Pair) -> float:

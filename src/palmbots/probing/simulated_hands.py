@@ -1,15 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated robots that probe, in the quasistatic world. In MuJoCo contacts creep and masses have
-inertia, for which the set of a probe does not allow."""
+"""Simulated robots that probe, in any world whose wheels and palms are moved from outside."""
 
 from __future__ import annotations
 
+import math
+
 from palmbots._types import SIDES
-from palmbots.probing.contact_tracking import Pair
+from palmbots.errors import PalmbotsError
+from palmbots.probing.contact_tracking import Give, Pair
 from palmbots.probing.probe_run import Switches
 from palmbots.scene.scene import Scene
-from palmbots.simulation.driven_world import QuasistaticWorld
 from palmbots.simulation.imperfect_robot import zones_of
+from palmbots.simulation.worlds import world_entry
+
+# Measured by tests/probing/test_probe_in_mujoco.py, with margins (docs/theory/probing.md).
+_GIVES = {
+    "quasistatic": Give(),
+    "mujoco": Give(
+        angle=math.radians(0.2), loop=0.0007, turn=0.0004, squeeze=1.2, creep=0.0001, edge=0.0001,
+        overshoot=0.0008, clearance=0.0003, settling_s=0.1,
+    ),
+}  # fmt: skip
+
+
+def give_of(world: str) -> Give:
+    """By how much a world departs from the quasistatic one.
+
+    Raises:
+        PalmbotsError: it is not known.
+    """
+    if world not in _GIVES:
+        raise PalmbotsError(f"world: value is {world!r}; allowed: {' or '.join(_GIVES)}")
+    return _GIVES[world]
 
 
 class SimulatedHands:
@@ -17,14 +39,18 @@ class SimulatedHands:
 
     Args:
         scene: the robots, and the object as it really is.
-        errors: by how much each palm really is steeper than its angle [rad].
+        errors: by how much each palm really is steeper than its encoder shows [rad].
+        world: the name of the world.
 
     Raises:
         SceneError: the world refuses the scene.
+        PalmbotsError: the world needs a dependency that is not installed.
     """
 
-    def __init__(self, scene: Scene, errors: Pair) -> None:
-        self._world = QuasistaticWorld(scene)
+    def __init__(self, scene: Scene, errors: Pair, world: str) -> None:
+        driven = world_entry(world).driven
+        assert driven is not None
+        self._world = driven(scene)
         self._errors = errors
         self.period_s = scene.control.period_s
         self._zones = [zones_of(scene, side) for side in SIDES]
@@ -58,3 +84,11 @@ class SimulatedHands:
         left, right = (angle + error for angle, error in zip(angles, self._errors, strict=True))
         self._world.step(((-half, -half), (half, half)), (left, right))
         self._look()
+
+    def read(self) -> tuple[float, Pair]:
+        """What the encoders show: the separation from any start [m], and the palm angles [rad]."""
+        (a, b), (c, d) = self._world.rolled()
+        left, right = (
+            angle - error for angle, error in zip(self._world.wrists(), self._errors, strict=True)
+        )
+        return 0.5 * (c + d - a - b), (left, right)
