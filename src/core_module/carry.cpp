@@ -274,7 +274,7 @@ void bind_carry(nb::module_& m) {
       const auto state = static_cast<typename Table::State>(i);
       const bool low =
           Table::alone || Table::role(state).arm == ArmMove::follow || Table::on_trial.has(state);
-      const CarryPhase phase = low ? CarryPhase::low : CarryPhase::held;
+      const CarryPhase phase = low ? CarryPhase::low : CarryPhase::carried;
       states[Table::meanings[i].name] = Table::meanings[i].meaning;
       phases_of_states[Table::meanings[i].name] =
           carry_phase_words[static_cast<std::size_t>(phase)][0];

@@ -35,7 +35,7 @@ TABLE = {  # placed, held, low, by hand
 
 def test_the_table() -> None:
     assert {end.name: tuple(end.follows.values()) for end in pb.ends().ends} == TABLE
-    assert set(TASK_PHASES) == set(MEANINGS) and set(TASK_PHASES.values()) == {"low", "held"}
+    assert set(TASK_PHASES) == set(MEANINGS) and set(TASK_PHASES.values()) == {"low", "carried"}
 
 
 def test_the_command_lists_the_table(here: Run) -> None:
@@ -195,7 +195,7 @@ def test_the_report_of_a_job_that_fell() -> None:
 @pytest.mark.parametrize(("seed", "reason"), [(39, "sliding"), (56, "lifting"), (17, "off-palm")])
 def test_in_the_air_a_job_ends_as_a_carry_does(seed: int, reason: str) -> None:
     run, phases = job(seed, 0.0, **{"robot.noise_m_s": 0.06, "task.distance_m": 1.0})
-    assert phases == {"held"}
+    assert phases == {"carried"}
     assert (run.outcome, run.reason, TABLE[reason][1]) == ("dropped", reason, ENDS)
 
 
@@ -264,6 +264,6 @@ def test_by_hand_an_object_topples_at_the_edge_of_a_stand() -> None:
 def test_mujoco_asks_the_table() -> None:
     """What the worlds in MuJoCo notice, and what follows in the two phases that they know."""
     events = ("robot tipped", "off-palm", "tipping", "lifting")
-    held, low = ends_in("held"), ends_in("low")
-    assert [held.get(event) for event in events] == list(events)
+    carried, low = ends_in("carried"), ends_in("low")
+    assert [carried.get(event) for event in events] == list(events)
     assert [low.get(event) for event in events] == ["robot tipped", None, "toppled", None]

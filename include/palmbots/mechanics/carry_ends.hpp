@@ -31,7 +31,7 @@ inline constexpr std::size_t drop_reasons = 11;
 // The phases of a task that differ in what ends it.
 enum class CarryPhase : std::uint8_t {
   placed,   // before anything moves
-  held,     // both palms hold the object, above the floor
+  carried,  // both palms hold the object, above the floor
   low,      // a nose is on the floor, or the object may touch a stand
   by_hand,  // palms without robots, over a floor
 };
@@ -40,7 +40,7 @@ inline constexpr std::size_t carry_phases = 4;
 // The name of each phase, and its meaning for users.
 inline constexpr const char* carry_phase_words[carry_phases][2] = {
     {"placed", "at the start of a carry, and after a bump"},
-    {"held", "in a carry, and in a job while the palms are above the floor and any stand"},
+    {"carried", "in a carry, and in a job while the palms are above the floor and any stand"},
     {"low", "in a job while a nose is on the floor, or the object may touch a stand"},
     {"by_hand", "in `FloorWorld`, and in the view Mechanics of the page"},
 };
@@ -81,7 +81,7 @@ constexpr std::array<EndRow, drop_reasons> make_carry_ends() {
   constexpr const char* turned = "the object turned by more than 60°";
   const auto ends = [](R reason) { return Consequence{Then::ends, reason}; };
   const auto falls = [](R reason) { return Consequence{Then::falls, reason}; };
-  // Each row in the order placed, held, low, by_hand.
+  // Each row in the order placed, carried, low, by_hand.
   return {{
       {"", "", nullptr, {}},
       {"off-palm",
@@ -147,7 +147,7 @@ constexpr bool needs_both_palms(CarryPhase phase) {
 }
 static_assert(
     [] {
-      for (const CarryPhase phase : {CarryPhase::held, CarryPhase::low, CarryPhase::by_hand}) {
+      for (const CarryPhase phase : {CarryPhase::carried, CarryPhase::low, CarryPhase::by_hand}) {
         const auto then = [&](DropReason event) { return consequence(event, phase).then; };
         if ((then(DropReason::off_palm) == Then::ends) != needs_both_palms(phase)) return false;
         for (const DropReason contact : {DropReason::flush, DropReason::tip})

@@ -147,7 +147,7 @@ class LiftCarry : public LiftRobots<Inner, Recorder, Table> {
   // One palm alone may hold an object on it, as on the floor.
   void set_phase(bool airborne) {
     const bool by_both = airborne && !Table::alone;
-    world_.set_phase(by_both ? CarryPhase::held : CarryPhase::low, spec_.fall);
+    world_.set_phase(by_both ? CarryPhase::carried : CarryPhase::low, spec_.fall);
   }
 
   // The part of the way of a pivot along the floor that leaves its nose in front of the walls [m].

@@ -230,7 +230,7 @@ class World {
 
   // Whether this is a further contact, with which the object moves on.
   static bool goes_on(DropReason event) {
-    return consequence(event, CarryPhase::held).then == Then::goes_on;
+    return consequence(event, CarryPhase::carried).then == Then::goes_on;
   }
 
   DropReason checked() const {
@@ -372,7 +372,7 @@ class World {
   Model<Real> model_{};
   bool rolls_ = false;  // a contact vertex is rounded
   mutable std::optional<ContactShapes> shapes_;
-  CarryPhase phase_ = CarryPhase::held;
+  CarryPhase phase_ = CarryPhase::carried;
   double most_fall_ = 0.0;  // [m]
   // Set only where something may fall, so that other programs need not contain the code.
   std::optional<double> (*small_fall_)(const ContactProblem&, const Frames&, double,

@@ -35,7 +35,7 @@ _STICKS = 5e-4  # m/s; a contact that moves more slowly along its palm sticks
 _LET_GO_S = 0.25  # without load on a palm for this long, the object is no longer held
 _PITCHED = math.radians(10)  # a robot that pitches by more than the floor and this has tipped
 TURNED = math.radians(60)  # an object turned further has tipped over
-_ENDS = ends_in("held")
+_ENDS = ends_in("carried")
 
 
 class MujocoWorld(PairPlaces):

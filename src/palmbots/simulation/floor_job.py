@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 MEANINGS: dict[str, str] = _core.lift_states
 """What a robot does in each phase, in words."""
 TASK_PHASES: dict[str, str] = _core.phases_of_lift_states
-"""The phase of the task of a robot in each of them (`palmbots.ends`): ``low`` or ``held``."""
+"""The phase of the task of a robot in each of them (`palmbots.ends`): ``low`` or ``carried``."""
 
 # What a job did not achieve that ends in one of these phases, in their order.
 _GOALS = {

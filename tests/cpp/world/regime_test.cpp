@@ -201,7 +201,7 @@ void test_fall() {
     CHECK(end_in(phase, 0.003) == DropReason::none);
     CHECK(end_in(phase, 0.001) == DropReason::toppled);
   }
-  CHECK(end_in(CarryPhase::held, 0.003) == DropReason::off_palm);  // its corners are beside them
+  CHECK(end_in(CarryPhase::carried, 0.003) == DropReason::off_palm);  // its corners are beside them
 }
 
 // What rests on its two contact vertices rests nowhere else, however it came there.
