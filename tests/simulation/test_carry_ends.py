@@ -192,9 +192,19 @@ def test_the_report_of_a_job_that_fell() -> None:
     assert lines[1:3] == ["did not get away from the object", reason_text("fell", "quasistatic")]
 
 
-@pytest.mark.parametrize(("seed", "reason"), [(39, "sliding"), (56, "lifting"), (17, "off-palm")])
-def test_in_the_air_a_job_ends_as_a_carry_does(seed: int, reason: str) -> None:
-    run, phases = job(seed, 0.0, **{"robot.noise_m_s": 0.06, "task.distance_m": 1.0})
+@pytest.mark.parametrize(
+    ("seed", "reason", "keys"),
+    [
+        (39, "sliding", {}),
+        (56, "lifting", {}),
+        (17, "off-palm", {}),
+        (3, "jammed", {"object.com_m": [0.05, 0.1]}),
+    ],
+)
+def test_in_the_air_a_job_ends_as_a_carry_does(
+    seed: int, reason: str, keys: dict[str, Any]
+) -> None:
+    run, phases = job(seed, 0.0, **{"robot.noise_m_s": 0.06, "task.distance_m": 1.0} | keys)
     assert phases == {"carried"}
     assert (run.outcome, run.reason, TABLE[reason][1]) == ("dropped", reason, ENDS)
 
