@@ -203,11 +203,19 @@ class ContactStep : ContactTrial {
     }
     const DropReason why = reason_of(problem_, closed);
     if (why != DropReason::none) return why;
-    // What has run off its feature holds the object no more.
+    // What has run off its feature holds the object no more. What is at the end of its feature because
+    // an edge lies flush there does.
     ClosedPairs rest;
     for (std::size_t i = 0; i < closed.count; ++i) {
       const ClosedPair& c = closed.at[i];
-      if (!regime_.has(c.pair) || c.contact.inside > Tolerance::blank) rest.at[rest.count++] = c;
+      const auto lies_flush_with = [&](const ClosedPair& other) {
+        return problem_.carrier(c.pair) == problem_.carrier(other.pair) &&
+               detail::in_one_direction(c.contact, other.contact) &&
+               !detail::at_one_point(c.contact, other.contact, problem_.shapes.size);
+      };
+      if (!regime_.has(c.pair) || c.contact.inside > Tolerance::blank ||
+          std::any_of(closed.at.begin(), closed.at.begin() + closed.count, lies_flush_with))
+        rest.at[rest.count++] = c;
     }
     const DropReason then = reason_of(problem_, rest);
     if (then != DropReason::none) return then;
