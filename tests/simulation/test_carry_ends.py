@@ -268,6 +268,25 @@ def test_by_hand_an_object_topples_at_the_edge_of_a_stand() -> None:
     assert world.move(0.3).end == "toppled" and TABLE["tipping"][3] == TOPPLED
 
 
+@pytest.mark.parametrize("radius_m", [0.0, 0.0005])
+@pytest.mark.parametrize("thickness_m", [0.003, 0.006])
+def test_by_hand_a_flush_object_between_two_noses_is_jammed(
+    radius_m: float, thickness_m: float
+) -> None:
+    """Level noses press against its sides, above the arcs, while its bottom lies flush."""
+    keys = {
+        "palm.thickness_m": thickness_m,
+        "palm.nose_m": thickness_m,
+        "palm.bevel_m": 0.0,
+        "object.box_m": [0.12, 0.1],
+        "object.edge_radius_m": radius_m,
+    }
+    world = FloorWorld("plate", palms_deg=(0, 0), gaps_m=(0.001, 0.01), overrides=keys)
+    assert not world.move(0.005, 0.0).end  # the left nose pushes the object
+    assert world.move(0.002, -0.02).end == "jammed" and TABLE["jammed"][3] == ENDS
+
+
+# --- MuJoCo ---------------------------------------------------------------------------------------
 # --- MuJoCo ---------------------------------------------------------------------------------------
 
 
