@@ -34,6 +34,7 @@ _ALIKE_RAD = 1e-3  # angles of slides that count as one
 _TRIED = 500  # objects that choose the observations which cut the set
 _ROUNDS = 4
 _CUTS = 40  # observations in a round
+_LEAST_CUT = 0.07  # of the set, by an observation that is used
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ def objects_with(
         prior: where the object is sought.
         on_progress: called with the completed fraction.
     """
-    found = ObjectSet(prior)
+    found = ObjectSet(prior, least_cut=_LEAST_CUT)
     random = np.random.default_rng(0)
     used: set[int] = set()
     for number in range(_ROUNDS):

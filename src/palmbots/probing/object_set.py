@@ -25,8 +25,6 @@ from palmbots.probing.slip_comparison import DOWN, UP, Booleans, Floats, Pose, b
 _SPLIT_BELOW = 1500
 _FINAL_BELOW = 24_000
 """Boxes that are fewer than this are bisected: during the probes, and after them."""
-_LEAST_CUT = 0.88
-"""An observation is used if it leaves less than this part of the set."""
 _SMALLEST = 2.0**-9
 """Boxes that are shorter than this part of the prior in every dimension are not bisected."""
 
@@ -58,6 +56,8 @@ class ObjectSet:
     """The prior, cut by observations."""
 
     prior: Prior
+    least_cut: float = 0.12
+    """An observation is used if it removes at least this part of the set."""
     observations: list[Observation] = field(default_factory=list)
     boxes: Floats = field(init=False)
     """Shape (n, 3, 2): c_x, φ_L, φ_R; low and high."""
@@ -80,7 +80,7 @@ class ObjectSet:
         before = self.boxes, self.contradicted
         self.observations.append(observation)
         self._cut()
-        if len(self.boxes) and _size(self.boxes) > _LEAST_CUT * _size(before[0]):
+        if len(self.boxes) and _size(self.boxes) > (1 - self.least_cut) * _size(before[0]):
             self.observations.pop()
             self.boxes, self.contradicted = before
             return False

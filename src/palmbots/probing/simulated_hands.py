@@ -27,8 +27,9 @@ def give_of(world: str) -> Give:
     """By how much a world departs from the quasistatic one.
 
     Raises:
-        PalmbotsError: it is not known.
+        PalmbotsError: there is no such world, or it is not known for this one.
     """
+    world_entry(world)
     if world not in _GIVES:
         raise PalmbotsError(f"world: value is {world!r}; allowed: {' or '.join(_GIVES)}")
     return _GIVES[world]
