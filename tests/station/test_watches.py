@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from palmbots._types import Side
+import palmbots._core as _core
+from palmbots._types import SIDES, Side
 from palmbots.links.packet_statistics import PacketStatistics
 from palmbots.station.correction_watch import CorrectionWatch
 from palmbots.station.fault_watch import FaultWatch
@@ -45,6 +46,19 @@ def test_a_carry_that_does_not_move_on_is_named(left: Any, right: Any, hangs: bo
     assert watch.step(modes, 5.1) == ([line] if hangs else [])
     assert watch.step(modes, 15.0) == []  # not again so soon
     assert watch.step(modes, 15.2) == ([line] if hangs else [])
+
+
+@pytest.mark.parametrize(("phase", "after_s"), [("centre", 30.0), ("carry", 5.0)])
+def test_a_job_may_stay_in_a_phase_before_the_carry(phase: str, after_s: float) -> None:
+    watch = FaultWatch(PERIOD_S, PacketStatistics("station"), 0.0, lambda: 0.0)
+    number = list(_core.lift_states).index(phase)
+    for sequence, side in enumerate(SIDES, 1):
+        body = Status(item="phase", value=number)
+        watch.take("fresh", Packet(side, "station", 1, 1, sequence, body=body), "new", 0.0)
+    modes: dict[Side, Any] = {"left": "carrying", "right": "carrying"}
+    assert watch.step(modes, after_s) == []
+    (line,) = watch.step(modes, after_s + 0.1)
+    assert line.startswith(f"the carry has not moved on for {after_s:g} s: it hangs")
 
 
 @pytest.mark.parametrize(("jump_s", "way"), [(-3600.0, "back by 3600"), (90.0, "forward by 90")])

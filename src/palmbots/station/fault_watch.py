@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from palmbots._types import SIDES, Side
 from palmbots.links.packet_statistics import Kind, PacketStatistics
 from palmbots.station.robot_stream import RobotStream
+from palmbots.station.robot_view import phase_name
 from palmbots.wire import Packet, RobotMode, Status, Verdict
 
 _MANY = 10
@@ -15,6 +16,8 @@ _WITHIN_S = 1.0
 _QUIET_S = 10.0
 """A line that goes on being true is not repeated before."""
 _HANGS_S = 5.0
+_JOB_HANGS_S = 30.0
+"""Longer than any phase of a job on the floor lasts before and after the carry."""
 _STANDING: tuple[RobotMode, ...] = ("carrying", "holding")
 _CLOCK_FROM_S = 12.0
 _CLOCK_ERROR = 0.01
@@ -93,14 +96,20 @@ class FaultWatch:
         is_under_way = len(modes) == len(SIDES) and {"done"} != now <= {*_STANDING, "done"}
         if not is_under_way:
             self._moved_s = now_s
-        elif now_s - self._moved_s > _HANGS_S and self._may_say("hangs", now_s):
+        elif now_s - self._moved_s > self._hangs_s() and self._may_say("hangs", now_s):
             shown = ", ".join(f"{side} is {mode}" for side, mode in modes.items())
-            line = f"the carry has not moved on for {_HANGS_S:g} s: it hangs ({shown})"
+            line = f"the carry has not moved on for {self._hangs_s():g} s: it hangs ({shown})"
             if "done" in now:
                 one, other = SIDES if modes["right"] == "done" else SIDES[::-1]
                 line += f"; {one} waits for {other}, which is done: stop the carry"
             lines.append(line)
         return lines
+
+    def _hangs_s(self) -> float:
+        phases = {
+            phase_name(value) for (_, item), (value, _) in self._progress.items() if item == "phase"
+        }
+        return _HANGS_S if phases <= {"carry", ""} else _JOB_HANGS_S
 
     def _note_progress(self, side: Side, status: Status, now_s: float) -> None:
         if status.item not in ("progress", "phase"):

@@ -18,6 +18,11 @@ _NUMBERS = ("progress", "battery", "overruns", "phase")
 _PHASES = (*_core.lift_states,)
 
 
+def phase_name(number: int) -> str:
+    """The phase of a job with this number in a status; empty: it is none, or not known yet."""
+    return _PHASES[number] if number < len(_PHASES) else ""
+
+
 @dataclass
 class RobotView:
     """The newest news of one robot."""
@@ -80,8 +85,7 @@ class RobotView:
     @property
     def phase(self) -> str:
         """The phase of a job on the floor; empty: it is none, or not known yet."""
-        value = self._numbers.get("phase", _NOT_MEASURED)
-        return _PHASES[value] if value < len(_PHASES) else ""
+        return phase_name(self._numbers.get("phase", _NOT_MEASURED))
 
     def frame(self, now: float) -> dict[str, Any] | None:
         """The same for a screen; None: the robot has never been heard."""
