@@ -41,7 +41,7 @@ class LiveCarry:
     outcome: str
     """``delivered``: carried over at least 95 % of the distance; ``dropped``, or ``stopped``."""
     distance_m: float
-    """Distance that the midpoint of the robots has covered."""
+    """Distance that the midpoint of the robots has covered while they carried the object."""
     time_s: float
     """Simulated time from the first motion of the pair to the last."""
     overruns: int
@@ -248,7 +248,7 @@ def run_live_world(
         else:
             alone_since = None
     robots.end()
-    distance_m = abs(stage.midpoint)
+    distance_m = abs(stage.carried_m)
     outcome = "dropped" if stage.outcome == "dropped" else "stopped"
     is_far = distance_m >= _DELIVERED_SHARE * scene.task.distance_m
     if outcome == "stopped" and is_far and stage.is_put_down:

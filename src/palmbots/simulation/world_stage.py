@@ -47,6 +47,11 @@ class Stage(Protocol):
         ...
 
     @property
+    def carried_m(self) -> float:
+        """Displacement of the midpoint of the robots while they carried the object."""
+        ...
+
+    @property
     def is_put_down(self) -> bool:
         """The object is where it is to be at the end, as far as the height is concerned."""
         ...
@@ -90,6 +95,11 @@ class PerfectStage:
         self.midpoint = 0.0
         self.contacts: tuple[float, float] = (0.0, 0.0)
         self.is_put_down = True
+
+    @property
+    def carried_m(self) -> float:
+        """The same as `midpoint`."""
+        return self.midpoint
 
     @property
     def outcome(self) -> str:
@@ -142,6 +152,7 @@ class FloorStage:
         self._job = _core.FloorEpisode(prepared.spec, seed)
         self._ends_low = scene.task.to == "floor"
         self._low = getattr(scene.task, "from") == "floor"
+        self.carried_m = 0.0
 
     @property
     def midpoint(self) -> float:
@@ -205,9 +216,13 @@ class FloorStage:
     def step(self, left: tuple[int, int, bool, int], right: tuple[int, int, bool, int]) -> None:
         """One control period. Nobody lays an object that was put down on the palms again, so arms
         that rise without it have no effect."""
-        rises = RISES in (left[3], right[3])
-        if self._low or not (rises and self._job.stands):
+        arms = left[3], right[3]
+        before = self.midpoint
+        if self._low or not (RISES in arms and self._job.stands):
             self._job.step(left, right)
+        # Arms hold while the pair travels; before and after, the robots go their own ways.
+        if arms == (HOLDS, HOLDS):
+            self.carried_m += self.midpoint - before
 
 
 def perfect_stage(scene: Scene, world: str, seed: int) -> PerfectStage | FloorStage:
@@ -295,6 +310,11 @@ class ImperfectStage(RawStage):
     def midpoint(self) -> float:
         """Displacement of the midpoint of the robots [m]."""
         return self._world.advance
+
+    @property
+    def carried_m(self) -> float:
+        """The same as `midpoint`."""
+        return self.midpoint
 
     @property
     def outcome(self) -> str:
