@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 from json_output import read_json
-from live_faults import FAULTS
+from live_faults import FAULTS, JOB
+from palmbots._types import SIDES
 from palmbots.links.impairment import Impairment
 from stepped_processes import UNDER_WAY, SteppedProcesses
 
@@ -35,6 +36,41 @@ def test_a_fault_in_a_carry(name: str, tmp_path: Path) -> None:
         overrides={"task.distance_m": 0.8 if fault.clock_rate else 0.3},
     ) as pair:  # fmt: skip
         pair.carry()
+        fault.begin(pair)
+        pair.run(fault.lasts_s)
+        fault.end(pair)
+        pair.run_until(lambda: is_well(pair), AFTER_S)
+        world = pair.finish()
+        assert pair.says(fault.line), pair.report()
+        assert world["outcome"] in fault.ends, pair.report()
+        assert "Traceback" not in pair.report()
+
+
+PHASES = ("dock", "under", "raise", "carry", "lower", "leave", "retreat")
+"""Those that last so long that the station hears of them, by the beginnings of their names."""
+QUICK = {
+    ("left robot off for 0.5 s", "under"), ("right robot off for 0.5 s", "carry"),
+    ("left program held up for 5 s", "lower"), ("station off for 3 s", "raise"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "phase"),
+    [
+        pytest.param(name, phase, marks=[] if (name, phase) in QUICK else pytest.mark.soak)
+        for name in NAMES
+        if FAULTS[name].lasts_s > 0
+        for phase in PHASES
+        # After the object has been put down, a lost station or world changes nothing.
+        if phase != "retreat" or FAULTS[name].whom in SIDES
+    ],
+)
+def test_a_fault_in_a_phase_of_a_job(name: str, phase: str, tmp_path: Path) -> None:
+    """It begins when a robot reports the phase; both robots end with a reason, or go on."""
+    fault = FAULTS[name]
+    with SteppedProcesses(tmp_path, "resilient", fault.impairment, overrides=JOB) as pair:
+        pair.carry()
+        pair.run_until(lambda: any(one.startswith(phase) for one in pair.phases.values()), 60.0)
         fault.begin(pair)
         pair.run(fault.lasts_s)
         fault.end(pair)

@@ -171,3 +171,11 @@ def scene_with(*names: str) -> dict[str, Any]:
             script.append(event | {"duration_s": fault.lasts_s})
             at_s += fault.lasts_s + 1.0
     return keys | ({"faults.script": script} if script else {})
+
+
+# The box of scene `lift`, carried 0.3 m from floor to floor.
+JOB: dict[str, Any] = {
+    "task.from": "floor", "task.to": "floor", "object.edge_radius_m": 0.003,
+    "palm.thickness_m": 0.0015, "palm.nose_m": 0.0003, "palm.bevel_m": 0.008,
+    "palm.heel_m": 0.012, "task.distance_m": 0.3,
+}  # fmt: skip

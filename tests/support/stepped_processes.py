@@ -29,6 +29,7 @@ from palmbots.links.local_connection import Connection, ConnectionLost, listen
 from palmbots.pair.launcher import UP, free_addresses, own_file
 from palmbots.pair.pair_file import ENDS, load_pair
 from palmbots.pair.stopping_limit import stopping_limit_s
+from palmbots.station.robot_view import phase_name
 from palmbots.wire import Status, decode
 
 ORDER = ("world", *ENDS)
@@ -109,6 +110,8 @@ class SteppedProcesses:
         self._senders = {place: end for end, place in self._targets.items()}
         self.status: dict[str, Status] = {}
         """The newest status of each robot."""
+        self.phases: dict[str, str] = {}
+        """The newest phase of each robot in a job."""
         self.trace = hashlib.sha256()
         """Of every packet: when, from whom, to whom, and its bytes."""
 
@@ -295,6 +298,8 @@ class SteppedProcesses:
             packet = decode(data, self.pair.key, number, "station").packet
             if packet is not None and isinstance(packet.body, Status):
                 self.status[sender] = packet.body
+                if packet.body.item == "phase":
+                    self.phases[sender] = phase_name(packet.body.value)
 
     def _deliver(self) -> None:
         for receiver, data in self.packets.due(self.now_s):
