@@ -54,7 +54,7 @@ def test_a_job_may_stay_in_a_phase_before_the_carry(phase: str, after_s: float) 
     number = list(_core.lift_states).index(phase)
     for sequence, side in enumerate(SIDES, 1):
         body = Status(item="phase", value=number)
-        watch.take("fresh", Packet(side, "station", 1, 1, sequence, body=body), "new", 0.0)
+        watch.take("accepted", Packet(side, "station", 1, 1, sequence, body=body), "new", 0.0)
     modes: dict[Side, Any] = {"left": "carrying", "right": "carrying"}
     assert watch.step(modes, after_s) == []
     (line,) = watch.step(modes, after_s + 0.1)
