@@ -36,7 +36,7 @@ class BenchStage(RawStage):
         imperfections: what the robots really are.
     """
 
-    midpoint = 0.0
+    midpoint = carried_m = 0.0
     outcome = "running"
     contacts = (0.0, 0.0)
 
