@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from json_output import read_json
-from live_faults import FAULTS, JOB
+from live_faults import FAULTS, JOB, Fault
 from palmbots._types import SIDES
 from palmbots.links.impairment import Impairment
 from stepped_processes import UNDER_WAY, SteppedProcesses
@@ -36,14 +36,7 @@ def test_a_fault_in_a_carry(name: str, tmp_path: Path) -> None:
         overrides={"task.distance_m": 0.8 if fault.clock_rate else 0.3},
     ) as pair:  # fmt: skip
         pair.carry()
-        fault.begin(pair)
-        pair.run(fault.lasts_s)
-        fault.end(pair)
-        pair.run_until(lambda: is_well(pair), AFTER_S)
-        world = pair.finish()
-        assert pair.says(fault.line), pair.report()
-        assert world["outcome"] in fault.ends, pair.report()
-        assert "Traceback" not in pair.report()
+        suffer(fault, pair)
 
 
 PHASES = ("dock", "under", "raise", "carry", "lower", "leave", "retreat")
@@ -71,14 +64,7 @@ def test_a_fault_in_a_phase_of_a_job(name: str, phase: str, tmp_path: Path) -> N
     with SteppedProcesses(tmp_path, "resilient", fault.impairment, overrides=JOB) as pair:
         pair.carry()
         pair.run_until(lambda: any(one.startswith(phase) for one in pair.phases.values()), 60.0)
-        fault.begin(pair)
-        pair.run(fault.lasts_s)
-        fault.end(pair)
-        pair.run_until(lambda: is_well(pair), AFTER_S)
-        world = pair.finish()
-        assert pair.says(fault.line), pair.report()
-        assert world["outcome"] in fault.ends, pair.report()
-        assert "Traceback" not in pair.report()
+        suffer(fault, pair)
 
 
 @pytest.mark.parametrize(("held_up_s", "boots"), [(0.08, 1), (0.15, 2)])
@@ -98,6 +84,18 @@ def test_robots_that_were_held_up_longer_than_the_watchdog_start_again_and_go_on
         assert 0.39 < world["distance_m"] < 0.4 + 0.02 + 0.02 + 0.02
         for side in ("left", "right"):
             assert read_json("robot", pair.programs[side].printed())["boots"] == boots
+
+
+def suffer(fault: Fault, pair: SteppedProcesses) -> None:
+    """The fault comes and goes, and the carry ends as it has to."""
+    fault.begin(pair)
+    pair.run(fault.lasts_s)
+    fault.end(pair)
+    pair.run_until(lambda: is_well(pair), AFTER_S)
+    world = pair.finish()
+    assert pair.says(fault.line), pair.report()
+    assert world["outcome"] in fault.ends, pair.report()
+    assert "Traceback" not in pair.report()
 
 
 def is_well(pair: SteppedProcesses) -> bool:
