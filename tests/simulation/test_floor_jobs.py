@@ -48,7 +48,7 @@ def lifted() -> Carry:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("controller", ["shared-sign", "resilient", "distributed"])
+@pytest.mark.parametrize("controller", ["shared-sign", "silent", "resilient", "distributed"])
 def test_the_whole_job_succeeds(controller: str) -> None:
     outcomes = run_seeds(to_spec(LIFT), controller, 0, 60, threads=2)["outcome"]
     assert (outcomes == 1).all()

@@ -26,7 +26,8 @@
 // Both may stop by mistake, the follower outward and the leader inward. So the leader's wait ends:
 // it backs towards its partner for a moment, which raises its contact, on the shallow palm, and then
 // tries again. The follower waits without end; if it backed away from a partner that stands, it
-// would lose objects. These rows need a robot that may stop (If::may_stop).
+// would lose objects. These rows need a robot that may stop (If::may_stop). Where robots correct in
+// place, as on the floor, no robot does: the partner's motion would never come.
 //
 // START BY TOUCH. The follower starts with its palm steep. It closes in on the leader, whose contact
 // then slides outward on the shallow palm and makes it start. The follower's palm is steep only for

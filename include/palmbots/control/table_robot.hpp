@@ -122,6 +122,7 @@ struct TableClock {
 
   TableTimes<Table> times;
   TableRole role;
+  bool in_place = false;                    // neither robot travels, so `may_stop` does not hold
   MessageKind message = MessageKind::none;  // the partner's newest
   std::uint16_t age;                        // of it
   std::uint16_t since_entered = 0;          // since the state was entered
@@ -283,6 +284,18 @@ class TableRobot {
   constexpr const TableClock<Table>& clock() const { return clock_; }
   constexpr TableClock<Table>& clock() { return clock_; }
   constexpr void enter(State state) { state_ = state; }
+  // Whether it corrects where it stands, as does its partner. Robots with messages hear what their
+  // partner needs; the others would stop for a motion that never comes.
+  constexpr bool is_in_place() const
+    requires(has_clock && mail == Mail::none)
+  {
+    return clock_.in_place;
+  }
+  constexpr void set_in_place(bool in_place)
+    requires(has_clock && mail == Mail::none)
+  {
+    clock_.in_place = in_place;
+  }
 
   // True for a robot whose output is one of those for which the predicate holds, or in this state: as
   // of many robots in batch/bitslice_table.hpp.
@@ -356,7 +369,7 @@ class TableRobot {
     if constexpr (has_clock) {
       met.timed_out = clock_.since_entered >= limit();
       met.leads = clock_.role.leads;
-      met.may_stop = clock_.role.may_stop;
+      met.may_stop = clock_.role.may_stop && !clock_.in_place;
       clock_.own.meet(met, true, *this, clock_.age, !silence(), clock_.own_limits());
     }
     return met;

@@ -65,6 +65,7 @@ class PhaseProgram {
   bool holds() const { return lifts() && program_.controller().assists(); }
   const LiftSenses& senses() const { return program_.controller().clock().own.senses; }
   bool corrects() const { return Lifting::driver(state(), senses()) != Driver::table; }
+  bool travels() const { return Lifting::driver(state(), senses()) == Driver::controller; }
   bool has_ended() const { return lifts() && Lifting::has_ended(state(), settings_.ends_low); }
   bool has_failed() const { return lifts() && state() == State::failed; }
   // Its partner has to go on even if this robot is done.

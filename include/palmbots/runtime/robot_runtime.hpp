@@ -185,6 +185,8 @@ class RobotRuntime {
           phases_.step(seen, {reading.contact, reading.arm_there, reading.covered || is_far(),
                               reading.arm_steps, reading.beneath});
     }
+    if constexpr (requires { program_.controller().set_in_place(true); })
+      program_.controller().set_in_place(phases_.lifts() && !phases_.travels());
     // While the table drives, the controller sees a centred contact.
     out.decision = program_.step(corrects() ? seen : Observation{Sign::zero, true});
     if (phases_.lifts()) {
