@@ -154,7 +154,9 @@ JOBS: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("job", JOBS)
-@pytest.mark.parametrize("controller", ["resilient", "shared-sign", "distributed", "centralized"])
+@pytest.mark.parametrize(
+    "controller", ["resilient", "shared-sign", "silent", "distributed", "centralized"]
+)
 def test_jobs_on_the_floor_run_as_inside_one_program(controller: str, job: str) -> None:
     inside, outside = both_ways(controller, {"task.distance_m": 0.5} | JOBS[job], 3, "lift")
     assert outside.trace_hash == inside.trace_hash
