@@ -10,7 +10,8 @@ import pytest
 import palmbots as pb
 from palmbots.drivers.arm import arm_shape
 from palmbots.drivers.hardware import HardwareParameters
-from palmbots.pair.calibration import STEPS, Finding, Task, calibrate, values_of
+from palmbots.pair.calibration import STEPS, calibrate, values_of
+from palmbots.pair.calibration_bench import Finding, Task
 from palmbots.pair.launcher import UP
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.station.simulated_pair import Air, SimulatedPair

@@ -10,8 +10,7 @@ import palmbots as pb
 from palmbots._types import Side
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.drivers.hardware import HardwareParameters
-from palmbots.pair.calibration import Task
-from palmbots.pair.calibration_bench import Machine
+from palmbots.pair.calibration_bench import Machine, Task
 from palmbots.simulation.bench_stage import BenchStage, Pose
 from palmbots.simulation.imperfections import Imperfections
 

@@ -368,15 +368,11 @@ class CarryEnv(ParallelEnv[str, Any, Any]):
     def _check_agents(self, actions: Mapping[str, Any]) -> None:
         """Refuse actions of an agent that is unknown or, after the end, of any agent."""
         for name in actions:
-            if name in self.agents:
-                continue
-            if name in AGENTS:
-                raise PalmbotsError(
-                    f"actions: the episode has ended, so {name} cannot act; call reset first"
-                )
-            raise PalmbotsError(
-                f"actions: there is no agent {show(name)}; allowed: {', '.join(AGENTS)}"
-            )
+            if name not in self.agents:
+                why = f"there is no agent {show(name)}; allowed: {', '.join(AGENTS)}"
+                if name in AGENTS:
+                    why = f"the episode has ended, so {name} cannot act; call reset first"
+                raise PalmbotsError(f"actions: {why}")
 
     def _action(self, name: str, actions: Mapping[str, Any]) -> RobotAction:
         given: Any = None

@@ -1,15 +1,62 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a calibration works with: a robot that stands alone (`Machine`), and a person (`Person`)."""
+"""What a calibration works with: a robot that stands alone (`Machine`) and a person (`Person`).
+
+`Task` is what the robot is calibrated for, and `Finding` is what a step finds.
+"""
 
 import math
 from collections.abc import Callable
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Any, Protocol
 
+from palmbots.drivers.arm import ArmShape
 from palmbots.drivers.driver import RawAccess, RawCommand, RawReading
 from palmbots.drivers.hardware import HardwareParameters, motor_command, ramped, wheel_rates
 from palmbots.errors import PalmbotsError
+from palmbots.pair.estimates import Estimate
 
+_DIGITS = 6
 _STILL_S = 0.3  # a wheel that has not counted for this time rests
+
+
+@dataclass(frozen=True)
+class Task:
+    """What the robot is calibrated for."""
+
+    length_m: float
+    """Length of the drive along the tape."""
+    speed_m_s: float
+    """Nominal speed, from which the robot has to stop."""
+    palm_deg: tuple[float, float]
+    """Shallow and steep angle of the palm."""
+    palm_half_m: float
+    """Half the length of the palm."""
+    arm: ArmShape | None = None
+    """What the job of the scene asks of the arm; None: it is not on the floor."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One value of the hardware."""
+
+    key: str
+    """In ``[hardware]``."""
+    value: Any
+    """As it is written; None: it is a part of another one."""
+    estimate: Estimate | None
+    """In the unit of the key; None: it has no interval."""
+    note: str = ""
+    """What else the user has to know."""
+
+
+def rounded(value: float) -> float:
+    """With the digits that are written."""
+    return float(f"{value:.{_DIGITS}g}")
+
+
+def finding(key: str, estimate: Estimate, value: float | None = None) -> Finding:
+    """A finding with a rounded value: that of the estimate, if no other is given."""
+    return Finding(key, rounded(estimate.value if value is None else value), estimate)
 
 
 class Person(Protocol):

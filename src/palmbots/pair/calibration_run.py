@@ -16,8 +16,8 @@ from palmbots.clocks.control_clock import ControlClock
 from palmbots.drivers.arm import arm_shape
 from palmbots.drivers.driver import RawAccess
 from palmbots.errors import PalmbotsError
-from palmbots.pair.calibration import STEPS, Finding, Task, ZoneTable, calibrate, values_of
-from palmbots.pair.calibration_bench import Machine, Person
+from palmbots.pair.calibration import STEPS, ZoneTable, calibrate, values_of
+from palmbots.pair.calibration_bench import Finding, Machine, Person, Task
 from palmbots.pair.pair_edit import write_hardware
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.robot_driver import opened_driver
