@@ -60,7 +60,7 @@ def robots_in(data: Path, work: Path) -> list[Keys]:
             print(f"left out: robot {robot}, because its files are missing", file=sys.stderr)
             continue
         fit = pb.fit(files, motion=True)
-        assert isinstance(fit, MotionFit)
+        assert isinstance(fit, MotionFit) and fit.replay
         if fit.replay.reason:
             print(f"left out: robot {robot}, because {fit.replay.reason}", file=sys.stderr)
             continue

@@ -5,17 +5,26 @@ of others where they are there."""
 import json
 import tomllib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 from scipy.stats import binom
 
 import palmbots as pb
 from commands import Run, unwrapped
+from palmbots.fitting import straight_stretches
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
-from palmbots.fitting.straight_stretches import COMMANDS, POSITIONS, stretches_of
+from palmbots.fitting.motion_likelihood import Stretch
+from palmbots.fitting.straight_stretches import (
+    COMMANDS,
+    POSITIONS,
+    align,
+    stretches_of,
+)
 from palmbots.scene.recorded_tables import read_recording
 from recordings import HIDDEN, LAG_S, recorded
 from stretches import coverage
@@ -128,11 +137,13 @@ def everything() -> Sequence[Path]:
     ]
 
 
+REAL = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/robot-motion")
+
+
 @pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/robot-motion")
+@REAL
 def test_ten_runs_of_real_robots() -> None:
-    """Gain 1.04 with a spread of 0.03. A model without a spread of the gain and without a white
-    part, with τ = 0.3 s, needs σ = 0.38 cm/s for the spread of the displacement."""
+    """Gain 1.04 with a spread of 0.03 between stretches."""
     found = fit_motion(everything())
     assert found.runs == 10
     assert found.stretches > 300
@@ -140,10 +151,71 @@ def test_ten_runs_of_real_robots() -> None:
     assert low < 1.044 and 1.03 < gain < 1.05 and high - low < 0.02
     assert 0.025 < values(found)["robot.gain_sd"][0] < 0.035
     assert found.misfit < 0.12
-    data, tau = found.data, 0.3
-    shape = np.sqrt(2 * tau * (data.times_s + tau * np.expm1(-data.times_s / tau)))
-    sigma = float(shape @ data.spread_m / (shape @ shape))
-    assert sigma == pytest.approx(0.0038, abs=0.0005)
+
+
+def stretches_of_all(least_turn_rad_s: float = 1.0) -> list[Stretch]:
+    """Of the ten runs, without those with a commanded turn of this size or more."""
+    files = everything()
+    found = []
+    for run, (one, other) in enumerate(zip(files[::2], files[1::2], strict=True)):
+        commands = read_recording(one, COMMANDS, 2, least_rows=2, most_apart_s=600)
+        positions = read_recording(other, POSITIONS, 2)
+        lag_s = align(commands, positions).lag_s
+        turn = commands["turn_rad_s"]
+        turn = np.where(np.abs(turn) < least_turn_rad_s, turn, 1.0)
+        commands = replace(commands, columns=commands.columns | {"turn_rad_s": turn})
+        found += stretches_of(commands, positions, lag_s, run)[0]
+    return found
+
+
+@pytest.mark.slow
+@REAL
+def test_without_a_white_part_a_model_of_real_robots_is_wrong(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The spread of the displacement error over 0.1 to 1 s, in all positions at 60 Hz and without
+    noise of the positions: σ = 0.38 cm/s with τ = 0.3 s, the least allowed, misses it by 21 %. A
+    white part halves that."""
+    monkeypatch.setattr(straight_stretches, "SPACING_S", 0.0)
+    stretches = stretches_of_all()
+    gain = float(np.mean([one.speed_m_s / one.command_m_s for one in stretches]))
+    times = np.linspace(0.1, 1, 10)
+    squares = []
+    for time in times:
+        moves = []
+        for one in stretches:
+            error = one.positions_m - gain * one.commanded_m
+            ends = np.arange(0, one.times_s[-1] + 1e-9, time)
+            moves.append(np.diff(np.interp(ends, one.times_s, error)))
+        squares.append(np.mean(np.concatenate(moves) ** 2))
+    spread = np.sqrt(squares)
+
+    def misfits(parameters: Any) -> Any:
+        sigma, tau, *white = parameters
+        of_white = white[0] ** 2 if white else 0.0
+        of_noise = 2 * sigma**2 * tau * (times + tau * np.expm1(-times / tau))
+        return np.sqrt(of_noise + of_white * times) / spread - 1
+
+    alone = least_squares(misfits, [0.004, 0.5], bounds=([0, 0.3], [1, 20]))
+    assert alone.x == pytest.approx([0.0038, 0.3], rel=0.03)
+    assert np.sqrt(np.mean(alone.fun**2)) == pytest.approx(0.21, abs=0.01)
+    both = least_squares(misfits, [0.004, 0.5, 0.001], bounds=([0, 0.3, 0], [1, 20, 1]))
+    assert np.sqrt(np.mean(both.fun**2)) == pytest.approx(0.10, abs=0.01)
+
+
+@pytest.mark.slow
+@REAL
+def test_the_gain_of_real_robots_depends_on_their_command() -> None:
+    """A stretch may have small commanded turns. Without them these robots are 3 % slower, and their
+    gain varies by a third as much from one stretch to the next."""
+    all_of_them, without_turns = (
+        np.array([one.speed_m_s / one.command_m_s for one in stretches if one.command_m_s > 0.05])
+        for stretches in (stretches_of_all(), stretches_of_all(least_turn_rad_s=1e-6))
+    )
+    assert all_of_them.mean() == pytest.approx(1.040, abs=0.003)
+    assert all_of_them.std() == pytest.approx(0.033, abs=0.002)
+    assert without_turns.mean() == pytest.approx(1.008, abs=0.003)
+    assert without_turns.std() == pytest.approx(0.012, abs=0.002)
 
 
 def test_options_of_python(found: MotionFit, run: tuple[Path, Path]) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
+from palmbots.drivers.hardware import HardwareParameters, wheel_scales
 from palmbots.fitting.fitted_values import Estimate
 from palmbots.fitting.motion_fit import fit_motion
 from palmbots.fitting.speed_steps import Step, step_estimates, steps_in
@@ -61,14 +62,19 @@ def test_what_is_not_identified_has_a_reason(steps: list[Step], reason: str) -> 
 
 
 def test_a_robot_that_turns_without_a_command_has_a_curvature(tmp_path: Path) -> None:
-    """0.02 rad per metre, on a circle."""
+    """On a circle, as its wheels have a trim: the trim is that of `hardware.trim`."""
+    trim, separation_m = -0.005, 0.25
+    left, right = wheel_scales(HardwareParameters(trim=trim))
+    curvature = (right - left) / separation_m
     commands, _ = recorded(tmp_path, QUIET, seed=3, stretches=8)
     table = np.loadtxt(tmp_path / "positions.csv", delimiter=",", skiprows=1)
     way = np.hypot(table[:, 1] - table[0, 1], table[:, 2] - table[0, 2])
-    heading = 0.7 + 0.02 * way
-    x, y = np.sin(heading) / 0.02, -np.cos(heading) / 0.02
+    heading = 0.7 + curvature * way
+    x, y = np.sin(heading) / curvature, -np.cos(heading) / curvature
     seen = np.column_stack([table[:, 0], x, y, heading])
     file = tmp_path / "turning.csv"
     np.savetxt(file, seen, "%.9f", ",", header="time_s,x_m,y_m,heading_rad", comments="")
     of = {one.key: one for one in fit_motion([commands, file]).estimates}
-    assert of["curvature_rad_per_m"].value == pytest.approx(0.02, rel=0.01)
+    found = of["curvature_rad_per_m"].value
+    assert isinstance(found, float)
+    assert -found * separation_m == pytest.approx(trim, rel=0.01)

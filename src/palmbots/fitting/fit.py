@@ -8,14 +8,12 @@ import shlex
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from palmbots._util.atomic_files import folder
+from palmbots._util.atomic_files import folder, write_whole
 from palmbots._util.command import Option, command, writes
 from palmbots._util.report import Item, Line
 from palmbots.errors import PalmbotsError
-from palmbots.fitting.fitted_values import fragment, write_fragment
 from palmbots.fitting.log_fit import LogFit, fit_logs
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
-from palmbots.fitting.object_fit import ObjectFit
 from palmbots.fitting.radio_fit import RadioFit, fit_radio
 from palmbots.fitting.recorded_logs import are_logs
 from palmbots.fitting.replay_files import write_replay
@@ -84,24 +82,18 @@ def write_fit(
     Raises:
         PalmbotsError: a file cannot be written.
     """
-    parts: dict[str, MotionFit | RadioFit | ObjectFit]
-    if isinstance(result, LogFit):
-        parts = result.parts
-    else:
-        parts = {"robot" if isinstance(result, MotionFit) else "radio": result}
     files: list[Path] = []
-    options = ""
-    replays = ""
-    for name, part in parts.items():
-        replay = None if isinstance(part, ObjectFit) else part.replay
-        text = fragment(part.estimates, part.sources, [replay.remark] if replay else [])
-        files.append(write_fragment(text, path, name))
+    options = replays = ""
+    for part in result.parts.values() if isinstance(result, LogFit) else [result]:
+        place = folder(Path(path))
+        files.append(place / f"{part.name}.toml")
+        write_whole(files[-1], part.fragment())
         options += f" --with {shlex.quote(str(files[-1]))}"
-        files.append(folder(Path(path)) / f"{name}.png")
+        files.append(place / f"{part.name}.png")
         part.save_figure(files[-1])
-        if replay and not replay.reason:
-            files.append(write_replay(replay, part.sources, path))
-            replays += f" --set {replay.key}={shlex.quote(str(files[-1]))}"
+        if part.replay and not part.replay.reason:
+            files.append(write_replay(part.replay, part.sources, path))
+            replays += f" --set {part.replay.key}={shlex.quote(str(files[-1]))}"
     notes = [Line(f"carry with it: {command_text('carry', f'SCENE{options}')}", is_whole=True)]
     if replays:
         command = command_text("carry", f"SCENE{options}{replays}")

@@ -38,8 +38,8 @@ class LogFit(Result):
     @property
     def parts(self) -> dict[str, MotionFit | RadioFit | ObjectFit]:
         """What was fitted, by name."""
-        named = {"robot": self.robot, "radio": self.radio, "object": self.object}
-        return {name: one for name, one in named.items() if one is not None}
+        fitted = (self.robot, self.radio, self.object)
+        return {one.name: one for one in fitted if one is not None}
 
     def lines(self) -> Iterator[Item]:
         """What was fitted, with intervals, and what the logs do not show."""

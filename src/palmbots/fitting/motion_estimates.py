@@ -192,7 +192,7 @@ def _estimates(
     given = [
         Estimate(key, float(value), float(ends[0]), float(ends[1]), reason)
         if reason != slow
-        else Estimate(key, None, None, None, reason)
+        else Estimate(key, reason=reason)
         for key, value, ends, reason in rows
     ]
     return tuple(given)

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from palmbots.fitting.fit_panels import panels
 from palmbots.fitting.motion_fit import MotionFit
 from palmbots.viz import style
 
@@ -15,13 +16,7 @@ _WIDEST = 4.5  # of residuals [standard deviations]
 
 def draw_motion_fit(result: MotionFit) -> Figure:
     """Draw the model over the data, and what the model leaves."""
-    with style.styled():
-        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
-        speeds, spread, rest = figure.subplots(1, 3)
-        _draw_speeds(speeds, result)
-        _draw_spread(spread, result)
-        _draw_residuals(rest, result)
-    return figure
+    return panels(result, _draw_speeds, _draw_spread, _draw_residuals)
 
 
 def _draw_speeds(axes: Axes, result: MotionFit) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,21 +13,18 @@ from numpy.typing import NDArray
 
 from palmbots._util.confidence_intervals import student_t95
 from palmbots._util.plain_values import NOT_IN_JSON
-from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import (
     LEAST_RUNS,
     Estimate,
+    FittedPart,
     Source,
-    Value,
-    estimate_rows,
-    fitted_keys,
 )
 from palmbots.fitting.motion_estimates import LEAST_STRETCHES, Displacements, fit_stretches
 from palmbots.fitting.motion_likelihood import Stretch
-from palmbots.fitting.replay_files import Replay, error_replay
+from palmbots.fitting.replay_files import error_replay
 from palmbots.fitting.speed_steps import Step, step_estimates, steps_in
 from palmbots.fitting.straight_stretches import (
     COMMANDS,
@@ -57,13 +54,12 @@ _IN_LOGS = f"of at least {LEAST_S:g} s in which a robot does not stand"
 
 
 @dataclass(frozen=True, repr=False)
-class MotionFit(Result):
+class MotionFit(FittedPart, Result):
     """Errors of the speed of a robot, with 95 % intervals, and what they were fitted to."""
 
     figure = "motion-fit"
+    name = "robot"
 
-    sources: tuple[Source, ...]
-    """The files: for each run that with the commands, then that with the positions."""
     runs: int
     stretches: int
     """Straight stretches with a constant command that were used."""
@@ -73,51 +69,37 @@ class MotionFit(Result):
     """Duration of all stretches together."""
     alignments: tuple[Alignment, ...]
     """The alignment of the two clocks of each run; empty: logs have one clock."""
-    estimates: tuple[Estimate, ...]
-    """One for each scene key that could be fitted, and for the noise of the positions."""
     misfit: float
     """Relative difference between the measured and the fitted spread of the displacement error:
     the root mean square over times from 0.2 s to 2 s."""
     misfit_without_white: float
     """The same for a model without the white part."""
     data: Displacements = field(metadata=NOT_IN_JSON)
-    replay: Replay = field(metadata=NOT_IN_JSON)
-    """The recording for carries that replay it."""
 
-    @property
-    def keys(self) -> dict[str, Value]:
-        """What was fitted, as overrides of a scene."""
-        return fitted_keys(self.estimates)
+    def basis(self) -> str:
+        """What the keys were fitted to, as a part of a sentence."""
+        return f"to {plural(self.stretches, 'straight stretch')} of {plural(self.runs, 'run')}"
 
-    def lines(self) -> Iterator[Item]:
-        """What was fitted, with intervals, and what the data are."""
-        fitted = sum(one.is_identified for one in self.estimates if one.is_key)
-        yield (
-            f"fitted {plural(fitted, 'key')} to {plural(self.stretches, 'straight stretch')} of "
-            f"{plural(self.runs, 'run')}"
-        )
-        yield Table(estimate_rows(self.estimates), ("", "value", "95 % interval"))
-        rows = [("  duration of the stretches", f"{self.duration_s:.0f} s")]
+    def rows(self) -> list[tuple[str, str]]:
+        """What else the report has of the data: names and values."""
+        rows = [("duration of the stretches", f"{self.duration_s:.0f} s")]
         if self.alignments:
             lags = [one.lag_s for one in self.alignments]
             drifts = [one.drift_ppm for one in self.alignments]
             rows += [
-                ("  left out, because the position jumped", f"{self.jumps}"),
-                ("  lag of the positions", _range(lags, 1.0, "s")),
-                ("  drift of the lag", _range(drifts, 1.0, "ppm")),
+                ("left out, because the position jumped", f"{self.jumps}"),
+                ("lag of the positions", _range(lags, "s")),
+                ("drift of the lag", _range(drifts, "ppm")),
             ]
-        rows += [
-            ("  misfit of the displacement error", f"{100 * self.misfit:.0f} %"),
-            ("  misfit without a white part", f"{100 * self.misfit_without_white:.0f} %"),
+        return [
+            *rows,
+            ("misfit of the displacement error", f"{100 * self.misfit:.0f} %"),
+            ("misfit without a white part", f"{100 * self.misfit_without_white:.0f} %"),
         ]
-        yield Table(rows)
-        for one in self.estimates:
-            if not one.is_identified:
-                yield Line(f"{one.key}: {one.reason}", indent=2)
 
 
-def _range(values: Sequence[float], factor: float, unit: str) -> str:
-    low, high = factor * min(values), factor * max(values)
+def _range(values: Sequence[float], unit: str) -> str:
+    low, high = min(values), max(values)
     return f"{low:.3g} {unit}" if len(values) == 1 else f"{low:.3g} to {high:.3g} {unit}"
 
 
@@ -233,7 +215,7 @@ def _curvature(stretches: Sequence[Stretch]) -> Estimate:
     key = "curvature_rad_per_m"
     known = [one for one in stretches if math.isfinite(one.curvature_rad_m)]
     if len(known) < LEAST_FOR_GAIN:
-        return Estimate(key, None, None, None, "the recording does not have the heading")
+        return Estimate(key, reason="the recording does not have the heading")
     weights = np.array([abs(one.positions_m[-1] - one.positions_m[0]) for one in known])
     values = np.array([one.curvature_rad_m for one in known])
     mean = float(np.average(values, weights=weights))
@@ -245,7 +227,7 @@ def _curvature(stretches: Sequence[Stretch]) -> Estimate:
     count = len(rest)
     error = math.sqrt(float(rest @ rest) * count / (count - 1)) / float(weights.sum())
     half = student_t95(count - 1) * error
-    return Estimate(key, mean, mean - half, mean + half, "")
+    return Estimate(key, mean, mean - half, mean + half)
 
 
 def _why_no_model(estimates: Sequence[Estimate]) -> str:

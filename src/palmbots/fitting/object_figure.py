@@ -8,19 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palmbots._types import SIDES
+from palmbots.fitting.fit_panels import panels, say
 from palmbots.fitting.object_fit import ObjectFit
 from palmbots.viz import style
 
 
 def draw_object_fit(result: ObjectFit) -> Figure:
     """Draw which objects remain, which contact slid where, and where the switches changed."""
-    with style.styled():
-        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
-        objects, slides, switches = figure.subplots(1, 3)
-        _draw_objects(objects, result)
-        _draw_slides(slides, result)
-        _draw_switches(switches, result)
-    return figure
+    return panels(result, _draw_objects, _draw_slides, _draw_switches)
 
 
 def _draw_objects(axes: Axes, result: ObjectFit) -> None:
@@ -29,7 +24,7 @@ def _draw_objects(axes: Axes, result: ObjectFit) -> None:
     axes.set_ylabel("palm friction")
     axes.set_title("objects that explain all slides")
     if not len(boxes):
-        _say(axes, "not identified")
+        say(axes, "not identified")
         return
     for number, side in enumerate(SIDES, 1):
         x, y = 1e3 * boxes[:, 0], np.tan(boxes[:, number])
@@ -51,7 +46,7 @@ def _draw_slides(axes: Axes, result: ObjectFit) -> None:
     axes.set_xlabel("fitted lead of the left contact\n(difference of squeezes over the weight)")
     axes.set_ylabel("slides")
     if not len(data.leads):
-        _say(axes, "not identified")
+        say(axes, "not identified")
         return
     most = max(float(np.quantile(np.abs(data.leads), 0.99)), 1e-6)
     bins = np.linspace(-most, most, 41).tolist()
@@ -74,7 +69,7 @@ def _draw_switches(axes: Axes, result: ObjectFit) -> None:
     axes.set_xlabel(style.axis_label("contact coordinate", "mm"))
     axes.set_ylabel("readings")
     if not len(data.contacts_m):
-        _say(axes, "the logs do not show contacts")
+        say(axes, "the logs do not show contacts")
         return
     places = 1e3 * data.contacts_m
     most = float(np.abs(places).max())
@@ -91,9 +86,3 @@ def _draw_switches(axes: Axes, result: ObjectFit) -> None:
             axes.axvline(end, color=style.INK, linestyle=":")
     axes.set_title("switches")
     axes.legend(loc="lower center", frameon=True)
-
-
-def _say(axes: Axes, text: str) -> None:
-    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color=style.QUIET)
-    axes.set_xticks([])
-    axes.set_yticks([])

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,17 +12,10 @@ from numpy.typing import NDArray
 
 from palmbots._types import SIDES
 from palmbots._util.plain_values import NOT_IN_JSON
-from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
-from palmbots.fitting.fitted_values import (
-    Estimate,
-    Source,
-    Value,
-    estimate_rows,
-    fitted_keys,
-)
+from palmbots.fitting.fitted_values import Estimate, FittedPart, Source
 from palmbots.fitting.object_slides import FRICTION, Slides, objects_with, slides_in
 from palmbots.fitting.palm_readings import Readings, palm_estimates, readings_of
 from palmbots.probing.object_set import ObjectSet, Prior
@@ -71,7 +64,7 @@ class ObjectData:
 
 
 @dataclass(frozen=True, repr=False)
-class ObjectFit(Result):
+class ObjectFit(FittedPart, Result):
     """COM and friction of an object, and what the palms do.
 
     The intervals of COM and friction are bounds: they contain the value if the slides obey the
@@ -79,29 +72,19 @@ class ObjectFit(Result):
     """
 
     figure = "object-fit"
+    name = "object"
 
-    sources: tuple[Source, ...]
     carries: int
     slides: int
     """Slides that differ, of one contact while the other one sticks."""
-    estimates: tuple[Estimate, ...]
     data: ObjectData = field(metadata=NOT_IN_JSON)
 
-    @property
-    def keys(self) -> dict[str, Value]:
-        """What was fitted, as overrides of a scene."""
-        return fitted_keys(self.estimates)
-
-    def lines(self) -> Iterator[Item]:
-        """What was fitted, with intervals, and why the rest was not."""
-        yield (
-            f"fitted {plural(len(self.keys), 'key')} of object and palms to "
-            f"{plural(self.slides, 'slide')} of {plural(self.carries, 'carry')}"
+    def basis(self) -> str:
+        """What the keys were fitted to, as a part of a sentence."""
+        return (
+            f"of object and palms to {plural(self.slides, 'slide')} of "
+            f"{plural(self.carries, 'carry')}"
         )
-        yield Table(estimate_rows(self.estimates), ("", "value", "95 % interval"))
-        for one in self.estimates:
-            if not one.is_identified:
-                yield Line(f"{one.key}: {one.reason}", indent=2)
 
 
 def touch_of(carry: Carry, name: str) -> Touch:
@@ -155,7 +138,7 @@ def fit_object(
     palms = palm_estimates([one.readings for one in touches])
     if first.scene.tactile.zones is not None:
         given = "the sensor has other zones than that one (tactile.zones)"
-        palms[-1] = Estimate(palms[-1].key, None, None, None, given)
+        palms[-1] = Estimate(palms[-1].key, reason=given)
     found = None
     why = next((one.reason for one in touches if one.reason), "")
     if joined is not None and len(joined) >= LEAST_SLIDES:
@@ -165,7 +148,7 @@ def fit_object(
         count = 0 if joined is None else len(joined)
         reason = why or f"the logs show {plural(count, 'slide')}; it needs {LEAST_SLIDES}"
         keys = ("object.com_m", *(f"palm.{side}.friction" for side in SIDES))
-        estimates = [*(Estimate(key, None, None, None, reason) for key in keys), *palms]
+        estimates = [*(Estimate(key, reason=reason) for key in keys), *palms]
     if not any(one.is_identified for one in estimates):
         raise NothingIdentified(f"object and palms: {estimates[0].reason}")
     estimates.sort(key=lambda one: (not one.is_key, one.key.rpartition(".")[0]))
@@ -174,6 +157,7 @@ def fit_object(
         carries=len(touches),
         slides=0 if joined is None else len(joined),
         estimates=tuple(estimates),
+        replay=None,
         data=_shown(found, joined, touches, palms[-1]),
     )
 
@@ -204,13 +188,13 @@ def _of_object(found: ObjectSet, scene: Scene, frame: ObjectFrame) -> list[Estim
     left, right = (body.vertices_m[number] for number in body.contacts)
     low, high = (float(end) for end in hull[0])
     bounded = f"the slides bound it to {1e3 * low:.3g} to {1e3 * high:.3g} mm from the left contact"
-    com = Estimate("object.com_m", None, None, None, bounded)
+    com = Estimate("object.com_m", reason=bounded)
     if high - low < _NARROW_COM * prior.width:
         if abs(right[1] - left[1]) < 1e-9:
             place = (left[0] + float(centre[0]), left[1] + frame.com.height)
-            com = Estimate("object.com_m", place, left[0] + low, left[0] + high, "")
+            com = Estimate("object.com_m", place, left[0] + low, left[0] + high)
         else:
-            com = Estimate("com_from_left_contact_m", float(centre[0]), low, high, "")
+            com = Estimate("com_from_left_contact_m", float(centre[0]), low, high)
     estimates = [com]
     for number, side in enumerate(SIDES, 1):
         ends = np.tan(hull[number])
@@ -233,7 +217,7 @@ def _of_object(found: ObjectSet, scene: Scene, frame: ObjectFrame) -> list[Estim
         )
     )
     middle = math.degrees(centre[2] - centre[1])
-    apart = Estimate("friction_angle_difference_deg", middle, low, high, "")
+    apart = Estimate("friction_angle_difference_deg", middle, low, high)
     return [*estimates, apart, _of_equal_palms(boxes)]
 
 
@@ -243,9 +227,9 @@ def _of_equal_palms(boxes: Floats) -> Estimate:
     low, high = boxes[:, 1:, 0].max(axis=1), boxes[:, 1:, 1].min(axis=1)
     is_equal = low <= high
     if not is_equal.any():
-        return Estimate(key, None, None, None, "the palms differ")
+        return Estimate(key, reason="the palms differ")
     ends = math.tan(low[is_equal].min()), math.tan(high[is_equal].max())
-    return Estimate(key, 0.5 * (ends[0] + ends[1]), *ends, "")
+    return Estimate(key, 0.5 * (ends[0] + ends[1]), *ends)
 
 
 def _centre(found: ObjectSet) -> Floats:

@@ -71,11 +71,11 @@ def palm_estimates(readings: Sequence[Readings]) -> list[Estimate]:
         rates = np.concatenate([one.rates_deg_s[number] for one in readings])
         key = f"palm.{side}.rate_deg_s"
         if len(rates) < 2:
-            found.append(Estimate(key, None, None, None, _NO_TURN))
+            found.append(Estimate(key, reason=_NO_TURN))
             continue
         mean = float(rates.mean())
         half = student_t95(len(rates) - 1) * float(rates.std(ddof=1)) / math.sqrt(len(rates))
-        found.append(Estimate(key, mean, mean - half, mean + half, ""))
+        found.append(Estimate(key, mean, mean - half, mean + half))
     places = np.abs(np.concatenate([one.contacts_m for one in readings]))
     beyond = np.concatenate([one.signs for one in readings]) != 0
     return [*found, _half_width(places, beyond)]
@@ -89,9 +89,9 @@ def _half_width(places: Floats, beyond: NDArray[np.bool_]) -> Estimate:
     """
     key = "tactile.zero_half_width_m"
     if not len(beyond):
-        return Estimate(key, None, None, None, "the logs do not show where the contacts are")
+        return Estimate(key, reason="the logs do not show where the contacts are")
     if not beyond.any() or beyond.all():
-        return Estimate(key, None, None, None, _NO_EDGE)
+        return Estimate(key, reason=_NO_EDGE)
     order = np.argsort(places, kind="stable")
     places, beyond = places[order], beyond[order]
     # Of a width above the first k places: readings within it that are not 0, and those beyond it
@@ -106,4 +106,4 @@ def _half_width(places: Floats, beyond: NDArray[np.bool_]) -> Estimate:
     best = np.flatnonzero(against == fewest)
     ends = np.concatenate([[0.0], places, [places[-1]]])
     value = 0.5 * float(ends[best[0]] + ends[best[-1] + 1])
-    return Estimate(key, value, float(ends[kept[0]]), float(ends[kept[-1] + 1]), "")
+    return Estimate(key, value, float(ends[kept[0]]), float(ends[kept[-1] + 1]))

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from palmbots._util.text import plural
+from palmbots.fitting.fit_panels import panels, say
 from palmbots.fitting.radio_fit import RadioFit
 from palmbots.viz import style
 
@@ -16,13 +17,7 @@ _LONG = 5.0  # times the model's longest delay: residuals get a logarithmic axis
 
 def draw_radio_fit(result: RadioFit) -> Figure:
     """Draw the model over the data, and what the model leaves."""
-    with style.styled():
-        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
-        bursts, delays, rest = figure.subplots(1, 3)
-        _draw_bursts(bursts, result)
-        _draw_delays(delays, result)
-        _draw_rest(rest, result)
-    return figure
+    return panels(result, _draw_bursts, _draw_delays, _draw_rest)
 
 
 def _draw_bursts(axes: Axes, result: RadioFit) -> None:
@@ -31,7 +26,7 @@ def _draw_bursts(axes: Axes, result: RadioFit) -> None:
     axes.set_ylabel("number of bursts")
     if not data.bursts.size:
         has_index = any(one.key == "packets_lost" for one in result.estimates)
-        _say(axes, "no packet was lost" if has_index else "the packets have no index")
+        say(axes, "no packet was lost" if has_index else "the packets have no index")
         return
     axes.set_title(f"{plural(result.lost, 'packet')} lost")
     one, other = style.SERIES[1], style.SERIES[0]
@@ -59,7 +54,7 @@ def _draw_delays(axes: Axes, result: RadioFit) -> None:
     axes.set_xlabel(style.axis_label(called, "ms"))
     axes.set_ylabel("share of packets with more")
     if not data.delays_s.size:
-        _say(axes, "no delays")
+        say(axes, "no delays")
         return
     look = style.SERIES[1]
     axes.plot(1e3 * data.delays_s, 1 - data.shares, color=style.INK, label="data")
@@ -78,7 +73,7 @@ def _draw_rest(axes: Axes, result: RadioFit) -> None:
     axes.set_xlabel("share of packets with more")
     axes.set_ylabel(style.axis_label("delay, data less fit", "ms"))
     if not data.delays_s.size:
-        _say(axes, "no delays")
+        say(axes, "no delays")
         return
     axes.plot(1 - data.shares, 1e3 * (data.delays_s - data.model_s), color=style.INK)
     axes.axhline(0, color=style.QUIET, linestyle=":")
@@ -88,9 +83,3 @@ def _draw_rest(axes: Axes, result: RadioFit) -> None:
         axes.set_yscale("symlog", linthresh=thresh)
         axes.set_ylim(bottom=-thresh)  # a delay is never much shorter than the model's
     axes.set_title("residuals")
-
-
-def _say(axes: Axes, text: str) -> None:
-    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color=style.QUIET)
-    axes.set_xticks([])
-    axes.set_yticks([])

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,21 +12,18 @@ from numpy.typing import NDArray
 
 from palmbots._util.confidence_intervals import clopper_pearson
 from palmbots._util.plain_values import NOT_IN_JSON
-from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.fitted_values import (
     LEAST_RUNS,
     Estimate,
+    FittedPart,
     Source,
-    Value,
-    estimate_rows,
-    fitted_keys,
 )
 from palmbots.fitting.loss_likelihood import LossFit
 from palmbots.fitting.recorded_packets import DelayKind, Packets, read_packets
-from palmbots.fitting.replay_files import Replay, fate_replay
+from palmbots.fitting.replay_files import fate_replay
 
 Floats = NDArray[np.float64]
 
@@ -59,12 +56,12 @@ class PacketData:
 
 
 @dataclass(frozen=True, repr=False)
-class RadioFit(Result):
+class RadioFit(FittedPart, Result):
     """Losses and delays of a radio, with 95 % intervals, and what they were fitted to."""
 
     figure = "radio-fit"
+    name = "radio"
 
-    sources: tuple[Source, ...]
     runs: int
     received: int
     lost: int
@@ -80,35 +77,24 @@ class RadioFit(Result):
     """Packets that arrived after a packet that was sent later."""
     delay_kind: DelayKind
     """What the delays are."""
-    estimates: tuple[Estimate, ...]
-    """Scene keys, and quantiles of the delay."""
     data: PacketData = field(metadata=NOT_IN_JSON)
-    replay: Replay = field(metadata=NOT_IN_JSON)
-    """The recording for carries that replay it."""
 
-    @property
-    def keys(self) -> dict[str, Value]:
-        """What was fitted, as overrides of a scene."""
-        return fitted_keys(self.estimates)
+    def basis(self) -> str:
+        """What the keys were fitted to, as a part of a sentence."""
+        return f"to {self.received:,} packets of {plural(self.runs, 'run')}"
 
-    def lines(self) -> Iterator[Item]:
-        """What was fitted, with intervals, and what the data are."""
-        yield (
-            f"fitted {plural(len(self.keys), 'key')} to {self.received:,} packets of "
-            f"{plural(self.runs, 'run')}"
-        )
-        yield Table(estimate_rows(self.estimates), ("", "value", "95 % interval"))
-        rows = [("  packets lost", f"{self.lost:,}")]
-        if self.lost:
-            rows.append(("  mean length of a burst", f"{self.burst_packets:.3g} packets"))
-            expected = f"{self.expected_burst_packets:.3g} packets"
-            rows.append(("  if losses were independent", expected))
-        rows.append(("  duplicates", f"{self.duplicates:,}"))
-        rows.append(("  arrived after a later one", f"{self.reordered:,}"))
-        yield Table(rows)
-        for one in self.estimates:
-            if not one.is_identified:
-                yield Line(f"{one.key}: {one.reason}", indent=2)
+    def rows(self) -> list[tuple[str, str]]:
+        """What else the report has of the data: names and values."""
+        bursts = [
+            ("mean length of a burst", f"{self.burst_packets:.3g} packets"),
+            ("if losses were independent", f"{self.expected_burst_packets:.3g} packets"),
+        ]
+        return [
+            ("packets lost", f"{self.lost:,}"),
+            *(bursts if self.lost else ()),
+            ("duplicates", f"{self.duplicates:,}"),
+            ("arrived after a later one", f"{self.reordered:,}"),
+        ]
 
 
 def fit_radio(
@@ -202,7 +188,7 @@ def _losses(
     names = ("radio.loss", "radio.burst_fraction", "radio.burst_s")
     if losses is None:
         reason = "the packets have no index"
-        return [Estimate(key, None, None, None, reason) for key in names], np.zeros(3)
+        return [Estimate(key, reason=reason) for key in names], np.zeros(3)
     parts = _parts(runs, lambda one: one.gaps.astype(float))
     sums = np.array([(part.sum(), len(part)) for part in parts]).T
     draws = _draws(len(parts))
@@ -211,13 +197,13 @@ def _losses(
     if losses.gain < _LEAST_GAIN:
         total = int(gaps.sum())
         low, high = clopper_pearson(total, total + len(gaps))
-        given = Estimate(names[0], losses.rate, min(low, wide[0]), max(high, wide[1]), "")
+        given = Estimate(names[0], losses.rate, min(low, wide[0]), max(high, wide[1]))
         reason = (
             "no packet was lost"
             if total == 0
             else "packets are lost as if each were lost independently"
         )
-        others = [Estimate(key, None, None, None, reason) for key in names[1:]]
+        others = [Estimate(key, reason=reason) for key in names[1:]]
         return [given, *others, _all_losses(losses.rate, wide)], np.array([losses.rate, 0.0, 1.0])
     (loss, share, length) = losses.values()
     fate = np.array([loss[0], share[0], length[0]])
@@ -225,7 +211,7 @@ def _losses(
     # interval of all losses is added to that of both kinds.
     factor = np.array(wide) / losses.rate
     rows = [
-        Estimate(key, value, float(low * min(1, factor[0])), float(high * max(1, factor[1])), "")
+        Estimate(key, value, float(low * min(1, factor[0])), float(high * max(1, factor[1])))
         for key, (value, low, high) in zip(names[:2], (loss, share), strict=True)
     ]
     known = [one.interval_s for one in runs if one.interval_s is not None]
@@ -234,27 +220,26 @@ def _losses(
             "packets were sent irregularly, or the file has no time_s: the periods last "
             f"{length[0]:.3g} packets ({length[1]:.3g} to {length[2]:.3g})"
         )
-        rows.append(Estimate(names[2], None, None, None, reason))
+        rows.append(Estimate(names[2], reason=reason))
         return [*rows, _all_losses(losses.rate, wide)], fate
     interval_s = float(np.median(known))
-    rows.append(Estimate(names[2], *(interval_s * one for one in length), ""))
+    value, low, high = (interval_s * one for one in length)
+    rows.append(Estimate(names[2], value, low, high))
     return [*rows, _all_losses(losses.rate, wide)], fate
 
 
 def _all_losses(rate: float, wide: Floats) -> Estimate:
-    return Estimate("packets_lost", rate, float(wide[0]), float(wide[1]), "")
+    return Estimate("packets_lost", rate, float(wide[0]), float(wide[1]))
 
 
 def _copies(received: int, duplicates: int, reordered: int, has_index: bool) -> list[Estimate]:
     if not has_index:
         reason = "the packets have no index"
-        return [
-            Estimate(key, None, None, None, reason) for key in ("radio.duplicate", "radio.reorder")
-        ]
+        return [Estimate(key, reason=reason) for key in ("radio.duplicate", "radio.reorder")]
     low, high = clopper_pearson(duplicates, received)
     return [
-        Estimate("radio.duplicate", duplicates / received, low, high, ""),
-        Estimate("radio.reorder", reordered > 0, None, None, ""),
+        Estimate("radio.duplicate", duplicates / received, low, high),
+        Estimate("radio.reorder", reordered > 0),
     ]
 
 
@@ -264,8 +249,8 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
     kind = runs[0].delay_kind
     why = next((one.why_no_delays for one in runs if one.why_no_delays), "")
     if why:
-        rest = [Estimate("delay", None, None, None, why)]
-        return [*(Estimate(key, None, None, None, why) for key in (latency, jitter)), *rest], None
+        rest = [Estimate("delay", reason=why)]
+        return [*(Estimate(key, reason=why) for key in (latency, jitter)), *rest], None
     parts = [part for part in _parts(runs, lambda one: one.delays_s) if part.size]
     everything = np.concatenate(parts)
     ways = 2 if kind == "round trip" else 1
@@ -286,12 +271,10 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
     ends = np.quantile(spread, (0.025, 0.975), axis=0).T
     of_jitter = np.quantile(2 * (spread[:, 1] - spread[:, 0]) / ways, (0.025, 0.975))
     found = [
-        Estimate(latency, least / ways, float(ends[0, 0]) / ways, float(ends[0, 1]) / ways, "")
+        Estimate(latency, least / ways, float(ends[0, 0]) / ways, float(ends[0, 1]) / ways)
         if kind != "delay behind the fastest"
-        else Estimate(
-            latency, None, None, None, "times of one way do not show it without a common clock"
-        ),
-        Estimate(jitter, width, float(of_jitter[0]), float(of_jitter[1]), ""),
+        else Estimate(latency, reason="times of one way do not show it without a common clock"),
+        Estimate(jitter, width, float(of_jitter[0]), float(of_jitter[1])),
     ]
     called = kind.replace("the ", "").replace(" ", "_").replace("-", "_")
     for column, (name, q) in enumerate(_QUANTILES, 1):
@@ -300,11 +283,11 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
         if beyond < _LEAST_BEYOND:
             need = round(_LEAST_BEYOND / (1 - q))
             reason = f"needs {need:,} packets; there are {len(everything):,}"
-            found.append(Estimate(key, None, None, None, reason))
+            found.append(Estimate(key, reason=reason))
         else:
             low, high = ends[column]
             value = float(np.quantile(everything, q))
-            found.append(Estimate(key, value, min(value, low), max(value, high), ""))
+            found.append(Estimate(key, value, min(value, low), max(value, high)))
 
     def model(shares: Floats) -> Floats:
         if ways == 1:

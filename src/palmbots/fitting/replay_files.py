@@ -16,14 +16,13 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palmbots._util.atomic_files import folder, write_whole
-from palmbots.fitting.fitted_values import Source
+from palmbots.fitting.fitted_values import Replay, Source
 from palmbots.fitting.motion_likelihood import Stretch
 from palmbots.fitting.recorded_packets import Packets
 
@@ -36,24 +35,6 @@ LEAST_S = 10.0
 UNTIMED_S = 0.05
 """Taken for the time between packets that have no times."""
 _ORIGIN_M = 10.0  # the spread of an origin that may be anywhere
-
-
-@dataclass(frozen=True)
-class Replay:
-    """A file that carries replay, or why there is none."""
-
-    name: str = ""
-    key: str = ""
-    rows: str = ""
-    """The columns' names, and the rows."""
-    reason: str = ""
-
-    @property
-    def remark(self) -> str:
-        """The line of the part of a scene that names it."""
-        if self.reason:
-            return f"{self.key} is not written: {self.reason}"
-        return f'{self.name} replays the recording: {self.key} = "{self.name}"'
 
 
 def smoothed(stretch: Stretch, parameters: Floats) -> tuple[Floats, float]:

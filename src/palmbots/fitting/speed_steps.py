@@ -122,12 +122,12 @@ def step_estimates(steps: Sequence[Step], dead_time: str) -> list[Estimate]:
     keys = ("robot.acceleration_m_s2", dead_time)
     if len(steps) < LEAST_STEPS:
         reason = f"needs {LEAST_STEPS} changes between constant speeds; there are {len(steps)}"
-        return [Estimate(key, None, None, None, reason) for key in keys]
+        return [Estimate(key, reason=reason) for key in keys]
     table = np.array([(one.change_m_s, one.delay_s, one.run) for one in steps])
     sizes, delays = table[:, 0], table[:, 1]
     if np.std(sizes) < _APART * np.mean(sizes):
         reason = "all changes of the speed are of about one size"
-        return [Estimate(key, None, None, None, reason) for key in keys]
+        return [Estimate(key, reason=reason) for key in keys]
     kept = np.abs(delays - np.median(delays)) < _FAR * _spread(delays)
     sizes, delays, runs = table[kept].T
     terms = np.column_stack([np.ones(len(sizes)), sizes]) * sizes[:, None]
@@ -141,13 +141,13 @@ def step_estimates(steps: Sequence[Step], dead_time: str) -> list[Estimate]:
     errors = np.sqrt(np.diag(inverse @ scores.T @ scores @ inverse))
     halves = student_t95(len(scores) - 2) * errors
     low, high = slope - halves[1], slope + halves[1]
-    acceleration = Estimate(keys[0], None, None, None, _too_fast(float(high)))
+    acceleration = Estimate(keys[0], reason=_too_fast(float(high)))
     if low > 0:
         ends = float(0.5 / high), float(0.5 / low)
-        acceleration = Estimate(keys[0], float(0.5 / slope), *ends, "")
+        acceleration = Estimate(keys[0], float(0.5 / slope), *ends)
     return [
         acceleration,
-        Estimate(keys[1], float(dead), float(dead - halves[0]), float(dead + halves[0]), ""),
+        Estimate(keys[1], float(dead), float(dead - halves[0]), float(dead + halves[0])),
     ]
 
 
