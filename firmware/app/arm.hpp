@@ -48,8 +48,9 @@ class Arm {
     if (height_ < floor) height_ = floor;
   }
 
-  // The arm has reached the height last commanded.
-  bool is_there() const { return is_there_; }
+  // The arm has reached the height last commanded. The floor is at the height for the angle to which the
+  // palm turns, so an arm that sinks is down once the palm has turned.
+  bool is_there(bool has_turned) const { return is_there_ && (has_turned || rises_); }
   std::uint8_t steps() const {
     return static_cast<std::uint8_t>(height_ > 0 ? height_ / step() : 0);
   }

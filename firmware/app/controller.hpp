@@ -36,7 +36,7 @@ inline runtime::RuntimeSettings runtime_settings(const Settings& s) {
       s.is_under_way == 0};
 }
 
-inline runtime::PhaseSettings phase_settings(const Settings& s) {
+inline runtime::PhaseSettings<Lifting> phase_settings(const Settings& s) {
   TableTimes<Lifting> times{s.phase_times[0], s.phase_times[1], {}};
   static_assert(2 + Lifting::limits == sizeof s.phase_times / sizeof s.phase_times[0]);
   for (std::size_t i = 0; i < Lifting::limits; ++i) times.limits[i] = s.phase_times[2 + i];
@@ -85,8 +85,8 @@ runtime::Robot& robot_with(const SettingsPage& page, const Stored& stored, const
   for (std::size_t i = 0; i < identity.key.size(); ++i) identity.key[i] = s.key[i];
   return *new (RoomForAll::bytes) runtime::RobotWith<Program>(
       identity, stored.epoch, fresh, rebooted,
-      runtime::PhaseProgram(phase_settings(s), stored.epoch, stored.holds), runtime_settings(s),
-      runtime::StoredMode{stored.carries, stored.stop}, s.is_under_way != 0);
+      runtime::PhaseProgram<Lifting>(phase_settings(s), stored.epoch, stored.holds),
+      runtime_settings(s), runtime::StoredMode{stored.carries, stored.stop}, s.is_under_way != 0);
 }
 
 }  // namespace detail

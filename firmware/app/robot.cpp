@@ -127,7 +127,7 @@ class Program {
     runtime::Reading reading{{switches_.sign(), switches_.at_target()}};
     reading.contact = switches_.has_contact();
     reading.covered = switches_.at_goal();
-    reading.arm_there = arm_.is_there();
+    reading.arm_there = arm_.is_there(switches_.at_target());
     reading.arm_steps = arm_.steps();
     reading.battery_ok = is_battery_ok_;
     reading.driver_ok = !rests_wheels(fault);
@@ -234,7 +234,7 @@ class Program {
     r.fault = static_cast<std::uint8_t>(fault);
     r.assists = static_cast<std::uint8_t>(storage_.content().assists);
     r.packets = static_cast<std::uint8_t>(outbox_.count());
-    r.phase = static_cast<std::uint8_t>(robot_.phases().state());
+    r.phase = static_cast<std::uint8_t>(robot_.phase());
     r.arm = static_cast<std::uint8_t>(out_.arm);
     r.holds = static_cast<std::uint8_t>(storage_.content().holds);
     r.rejected_phases = static_cast<std::uint8_t>(robot_.received_phases().rejected);

@@ -109,6 +109,7 @@ class LockstepBoard:
         self.rejected = self.late = self.rejected_phases = self.late_phases = 0
         self.lifts = settings.job != 0
         self.arm_us = 0
+        self.phase = ""
         self.instructions: list[int] = []
         self.chance = seed
         self.power_up()
@@ -196,6 +197,7 @@ class LockstepBoard:
         self.sent = []
         record = self.feel(closed, elapsed)
         self._check_arm(record["arm"])
+        self._check_phase(record["phase"], palm_at_target)
         palm, move, stop = self.command()
         if (palm, move, stop) != (record["palm"], record["move"], record["stop"]):
             raise Violation("the pulses are not what was decided")
@@ -211,6 +213,12 @@ class LockstepBoard:
             ]
             if not is_right:
                 raise Violation(f"the arm moves by {moved} us where it should do {does}")
+
+    def _check_phase(self, number: int, palm_at_target: bool) -> None:
+        """It is down only with a palm that has turned."""
+        before, self.phase = self.phase, _core.lift_state_numbers[number]
+        if self.lifts and (before, self.phase) == ("lower", "down") and not palm_at_target:
+            raise Violation("the board is down while its palm turns")
 
     def feel(self, closed: int, elapsed: int) -> dict[str, int]:
         """One tick with these switches closed, until all its packets have left."""

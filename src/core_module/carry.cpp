@@ -66,6 +66,12 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
     if (single || !forks.empty())
       throw std::invalid_argument("a job on the floor is in double precision, without forks");
     if (is_alone(spec)) {
+      if (nb::isinstance<RemoteControllers>(controller)) {
+        return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed,
+                                [&]<class Team>(Team team) {
+                                  return run_lift<Lone>(spec, seed, record, std::move(team));
+                                });
+      }
       const nb::gil_scoped_release release;
       return run_lift<Lone>(spec, seed, record, NoController{});
     }
@@ -269,9 +275,11 @@ void bind_carry(nb::module_& m) {
     lift_messages.append(name_of(static_cast<MessageKind>(kind)));
   m.attr("lift_messages") = lift_messages;
   nb::dict phases_of_states;
+  nb::dict numbers;
   const auto add = [&]<class Table>(Table) {
     for (int i = 0; i < Table::states; ++i) {
       const auto state = static_cast<typename Table::State>(i);
+      numbers[nb::int_(phase_number<Table>(state))] = Table::meanings[i].name;
       const bool low =
           Table::alone || Table::role(state).arm == ArmMove::follow || Table::on_trial.has(state);
       const CarryPhase phase = low ? CarryPhase::low : CarryPhase::carried;
@@ -284,6 +292,7 @@ void bind_carry(nb::module_& m) {
   add(Lone{});
   m.attr("lift_states") = states;
   m.attr("phases_of_lift_states") = phases_of_states;
+  m.attr("lift_state_numbers") = numbers;
   nb::class_<Run>(m, "Run", "A finished carry.")
       .def_prop_ro("outcome", [](const Run& r) { return name_of(r.metrics.outcome); })
       .def_prop_ro("reason",

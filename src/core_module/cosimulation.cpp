@@ -77,9 +77,15 @@ class CoSimulationOf : public AnyCoSimulation {
 std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::object& controller,
                                                    std::uint64_t seed, double slack,
                                                    const WorldObservation& first) {
-  if (uses_floor(spec) && is_alone(spec))
-    return std::make_unique<CoSimulationOf<LiftCoSimulation<NoController, Lone>>>(
-        spec, seed, NoController{}, slack, first);
+  if (is_alone(spec)) {
+    const auto lone = [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
+      return std::make_unique<CoSimulationOf<LiftCoSimulation<Team, Lone>>>(
+          spec, seed, std::move(team), slack, first);
+    };
+    if (nb::isinstance<RemoteControllers>(controller))
+      return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed, lone);
+    return lone(NoController{});
+  }
   return with_given_team(controller, spec, seed,
                          [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
                            if (uses_floor(spec))

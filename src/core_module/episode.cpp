@@ -197,95 +197,124 @@ class Episode {
   std::variant<std::monostate, Begun<NoRecorder>, Begun<TraceRecorder>, Outside> with_;
 };
 
+// (sign, palm turned, travelled [m], touches, arm, arm there, arm steps, beneath) of a robot.
+using Feels = std::tuple<int, bool, double, bool, int, bool, int, bool>;
+// (palm, move, stop, arm, state of the table) of a robot. State −1: as before.
+using Does = std::tuple<int, int, bool, int, int>;
+
 // A job on the floor in the quasistatic world, commanded from outside.
 class FloorEpisode {
  public:
-  FloorEpisode(const Spec& spec, std::uint64_t seed) : job_(spec, seed, {&commands_}, false) {
-    if (spec.begins_on == StandsOn::floor) {
-      for (LiftCommand& command : commands_) command.arm = ArmMove::follow;
-    }
-    job_.begin();
+  FloorEpisode(const Spec& spec, std::uint64_t seed) {
+    is_alone(spec) ? begin<Lone>(spec, seed) : begin<Lifting>(spec, seed);
   }
   FloorEpisode(const FloorEpisode&) = delete;  // the team knows where the commands lie
   FloorEpisode& operator=(const FloorEpisode&) = delete;
 
-  // (sign, palm turned, travelled [m], touches, arm, arm there, arm steps) of a robot.
-  using Feels = std::tuple<int, bool, double, bool, int, bool, int>;
+  template <class Visit>
+  auto visit(Visit&& what) {
+    return job_.index() == 1 ? what(*std::get<1>(job_)) : what(*std::get<2>(job_));
+  }
+
   std::pair<Feels, Feels> seen() {
-    const PerSide<RobotObservation> sensed = job_.sense();
-    const auto one = [&](std::size_t side) {
-      const LiftSenses& senses = job_.team().senses()[side];
-      return Feels{static_cast<int>(sensed[side].sign),
-                   sensed[side].palm_at_target,
-                   job_.travelled()[side],
-                   senses.touches,
-                   static_cast<int>(commands_[side].arm),
-                   senses.arm_there,
-                   senses.steps};
-    };
-    return {one(left), one(right)};
+    return visit([&](auto& job) {
+      const PerSide<RobotObservation> sensed = job.sense();
+      const auto one = [&](std::size_t side) {
+        const LiftSenses& senses = job.team().senses()[side];
+        return Feels{static_cast<int>(sensed[side].sign),
+                     sensed[side].palm_at_target,
+                     job.travelled()[side],
+                     senses.touches,
+                     static_cast<int>(commands_[side].arm),
+                     senses.arm_there,
+                     senses.steps,
+                     senses.beneath};
+      };
+      return std::pair(one(left), one(right));
+    });
   }
 
-  using Does = std::tuple<int, int, bool, int>;
   void step(const Does& l, const Does& r) {
-    if (job_.done()) throw std::runtime_error("the job is over");
-    const Does* both[2] = {&l, &r};
-    for (const std::size_t side : {left, right}) {
-      const auto [palm, move, stop, arm] = *both[side];
-      if (palm < 0 || palm > 1 || move < 0 || move > 2 || arm < 0 || arm > 4)
-        throw std::out_of_range("palm is 0 or 1; move is 0 to 2; arm is 0 to 4");
-      commands_[side] = {{static_cast<Palm>(palm), static_cast<Move>(move), stop},
-                         static_cast<ArmMove>(arm)};
-    }
-    job_.recorder().make_room();
-    job_.tick();
+    visit([&](auto& job) {
+      using Table = std::remove_reference_t<decltype(job)>::TheTable;
+      if (job.done()) throw std::runtime_error("the job is over");
+      const Does* both[2] = {&l, &r};
+      for (const std::size_t side : {left, right}) {
+        const auto [palm, move, stop, arm, state] = *both[side];
+        if (palm < 0 || palm > 1 || move < 0 || move > 2 || arm < 0 || arm > 4 || state < -1 ||
+            state >= Table::states)
+          throw std::out_of_range(
+              "palm is 0 or 1; move is 0 to 2; arm is 0 to 4; state is one of the table, or -1");
+        commands_[side] = {{static_cast<Palm>(palm), static_cast<Move>(move), stop},
+                           static_cast<ArmMove>(arm),
+                           state < 0 ? commands_[side].state : state};
+      }
+      job.recorder().make_room();
+      job.tick();
+    });
   }
-
-  const LiftCarry<CommandedLift>& job() const { return job_; }
 
  private:
+  template <class Table>
+  using Job = LiftCarry<CommandedLift, TraceRecorder, Table>;
+
+  template <class Table>
+  void begin(const Spec& spec, std::uint64_t seed) {
+    const bool low = spec.begins_on != StandsOn::palms;
+    for (const std::size_t side : {left, right}) {
+      if (low) commands_[side].arm = ArmMove::follow;
+      commands_[side].state = static_cast<int>(Table::first(low, stands_by(spec, side)));
+    }
+    const CommandedLift commanded{&commands_};
+    job_ = std::make_unique<Job<Table>>(spec, seed, commanded, false);
+    visit([](auto& job) { job.begin(); });
+  }
+
   PerSide<LiftCommand> commands_{};
-  LiftCarry<CommandedLift> job_;
+  std::variant<std::monostate, std::unique_ptr<Job<Lifting>>, std::unique_ptr<Job<Lone>>> job_;
 };
 
 }  // namespace
 
 void bind_episode(nb::module_& m) {
+  const auto of_job = [](auto what) { return [what](FloorEpisode& e) { return e.visit(what); }; };
   nb::class_<FloorEpisode>(m, "FloorEpisode",
                            "A job on the floor whose robots are commanded from outside.")
       .def(nb::init<const Spec&, std::uint64_t>(), nb::arg("spec"), nb::arg("seed"))
-      .def_prop_ro("outcome", [](const FloorEpisode& e) { return outcome_of(e.job().metrics()); })
-      .def_prop_ro("reason",
-                   [](const FloorEpisode& e) -> nb::object {
-                     const DropReason reason = e.job().metrics().reason;
+      .def_prop_ro("outcome", of_job([](auto& job) { return outcome_of(job.metrics()); }))
+      .def_prop_ro("reason", of_job([](auto& job) -> nb::object {
+                     const DropReason reason = job.metrics().reason;
                      if (reason == DropReason::none) return nb::none();
                      return nb::str(name_of(reason));
-                   })
-      .def_prop_ro(
-          "midpoint", [](const FloorEpisode& e) { return e.job().midpoint(); },
-          "Displacement of the midpoint of the robots [m].")
-      .def_prop_ro(
-          "moved", [](const FloorEpisode& e) { return e.job().moved(); },
-          "Displacement of the COM [m].")
-      .def_prop_ro(
-          "stands", [](const FloorEpisode& e) { return e.job().stands(); },
-          "Whether the object is on the floor alone.")
-      .def_prop_ro("contacts",
-                   [](const FloorEpisode& e) {
-                     const auto& p = e.job().world().configuration().contacts;
+                   }))
+      .def_prop_ro("midpoint", of_job([](auto& job) { return double(job.midpoint()); }),
+                   "Displacement of the midpoint of the robots [m].")
+      .def_prop_ro("moved", of_job([](auto& job) { return job.moved(); }),
+                   "Displacement of the COM [m].")
+      .def_prop_ro("stands", of_job([](auto& job) { return job.stands(); }),
+                   "Whether the object is on the floor or on a stand alone.")
+      .def_prop_ro("contacts", of_job([](auto& job) {
+                     const auto& p = job.world().configuration().contacts;
                      return std::pair(p[left], p[right]);
-                   })
-      .def_prop_ro(
-          "heights",
-          [](const FloorEpisode& e) {
-            return std::pair(e.job().heights()[left], e.job().heights()[right]);
-          },
-          "Heights of the pivots, as commanded [m].")
+                   }))
+      .def_prop_ro("heights", of_job([](auto& job) {
+                     return std::pair(job.heights()[left], job.heights()[right]);
+                   }),
+                   "Heights of the pivots, as commanded [m].")
+      .def_prop_ro("travelled", of_job([](auto& job) {
+                     return std::pair(job.travelled()[left], job.travelled()[right]);
+                   }),
+                   "What each robot has moved while it carried [m].")
+      .def_prop_ro("states", of_job([](auto& job) {
+                     return std::remove_reference_t<decltype(job)>::TheTable::states;
+                   }),
+                   "How many states the table of the job has.")
       .def_prop_ro("seen", &FloorEpisode::seen,
                    "Of each robot (sign, palm turned, travelled [m], touches, what the arm does, "
-                   "arm there, arm steps).")
+                   "arm there, arm steps, beneath).")
       .def("step", &FloorEpisode::step, nb::arg("left"), nb::arg("right"),
-           "One tick with (palm, move, stop, arm) of each robot.");
+           "One tick with (palm, move, stop, arm, state of the table) of each robot; state -1: as "
+           "before.");
   nb::class_<Episode>(m, "Episode", "A carry whose robots are commanded from outside.")
       .def(nb::init<const Spec&, std::uint64_t, bool, nb::object, double>(), nb::arg("spec"),
            nb::arg("seed"), nb::arg("record") = false, nb::arg("world") = nb::none(),

@@ -101,7 +101,7 @@ ProgramOutputs PythonExchange::operator()(std::uint32_t tick, const ProgramInput
     out.rejected = rejected;
     out.late = late;
     const auto [phase, rejected_phases, late_phases] = phases;
-    out.phase = static_cast<Lifting::State>(phase);
+    out.phase = phase;
     out.rejected_phases = rejected_phases;
     out.late_phases = late_phases;
   }

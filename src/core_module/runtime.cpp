@@ -29,40 +29,45 @@ struct Start {
   std::uint32_t epoch;
   std::size_t side;
   bool assists;  // stored: the palm was up for the partner
-  runtime::PhaseProgram phases;
+  bool holds;    // stored: of the table of the job (runtime/phase_program.hpp)
   runtime::RuntimeSettings settings;
   runtime::StoredMode stored;
   bool carries;  // the carry is under way
 };
 
-runtime::PhaseSettings phase_settings_of(const Spec& spec, std::size_t side) {
-  return {uses_floor(spec),
-          spec.begins_on != StandsOn::palms,
-          spec.ends_on != StandsOn::palms,
-          leader_of(spec) == side,
-          stands_by(spec, side),
-          table_times_of<Lifting>(spec)};
+template <class Table>
+runtime::PhaseProgram<Table> phases_of(const Spec& spec, const Start& s) {
+  return {{uses_floor(spec), spec.begins_on != StandsOn::palms, spec.ends_on != StandsOn::palms,
+           leader_of(spec) == s.side, stands_by(spec, s.side), table_times_of<Table>(spec)},
+          s.epoch,
+          s.holds};
 }
 
-template <class Program>
-AnyRobot robot_with(const Start& s, const Program& fresh, const Program& rebooted) {
-  return std::make_shared<runtime::RobotWith<Program>>(s.identity, s.epoch, fresh, rebooted,
-                                                       s.phases, s.settings, s.stored, s.carries);
+template <class Table = Lifting, class Program>
+AnyRobot robot_with(const Spec& spec, const Start& s, const Program& fresh,
+                    const Program& rebooted) {
+  return std::make_shared<runtime::RobotWith<Program, runtime::PhaseProgram<Table>>>(
+      s.identity, s.epoch, fresh, rebooted, phases_of<Table>(spec, s), s.settings, s.stored,
+      s.carries);
 }
 
 template <class Controller>
-AnyRobot partner_robot(const Start& start, const Controller& controller) {
+AnyRobot partner_robot(const Spec& spec, const Start& start, const Controller& controller) {
   const runtime::PartnerProgram<Controller> program(controller, start.epoch);
-  return robot_with(start, program, program);
+  return robot_with(spec, start, program, program);
 }
 
 AnyRobot robot_of(const Spec& spec, const nb::object& controller, const Start& start) {
+  if (is_alone(spec)) {
+    const runtime::NoProgram program;
+    return robot_with<Lone>(spec, start, program, program);
+  }
   if (nb::isinstance<Machines>(controller)) {
-    return partner_robot(start,
+    return partner_robot(spec, start,
                          MachineRobot(&nb::cast<const Machines&>(controller).tables[start.side]));
   }
   if (!nb::isinstance<nb::str>(controller)) {
-    return partner_robot(start, python_controllers(controller, spec)[start.side]);
+    return partner_robot(spec, start, python_controllers(controller, spec)[start.side]);
   }
   AnyRobot robot;
   visit_program(nb::cast<std::string>(controller), [&](auto maker) {
@@ -74,7 +79,7 @@ AnyRobot robot_of(const Spec& spec, const nb::object& controller, const Start& s
                                           spec.brake != 0,
                                           spec.start_by_touch != 0,
                                           start.assists};
-      robot = robot_with(start, maker.fresh(program), maker.rebooted(program));
+      robot = robot_with(spec, start, maker.fresh(program), maker.rebooted(program));
     }
   });
   if (!robot) throw std::invalid_argument("controller: does not run on robots");
@@ -124,8 +129,7 @@ class RobotHandle {
             static_cast<int>(robot_->awaits()),
             robot_->received().rejected - before.rejected,
             robot_->received().late - before.late,
-            {static_cast<int>(robot_->phases().state()),
-             robot_->received_phases().rejected - phases_before.rejected,
+            {robot_->phase(), robot_->received_phases().rejected - phases_before.rejected,
              robot_->received_phases().late - phases_before.late},
             out.decision.assists};
   }
@@ -148,9 +152,9 @@ class RobotHandle {
   const runtime::ModeOutputs& mode() const { return mode_; }
   ArmMove arm() const { return arm_; }
   bool holds() const { return holds_; }
-  const char* phase() const {
-    return robot_->phases().lifts() ? name_of(robot_->phases().state()) : "";
-  }
+  int phase() const { return robot_->phase(); }
+  const char* phase_name() const { return robot_->phase_name(); }
+  bool counts() const { return robot_->counts(); }
 
   std::optional<nb::bytes> greet() {
     wire::Bytes bytes{};
@@ -272,16 +276,15 @@ void bind_runtime(nb::module_& core) {
              const runtime::RuntimeSettings& settings, bool carries, bool stored_carries,
              bool stored_stop, bool holds) {
             const wire::Identity identity{key_of(key), pair, static_cast<wire::Role>(side)};
-            new (self)
-                RobotHandle(spec, std::move(controller),
-                            {identity,
-                             epoch,
-                             side,
-                             assists,
-                             runtime::PhaseProgram(phase_settings_of(spec, side), epoch, holds),
-                             settings,
-                             {stored_carries, stored_stop},
-                             carries});
+            new (self) RobotHandle(spec, std::move(controller),
+                                   {identity,
+                                    epoch,
+                                    side,
+                                    assists,
+                                    holds,
+                                    settings,
+                                    {stored_carries, stored_stop},
+                                    carries});
           },
           nb::arg("spec"), nb::arg("controller"), nb::arg("side"), nb::arg("key"), nb::arg("pair"),
           nb::arg("epoch"), nb::arg("assists"), nb::arg("settings"), nb::arg("carries") = false,
@@ -310,8 +313,11 @@ void bind_runtime(nb::module_& core) {
       .def_prop_ro(
           "arm", [](const RobotHandle& r) { return static_cast<int>(r.arm()); },
           "What the arm does: 0 follows the floor, 1 reaches, 2 holds, 3 rises, 4 sinks.")
-      .def_prop_ro("phase", &RobotHandle::phase,
+      .def_prop_ro("phase", &RobotHandle::phase_name,
                    "The phase of a job on the floor; empty: it is none.")
+      .def_prop_ro("phase_state", &RobotHandle::phase, "The number of this phase in its table.")
+      .def_prop_ro("counts", &RobotHandle::counts,
+                   "What it moves counts as a part of the distance.")
       .def("greet", &RobotHandle::greet,
            "A hello to the partner, before the carry; None if the controller has no use for it.")
       .def("operate", &RobotHandle::operate, nb::arg("operation"),

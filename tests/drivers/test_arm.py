@@ -3,6 +3,7 @@
 
 import math
 import random
+from dataclasses import replace
 
 import pytest
 
@@ -10,7 +11,7 @@ import palmbots as pb
 from palmbots.drivers.arm import FOLLOWS, HOLDS, RISES, SINKS, ArmMotion, ArmShape, arm_shape
 from palmbots.drivers.driver import Drive, DriverSettings, RawReading
 from palmbots.drivers.driver_registry import open_driver
-from palmbots.drivers.hardware import HardwareParameters, arm_servo_angle
+from palmbots.drivers.hardware import HardwareParameters, arm_servo_angle, servo_angle
 from palmbots.drivers.hardware_io import HardwareIo
 from palmbots.errors import PalmbotsError
 
@@ -86,6 +87,29 @@ def test_a_driver_turns_the_servo_of_the_arm() -> None:
     assert after.arm_rad is not None
     assert abs(after.arm_rad - command.arm_rad) < math.radians(120 / 0.13 * 0.05 * 0.051)
     assert arm_servo_angle(hardware, SHAPE, 0.15) == pytest.approx(math.radians(30))
+
+
+def test_an_arm_is_down_once_its_palm_has_turned() -> None:
+    """The floor is higher for a steep palm, which turns for a while."""
+    hardware = HardwareParameters(arm_floor_deg=150, arm_top_deg=30)
+    io = HardwareIo(hardware, leads=False, arm=SHAPE)
+    steep, shallow = (
+        Drive(palm, 0, True, False, rad, 0.0, arm=SINKS) for palm, rad in ((0, 0.26), (1, 0.09))
+    )
+
+    def is_down(drive: Drive, palm_rad: float, now_s: float) -> bool:
+        io.command(drive, now_s)
+        servo_rad = servo_angle(hardware, palm_rad)
+        return io.reading(RawReading((0.0, 0.0), (False, True, False), servo_rad), now_s).arm_there
+
+    io.command(replace(steep, arm=RISES), 0.0)
+    assert is_down(steep, 0.26, 0.01)
+    sunk = [is_down(shallow, 0.09, 0.01 * tick) for tick in range(2, 60)]
+    assert not sunk[0]
+    assert sunk[-1]
+    assert not is_down(steep, 0.09, 0.61)
+    assert not is_down(steep, 0.2, 0.62)
+    assert is_down(steep, 0.26, 0.63)
 
 
 def test_a_driver_without_an_arm_is_refused() -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from json_output import read_json
-from live_faults import FAULTS, JOB, Fault
+from live_faults import FAULTS, JOB, SHORT_WAY, Fault
 from palmbots._types import SIDES
 from palmbots.links.impairment import Impairment
 from stepped_processes import UNDER_WAY, SteppedProcesses
@@ -65,6 +65,35 @@ def test_a_fault_in_a_phase_of_a_job(name: str, phase: str, tmp_path: Path) -> N
         pair.carry()
         pair.run_until(lambda: any(one.startswith(phase) for one in pair.phases.values()), 60.0)
         suffer(fault, pair)
+
+
+@pytest.mark.parametrize(
+    ("scene", "phase", "ends"),
+    [
+        ("stand", "raise", "delivered"),
+        ("stand", "lower", "delivered"),
+        ("lone", "seat", "delivered"),
+        # It does not know how far it has carried the object.
+        ("lone", "haul", "stopped"),
+    ],
+)
+def test_a_robot_is_killed_at_a_stand_or_while_it_works_alone(
+    scene: str, phase: str, ends: str, tmp_path: Path
+) -> None:
+    fault = FAULTS["right robot off for 0.5 s"]
+    with SteppedProcesses(
+        tmp_path, "shared-sign", fault.impairment, scene=scene, overrides=SHORT_WAY[scene]
+    ) as pair:
+        pair.start()
+        pair.run_until(lambda: pair.phases.get("right", "").startswith(phase), 60.0)
+        fault.begin(pair)
+        pair.run(fault.lasts_s)
+        fault.end(pair)
+        world = pair.finish()
+        assert pair.says(fault.line), pair.report()
+        assert world["outcome"] == ends, pair.report()
+        assert world["reason"] is None
+        assert "Traceback" not in pair.report()
 
 
 @pytest.mark.parametrize(("held_up_s", "boots"), [(0.08, 1), (0.15, 2)])

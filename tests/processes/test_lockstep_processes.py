@@ -15,7 +15,7 @@ import pytest
 import palmbots as pb
 from cxx import ROOT
 from json_output import read_json
-from live_faults import JOB, SIMULATED, scene_with
+from live_faults import JOB, SHORT_WAY, SIMULATED, scene_with
 from pair_programs import programs_of, started
 from waiting import wait_until
 
@@ -49,9 +49,20 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "centralized, everything": ("centralized", SHORT | EVERYTHING),
     "policy": ("examples/policies/table-1.toml", SHORT),
     "shared-sign, a job on the floor, losses and reboots": ("shared-sign", HARD_JOB),
+    "shared-sign, from a stand onto a stand": ("shared-sign", SHORT_WAY["stand"]),
+    "shared-sign, one robot alone, which restarts": (
+        "shared-sign",
+        SHORT_WAY["lone"]
+        | {"faults.script": [{"kind": "reboot", "robot": "right", "at_s": 5.0, "duration_s": 0.5}]},
+    ),
     "class in Python": ("CLASS", SHORT),
 }
 """Each kind of program once: tests/robot compares all controllers inside one process."""
+SCENES = {
+    "shared-sign, from a stand onto a stand": "stand",
+    "shared-sign, one robot alone, which restarts": "lone",
+}
+"""Those that are not the scene `paper`."""
 
 
 def palmbots(command: Sequence[str], folder: Path) -> tuple[int, str, str]:
@@ -76,7 +87,7 @@ def test_processes_carry_as_one_program(case: str, own_class: str, tmp_path: Pat
     controller, overrides = CASES[case]
     controller = controller.replace("CLASS", own_class)
     scene = tmp_path / "scene.toml"
-    scene.write_text(pb.load_scene("paper", overrides).to_toml())
+    scene.write_text(pb.load_scene(SCENES.get(case, "paper"), overrides).to_toml())
     arguments = [str(scene), "--controller", controller, "--seed", "3", "--json"]
     status, expected, _ = palmbots(["carry", *arguments], ROOT)
     up_status, printed, errors = palmbots(["up", *arguments, "--lockstep"], ROOT)

@@ -8,7 +8,7 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
-from live_faults import SIMULATED, scene_with
+from live_faults import SHORT_WAY, SIMULATED, scene_with
 from palmbots.control.registry import resolve
 from palmbots.errors import PalmbotsError
 from palmbots.pair.pair_file import init_pair, load_pair
@@ -159,6 +159,48 @@ JOBS: dict[str, dict[str, Any]] = {
 )
 def test_jobs_on_the_floor_run_as_inside_one_program(controller: str, job: str) -> None:
     inside, outside = both_ways(controller, {"task.distance_m": 0.5} | JOBS[job], 3, "lift")
+    assert outside.trace_hash == inside.trace_hash
+    assert outside.summary() == inside.summary()
+    assert outside.message_log == inside.message_log
+    assert outside.floor_job == inside.floor_job
+
+
+STANDS = SHORT_WAY["stand"]
+OTHER_JOBS: dict[str, tuple[str, dict[str, Any]]] = {
+    "stand": ("stand", STANDS),
+    "stand, everything": ("stand", STANDS | EVERYTHING),
+    "stand, both restart": (
+        "stand",
+        STANDS
+        | {
+            "faults.script": [
+                {"kind": "reboot", "robot": "left", "at_s": 3.0, "duration_s": 0.5},
+                {"kind": "reboot", "robot": "right", "at_s": 7.0, "duration_s": 0.5},
+            ]
+        },
+    ),
+    "from the floor onto a stand": (
+        "stand",
+        {"task.from": "floor", "floor.stands": STANDS["floor.stands"][1:]},
+    ),
+    "lone": ("lone", {}),
+    "lone, restarts": (
+        "lone",
+        {
+            "faults.script": [
+                {"kind": "reboot", "robot": "right", "at_s": at_s, "duration_s": 0.5}
+                for at_s in (1.0, 14.0)
+            ]
+            + [{"kind": "freeze", "robot": "right", "at_s": 4.0, "duration_s": 0.5}]
+        },
+    ),
+}
+
+
+@pytest.mark.parametrize("job", OTHER_JOBS)
+def test_jobs_at_stands_and_of_one_robot_run_as_inside_one_program(job: str) -> None:
+    name, overrides = OTHER_JOBS[job]
+    inside, outside = both_ways("shared-sign", {"task.distance_m": 0.5} | overrides, 3, name)
     assert outside.trace_hash == inside.trace_hash
     assert outside.summary() == inside.summary()
     assert outside.message_log == inside.message_log

@@ -14,6 +14,7 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
+from live_faults import SHORT_WAY
 from palmbots.drivers.arm import FOLLOWS, HOLDS, RISES, SINKS
 from palmbots.pair.launcher import UP
 from palmbots.simulation.floor_job import MEANINGS, TASK_PHASES
@@ -32,12 +33,13 @@ VISITED = sorted({one.phase for one in JOB.phases})
 class Job:
     """A pair, and what has to hold in every tick."""
 
-    def __init__(self, folder: Path, controller: str = "shared-sign", **overrides: Any) -> None:
+    def __init__(
+        self, folder: Path, controller: str = "shared-sign", scene: str = "lift", **overrides: Any
+    ) -> None:
         folder.mkdir(exist_ok=True)
         self.pair = SimulatedPair(
-            folder, controller, Air(), UP, {"task.distance_m": 0.3, **overrides},
-            scene="lift",
-        )  # fmt: skip
+            folder, controller, Air(), UP, {"task.distance_m": 0.3, **overrides}, scene=scene
+        )
         assert isinstance(self.pair.stage, FloorStage)
         self.stage: FloorStage = self.pair.stage
 
@@ -59,7 +61,7 @@ class Job:
         """``delivered``, or ``held``: nothing has moved for 30 s."""
         still, before = 0, None
         for _ in range(MOST_TICKS):
-            if self.pair.modes() == ("done", "done"):
+            if set(self.pair.modes()) == {"done"}:
                 assert self.stage.is_put_down
                 return "delivered"
             now = (self.stage.midpoint, self.stage.heights_m)
@@ -127,7 +129,7 @@ def test_a_fault_in_each_phase_ends_safely(phase: str, fault: str, job: Job) -> 
             height = job.stage.heights_m[k]
         job.tick()
         if tick > watchdog + 5:
-            _, move, stop, arm = pair.commands[side]
+            _, move, stop, arm, _ = pair.commands[side]
             assert (move, stop) == (0, True)
             assert arm == (FOLLOWS if TASK_PHASES[phase] == "low" else HOLDS)
             if arm == HOLDS:
@@ -215,4 +217,48 @@ def test_a_job_onto_the_palms_ends_in_the_air(tmp_path: Path) -> None:
     job = Job(tmp_path / "pair", **{"task.to": "palms"})
     assert job.pair.carry_until_the_end() == "delivered"
     assert min(job.stage.heights_m) > 0.1
+    job.close()
+
+
+OTHERS = [
+    (scene, phase)
+    for scene, keys in SHORT_WAY.items()
+    for phase in sorted({
+        one.phase for one in pb.carry(scene, "shared-sign", overrides=keys).floor_job.phases  # ty: ignore[unresolved-attribute]  # it is a job
+    })
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", SHORT_WAY)
+def test_jobs_at_stands_and_of_one_robot(scene: str, tmp_path: Path) -> None:
+    job = Job(tmp_path / "pair", scene=scene, **SHORT_WAY[scene])
+    assert {*job.pair.robots} == {*job.pair.scene.working_sides}
+    assert job.pair.carry_until_the_end() == "delivered"
+    assert job.stage.is_put_down
+    assert job.stage.moved_m == pytest.approx(0.5, abs=0.1) or scene == "lone"
+    job.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene", "phase"), OTHERS)
+def test_a_robot_is_killed_in_each_phase_of_these_jobs(
+    scene: str, phase: str, tmp_path: Path
+) -> None:
+    """It goes on. One that works alone, and may have raised its arm, stands from then on."""
+    job = Job(tmp_path / "pair", scene=scene, **SHORT_WAY[scene])
+    job.pair.start()
+    for _ in range(MOST_TICKS):
+        if phase in job.phases().values() or set(job.pair.modes()) == {"done"}:
+            break
+        job.tick()
+    if phase not in job.phases().values() or set(job.pair.modes()) == {"done"}:
+        pytest.skip("no robot was in this phase for a tick")
+    side = next(one for one in job.phases() if job.phases()[one] == phase)
+    job.pair.power_off(side)
+    for _ in range(OFF_TICKS):
+        job.tick()
+    job.pair.boot(side)
+    stands = scene == "lone" and phase not in ("scoop", "seat", "ease")
+    assert job.finish() == ("held" if stands else "delivered")
+    assert not stands or (job.stage.heights_m[SIDES.index(side)] < 0.05)
     job.close()

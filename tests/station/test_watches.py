@@ -51,7 +51,7 @@ def test_a_carry_that_does_not_move_on_is_named(left: Any, right: Any, hangs: bo
 @pytest.mark.parametrize(("phase", "after_s"), [("centre", 30.0), ("carry", 5.0)])
 def test_a_job_may_stay_in_a_phase_before_the_carry(phase: str, after_s: float) -> None:
     watch = FaultWatch(PERIOD_S, PacketStatistics("station"), 0.0, lambda: 0.0)
-    number = list(_core.lift_states).index(phase)
+    number = next(n for n, name in _core.lift_state_numbers.items() if name == phase)
     for sequence, side in enumerate(SIDES, 1):
         body = Status(item="phase", value=number)
         watch.take("accepted", Packet(side, "station", 1, 1, sequence, body=body), "new", 0.0)

@@ -179,3 +179,14 @@ JOB: dict[str, Any] = {
     "palm.thickness_m": 0.0015, "palm.nose_m": 0.0003, "palm.bevel_m": 0.008,
     "palm.heel_m": 0.012, "task.distance_m": 0.3,
 }  # fmt: skip
+
+# Other jobs, over a short distance.
+SHORT_WAY: dict[str, dict[str, Any]] = {
+    "stand": {
+        "task.distance_m": 0.5,
+        "floor.stands": [
+            {"from_m": x - 0.2, "to_m": x + 0.2, "height_m": 0.1, "gap_m": 0.26} for x in (0.0, 0.5)
+        ],
+    },
+    "lone": {"task.distance_m": 0.5},
+}

@@ -77,11 +77,13 @@ class SteppedProcesses:
         self, folder: Path, controller: str = "resilient", radio: Impairment | None = None,
         *, seed: int = 0, overrides: Mapping[str, Any] | None = None,
         environment: Mapping[str, str] | None = None,
-        clock_rate: Mapping[Side, float] | None = None,
+        clock_rate: Mapping[Side, float] | None = None, scene: str = "paper",
     ) -> None:  # fmt: skip
         self.folder, self.now_ns = folder, 0
         self._environment = {"PALMBOTS_STEPS": f"unix:{folder / 'steps'}", **(environment or {})}
-        self.scene = pb.load_scene("paper", {"task.distance_m": 0.4} | dict(overrides or {}))
+        self.scene = pb.load_scene(scene, {"task.distance_m": 0.4} | dict(overrides or {}))
+        self.sides = self.scene.working_sides
+        self.order = ("world", *self.sides, "station")
         (folder / "scene.toml").write_text(self.scene.to_toml())
         self._clock_rate: dict[str, float] = {**(clock_rate or {})}
         self._stack = contextlib.ExitStack()
@@ -151,9 +153,9 @@ class SteppedProcesses:
 
     def start(self) -> None:
         """Start all, and wait until the first tick can come."""
-        for name in ORDER:
+        for name in self.order:
             self.spawn(name)
-        self.let_in(*ORDER)
+        self.let_in(*self.order)
 
     def carry(self) -> None:
         """Start all, and let them carry for two seconds."""
@@ -316,10 +318,10 @@ class SteppedProcesses:
         """Wait until the station ends, end the robots as `palmbots up` does, and return what the
         world prints."""
         self.run_until(lambda: self.has_ended("station") or self.has_ended("world"), within_s)
-        for side in ("left", "right"):
+        for side in self.sides:
             if not self.has_ended(side):
                 self.programs[side].process.terminate()
-        self.run_until(lambda: self.has_ended(*ORDER), 10.0)
+        self.run_until(lambda: self.has_ended(*self.order), 10.0)
         return read_json("world", self.programs["world"].printed())
 
     # What has happened
@@ -332,7 +334,8 @@ class SteppedProcesses:
         return {side: status.fault for side, status in self.status.items()}
 
     def carries(self) -> bool:
-        return len(self.status) == 2 and all(m in UNDER_WAY[1:] for m in self.modes().values())
+        modes = self.modes().values()
+        return len(modes) == len(self.sides) and all(m in UNDER_WAY[1:] for m in modes)
 
     def lines(self) -> str:
         """What the station has printed."""

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "palmbots/control/table.hpp"
+#include "palmbots/control/table_robot.hpp"
 
 namespace palmbots {
 
@@ -157,6 +157,35 @@ struct LiftRules {
     Command command = by == Driver::table ? own : given;
     if (by == Driver::controller_in_place) command.stop = true;
     return command;
+  }
+};
+
+// The number by which a robot reports a state of such a table.
+template <class Table>
+constexpr int phase_number(typename Table::State state) {
+  static_assert(Table::states <= 32);
+  return 32 * Table::number + static_cast<int>(state);
+}
+
+// A robot with such a table, whose first step after a boot reads its switches as any other step does. Its
+// arm has not begun yet with what the state after a boot asks of it. A robot that works alone sends
+// nothing.
+template <class Table>
+struct LiftRobot : TableRobot<Table> {
+  using Base = TableRobot<Table>;
+  static constexpr Mail mail = Table::alone ? Mail::none : Table::mail;
+
+  explicit LiftRobot(const Base& robot) : Base(robot) {}
+  LiftRobot booted() const {
+    LiftRobot made(Base::booted());
+    made.clock().own.senses = this->clock().own.senses;
+    made.clock().own.senses.arm_there = false;
+    return made;
+  }
+  RobotOutput step(const RobotInput& in) {
+    RobotOutput out = Base::step(in);
+    if (Table::alone) out.send = false;
+    return out;
   }
 };
 

@@ -71,6 +71,7 @@ struct Lifting : LiftRules<Lifting> {
   };
   using S = State;
   using M = MessageKind;
+  static constexpr int number = 0;  // among the tables of jobs
   static constexpr int states = 26;
   static constexpr State initial = S::dock;
 

@@ -45,6 +45,7 @@ struct Lone : LiftRules<Lone> {
   };
   using S = State;
   using M = MessageKind;
+  static constexpr int number = 1;  // among the tables of jobs
   static constexpr int states = 14;
   static constexpr State initial = S::scoop;
 

@@ -21,7 +21,11 @@ class Robot {
   virtual const wire::Endpoint& endpoint() const = 0;
   virtual const ReceivedCounts& received() const = 0;
   virtual const ReceivedCounts& received_phases() const = 0;
-  virtual const PhaseProgram& phases() const = 0;
+  // Of a job on the floor: the state of the table, and its name; empty: there is no such job.
+  virtual int phase() const = 0;
+  virtual const char* phase_name() const = 0;
+  // What it moves counts as a part of the distance.
+  virtual bool counts() const = 0;
   virtual char name() const = 0;
   virtual bool waits() const = 0;
   virtual MessageKind awaits() const = 0;
@@ -32,7 +36,7 @@ class Robot {
   ~Robot() = default;
 };
 
-template <class Program>
+template <class Program, class Phases = PhaseProgram<Lifting>>
 class RobotWith final : public Robot {
  public:
   template <class... Arguments>
@@ -48,7 +52,13 @@ class RobotWith final : public Robot {
   const wire::Endpoint& endpoint() const override { return runtime_.endpoint(); }
   const ReceivedCounts& received() const override { return runtime_.received(); }
   const ReceivedCounts& received_phases() const override { return runtime_.received_phases(); }
-  const PhaseProgram& phases() const override { return runtime_.phases(); }
+  int phase() const override { return static_cast<int>(runtime_.phases().state()); }
+  const char* phase_name() const override {
+    return runtime_.phases().lifts() ? name_of(runtime_.phases().state()) : "";
+  }
+  bool counts() const override {
+    return !runtime_.phases().lifts() || runtime_.phases().is_carrying();
+  }
   char name() const override { return runtime_.name(); }
   bool waits() const override { return runtime_.waits(); }
   MessageKind awaits() const override { return runtime_.program().awaits(); }
@@ -56,7 +66,7 @@ class RobotWith final : public Robot {
   bool greets_station() const override { return Program::with_station; }
 
  private:
-  RobotRuntime<Program> runtime_;
+  RobotRuntime<Program, Phases> runtime_;
 };
 
 }  // namespace palmbots::runtime

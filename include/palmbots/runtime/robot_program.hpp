@@ -147,6 +147,24 @@ class PartnerProgram {
   std::uint32_t epoch_;
 };
 
+// A robot without a controller: the table of its job does everything.
+class NoProgram {
+ public:
+  static constexpr bool answers_with_hello = false;
+  static constexpr bool repeats = false;
+  static constexpr bool greets = false;
+  static constexpr bool with_station = false;
+
+  constexpr void begin(std::uint32_t) {}
+  constexpr void pass(std::uint16_t) {}
+  constexpr Taken hear(const wire::Decoded&) { return Taken::ignored; }
+  constexpr Decision step(const Observation&) { return {}; }
+  static constexpr char name() { return ' '; }
+  static constexpr bool waits() { return false; }
+  static constexpr MessageKind awaits() { return MessageKind::none; }
+  static constexpr std::uint32_t silence() { return 0; }
+};
+
 // A robot of the centralized algorithm: it reports in every tick, and executes the newest command.
 class ReportProgram {
  public:

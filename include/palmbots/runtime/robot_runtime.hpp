@@ -34,14 +34,16 @@
 namespace palmbots::runtime {
 
 // One robot.
-template <class Program>
+template <class Program, class Phases = PhaseProgram<Lifting>>
 class RobotRuntime {
+  using Table = Phases::Table;
+
  public:
   // `fresh` begins a carry, `rebooted` goes on with one after a boot. With `carries` the program
   // runs from the first step, as `fresh` if this is the robot's first boot.
   RobotRuntime(const wire::Identity& identity, std::uint32_t epoch, Program fresh, Program rebooted,
-               const PhaseProgram& phases, const RuntimeSettings& settings,
-               const StoredMode& stored, bool carries)
+               const Phases& phases, const RuntimeSettings& settings, const StoredMode& stored,
+               bool carries)
       : settings_(settings),
         endpoint_(identity, epoch),
         fresh_(std::move(fresh)),
@@ -138,7 +140,7 @@ class RobotRuntime {
 
   const wire::Endpoint& endpoint() const { return endpoint_; }
   const Program& program() const { return program_; }
-  const PhaseProgram& phases() const { return phases_; }
+  const Phases& phases() const { return phases_; }
   const ReceivedCounts& received() const { return received_; }
   // Of the packets with phases.
   const ReceivedCounts& received_phases() const { return received_phases_; }
@@ -164,14 +166,12 @@ class RobotRuntime {
     return {settings_.number, machine_.memory().mode == wire::RobotMode::stopped};
   }
   // In a job on the floor the table says when the distance is covered, and not the mode machine.
-  static ModeSettings mode_settings(const RuntimeSettings& settings, const PhaseProgram& phases) {
+  static ModeSettings mode_settings(const RuntimeSettings& settings, const Phases& phases) {
     ModeSettings mode = settings.mode;
     if (phases.lifts()) mode.travel = 0;
     return mode;
   }
-  bool travels() const {
-    return phases_.state() == Lifting::State::carry && !command_.stop && travelled_ < never / 2;
-  }
+  bool travels() const { return phases_.is_carrying() && !command_.stop && travelled_ < never / 2; }
   // It has travelled for the time that takes the place of the distance.
   bool is_far() const { return settings_.mode.travel > 0 && travelled_ >= settings_.mode.travel; }
   bool corrects() const { return !phases_.lifts() || phases_.corrects(); }
@@ -191,7 +191,7 @@ class RobotRuntime {
     out.decision = program_.step(corrects() ? seen : Observation{Sign::zero, true});
     if (phases_.lifts()) {
       Command& command = out.decision.command;
-      command = Lifting::command(phases_.state(), phases_.senses(), out.phase.command, command);
+      command = phases_.command(out.phase.command, command);
     }
     out.arm = phases_.arm(true);
   }
@@ -252,7 +252,7 @@ class RobotRuntime {
   void talk_to_partner(Outputs& out) {
     const bool stop = out.mode.stop;
     const bool is_time = settings_.state_period > 0 && tick_ % settings_.state_period < elapsed_;
-    if (!runs_ && phases_.has_ended() && is_time) out.phase = phases_.says();
+    if (!Table::alone && !runs_ && phases_.has_ended() && is_time) out.phase = phases_.says();
     if (out.phase.speaks) {
       out.phase.state.mode = out.mode.mode;
       out.phase.state.stop = stop;
@@ -320,7 +320,8 @@ class RobotRuntime {
       case wire::StatusItem::battery: return reading.battery_mv;
       case wire::StatusItem::overruns: return reading.overruns;
       case wire::StatusItem::phase:
-        return phases_.lifts() ? static_cast<std::uint16_t>(phases_.state()) : 0xFFFF;
+        return phases_.lifts() ? static_cast<std::uint16_t>(phase_number<Table>(phases_.state()))
+                               : std::uint16_t{0xFFFF};
       default: return static_cast<std::uint16_t>(sent_);
     }
   }
@@ -352,7 +353,7 @@ class RobotRuntime {
   Program fresh_;
   Program rebooted_;
   Program program_;
-  PhaseProgram phases_;
+  Phases phases_;
   ModeMachine machine_;
   bool runs_;
   std::uint32_t tick_ = 0;  // since the boot

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A job on the floor whose robots are commanded from outside tick by tick: wheels, palms and arms.
-// Their programs know what they have to do; the world only moves. It ends when the object falls.
+// Their programs know what they have to do, and report their phases; the world only moves. It ends when
+// the object falls.
 #pragma once
 
 #include "palmbots/sim/lift_carry.hpp"
@@ -11,6 +12,7 @@ namespace palmbots {
 struct LiftCommand {
   Command command{Palm::steep, Move::hold, true};
   ArmMove arm = ArmMove::hold;
+  int state = 0;  // of the table
 };
 
 // The inner team of such a job; the caller owns the commands.
@@ -18,10 +20,11 @@ struct CommandedLift {
   const PerSide<LiftCommand>* commands;
 };
 
-template <>
-class LiftTeam<CommandedLift> {
+template <class Table>
+class LiftTeam<CommandedLift, Table> {
  public:
-  using State = Lifting::State;
+  using State = Table::State;
+  static constexpr bool ends_jobs = false;  // its programs know when the job is over
   static constexpr bool half_moves = false;
   static constexpr bool expects_turns = false;
   LinkTotals link_totals{};
@@ -41,8 +44,7 @@ class LiftTeam<CommandedLift> {
   void close(std::uint32_t) {}
   void fork(std::uint64_t) {}
 
-  // A state in which all that a robot moves counts as travelled.
-  State state(std::size_t) const { return State::carry; }
+  State state(std::size_t side) const { return static_cast<State>((*inner_.commands)[side].state); }
   ArmMove arm(std::size_t side) const { return (*inner_.commands)[side].arm; }
 
   char name(std::size_t) const { return ' '; }

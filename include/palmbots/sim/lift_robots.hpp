@@ -53,6 +53,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
   using Base = RobotPair<double, LiftTeam<Inner, Table>>;
 
  public:
+  using TheTable = Table;
   using State = Table::State;
 
   LiftRobots(const Spec& spec, std::uint64_t seed, Inner inner, bool records)
@@ -183,10 +184,10 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
     if (reason != DropReason::none) {
       metrics_.reason = reason;
       end(Outcome::dropped, fraction);
-    } else if (is_done(stands)) {
+    } else if (ends_jobs && is_done(stands)) {
       end(Outcome::delivered, 1.0);
     } else if (tick_ + 1 >= spec_.timeout_ticks ||
-               Table::has_failed(team_.state(left), team_.state(right))) {
+               (ends_jobs && Table::has_failed(team_.state(left), team_.state(right)))) {
       end(Outcome::stalled, 1.0);
     }
     ++tick_;
@@ -213,6 +214,8 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
   PerSide<double> height_{};  // of the pivots, as commanded [m]
 
  private:
+  static constexpr bool ends_jobs = LiftTeam<Inner, Table>::ends_jobs;
+
   void end(Outcome outcome, double fraction) {
     metrics_.outcome = outcome;
     metrics_.time_ticks = double(tick_) + fraction;

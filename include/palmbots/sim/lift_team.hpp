@@ -43,24 +43,12 @@ constexpr CorrectionActivity obeyed(const CorrectionActivity& activity, bool by_
   return is_obeyed ? activity : CorrectionActivity{};
 }
 
-// A robot with the table, whose first step after a boot reads its switches as any other step does. Its
-// arm has not begun yet with what the state after a boot asks of it.
-template <class Table>
-struct LiftRobot : TableRobot<Table> {
-  explicit LiftRobot(const TableRobot<Table>& robot) : TableRobot<Table>(robot) {}
-  LiftRobot booted() const {
-    LiftRobot made(TableRobot<Table>::booted());
-    made.clock().own.senses = this->clock().own.senses;
-    made.clock().own.senses.arm_there = false;
-    return made;
-  }
-};
-
 template <class Inner, class TheTable = Lifting>
 class LiftTeam {
  public:
   using Table = TheTable;
   using State = Table::State;
+  static constexpr bool ends_jobs = true;
   bool half_moves;
   bool expects_turns;
   LinkTotals link_totals{};

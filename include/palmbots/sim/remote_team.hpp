@@ -57,7 +57,7 @@ struct ProgramOutput {
   std::uint32_t late = 0;      // packets since the last step that were older than the lease
   PerSide<std::uint32_t> rejected_from{};  // by the station, of each robot
   // In a job on the floor: the state of the table, and its packets as above.
-  Lifting::State phase = Lifting::initial;
+  int phase = 0;
   std::uint32_t rejected_phases = 0;
   std::uint32_t late_phases = 0;
 };
@@ -98,6 +98,7 @@ class RemoteTeam {
         phase_inbox_[side].drop(tick);
         commands_[side] = switched_off(commands_[side]);
       }
+      if (is_absent_[side]) continue;
       if (state == ProgramState::booting) clock_[side] = 1;
       if (state == ProgramState::off || state == ProgramState::frozen) continue;
       const auto elapsed = static_cast<std::uint16_t>(clock_[side]);
@@ -135,8 +136,10 @@ class RemoteTeam {
   // Of a job on the floor: what the robots know besides their observations, before each step, and the
   // state of each table.
   void feel(const PerSide<LiftSenses>& senses) { senses_ = senses; }
-  void enter(std::size_t side, Lifting::State state) { shown_[side].phase = state; }
-  Lifting::State phase(std::size_t side) const { return shown_[side].phase; }
+  void enter(std::size_t side, int state) { shown_[side].phase = state; }
+  int phase(std::size_t side) const { return shown_[side].phase; }
+  // This robot stands aside, and has no program.
+  void leave_out(std::size_t side) { is_absent_[side] = true; }
   const LiftSenses& senses(std::size_t side) const { return senses_[side]; }
   const LinkTotals& phase_totals() const { return phase_totals_; }
   const Faults& faults() const { return faults_; }
@@ -231,6 +234,7 @@ class RemoteTeam {
   PerSide<ProgramOutput> shown_{};
   ProgramOutput station_{};
   PerSide<Command> commands_;
+  PerSide<bool> is_absent_{};
   Radio radio_;
   Radio phase_radio_;
   Faults faults_;
@@ -239,20 +243,23 @@ class RemoteTeam {
 
 // The team of a job on the floor whose programs run elsewhere. Each runs the table beside its
 // controller, and answers for both.
-template <class Exchange, bool has_station>
-class LiftTeam<RemoteTeam<Exchange, has_station>> {
+template <class Exchange, bool has_station, class Table>
+class LiftTeam<RemoteTeam<Exchange, has_station>, Table> {
   using Inner = RemoteTeam<Exchange, has_station>;
 
  public:
-  using State = Lifting::State;
+  using State = Table::State;
+  static constexpr bool ends_jobs = true;
   static constexpr bool half_moves = Inner::half_moves;
   static constexpr bool expects_turns = Inner::expects_turns;
   LinkTotals link_totals{};
 
   LiftTeam(const Spec& spec, std::uint64_t, Inner inner) : inner_(std::move(inner)) {
     const bool low = spec.begins_on != StandsOn::palms;
-    for (const std::size_t side : {left, right})
-      inner_.enter(side, Lifting::first(low, stands_by(spec, side)));
+    for (const std::size_t side : {left, right}) {
+      inner_.enter(side, static_cast<int>(Table::first(low, stands_by(spec, side))));
+      if (Table::alone && side != leader_of(spec)) inner_.leave_out(side);
+    }
   }
 
   void feel(const PerSide<LiftSenses>& senses) { inner_.feel(senses); }
@@ -273,8 +280,8 @@ class LiftTeam<RemoteTeam<Exchange, has_station>> {
   }
   void fork(std::uint64_t seed) { inner_.fork(seed); }
 
-  State state(std::size_t side) const { return inner_.phase(side); }
-  ArmMove arm(std::size_t side) const { return Lifting::arm(state(side), runs_[side]); }
+  State state(std::size_t side) const { return static_cast<State>(inner_.phase(side)); }
+  ArmMove arm(std::size_t side) const { return Table::arm(state(side), runs_[side]); }
 
   char name(std::size_t side) const { return is_correcting(side) ? inner_.name(side) : ' '; }
   bool waits(std::size_t side) const { return is_correcting(side) && inner_.waits(side); }
@@ -285,7 +292,7 @@ class LiftTeam<RemoteTeam<Exchange, has_station>> {
 
  private:
   bool is_correcting(std::size_t side) const {
-    return Lifting::driver(state(side), inner_.senses(side)) != Driver::table;
+    return Table::driver(state(side), inner_.senses(side)) != Driver::table;
   }
   void count_messages() {
     link_totals = inner_.link_totals;

@@ -247,6 +247,11 @@ def _check_times(scene: Scene) -> None:
 
 def _check_arm(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
     refuse_stands(scene)
+    if len(scene.working_sides) == 1:
+        raise PalmbotsError(
+            'task.dock: value is "alone", and boards have the table of two robots; allowed: '
+            '"together" or "one-first"'
+        )
     if hardware.arm_floor_deg == hardware.arm_top_deg:
         raise PalmbotsError(
             f"hardware.arm_top_deg: value is {hardware.arm_top_deg:g}, as arm_floor_deg: the {side}"

@@ -177,9 +177,12 @@ def station_app(client: StationClient, restarts_within_s: float = 0.0) -> "App[N
         def _draw(self) -> None:
             self.query_one("#head", Static).update(self._head())
             state = client.state
+            robots = dict.fromkeys(SIDES) if state is None else state["robots"]
             for side in SIDES:
-                robot = state["robots"][side] if state is not None else None
-                self.query_one(f"#{side}", Static).update(self._robot(robot, side))
+                shown = Text("\nstands aside")
+                if side in robots:
+                    shown = self._robot(robots[side], side)
+                self.query_one(f"#{side}", Static).update(shown)
             warnings = [] if state is None else state["warnings"]
             if not client.is_connected:
                 warnings = ["the station is gone: the robots stop on their own", *warnings]

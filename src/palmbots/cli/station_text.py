@@ -55,10 +55,10 @@ def progress_text(robot: dict[str, Any]) -> str:
 def plain_status(state: dict[str, Any]) -> list[str]:
     """One line for each robot, within 80 columns, and one for each warning."""
     lines = []
-    for side in SIDES:
+    for side, robot in state["robots"].items():
         head = f"{state['time_s']:7.2f} s  {side:5}  "
-        lines.append(head + _line(state["robots"][side], _WIDTH - len(head)))
-    absent = {side for side in SIDES if not (state["robots"][side] or {}).get("is_heard")}
+        lines.append(head + _line(robot, _WIDTH - len(head)))
+    absent = {side for side, one in state["robots"].items() if not (one or {}).get("is_heard")}
     return lines + [
         f"{state['time_s']:7.2f} s  warning: {text}"
         for text in state["warnings"]

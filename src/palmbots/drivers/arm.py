@@ -64,12 +64,12 @@ def arm_shape(scene: Scene, side: Side) -> ArmShape:
 
 
 def refuse_stands(scene: Scene) -> None:
-    """Raise `SceneError` for a job that begins or ends on a stand, which robots do in lockstep
-    only."""
+    """Raise `SceneError` for a job that begins or ends on a stand: no driver of real robots knows
+    its heights and how far the robot has driven below it."""
     for key in ("from", "to"):
         if getattr(scene.task, key) == "stand":
             raise SceneError(
-                f'task.{key}: "stand" is for simulated robots; allowed: floor, palms, or lockstep'
+                f'task.{key}: "stand" is for simulated robots; allowed for others: floor or palms'
             )
 
 
@@ -85,9 +85,10 @@ class ArmMotion:
         self._shape = shape
         self._top_m = shape.top_m - shape.floors_m[0]
         self._height_m = min(edge * shape.step_m, self._top_m)
-        self._rises = self._height_m == self._top_m
+        self.rises = self._height_m == self._top_m
+        """The arm has moved upward last."""
         self.is_there = False
-        """The arm has reached the height last commanded."""
+        """The arm has reached the height last commanded; down, once the palm has turned."""
 
     def move(self, arm: int, palm: int, elapsed_s: float) -> None:
         """What the arm does from now on, with the palm at its steep (0) or shallow angle (1)."""
@@ -99,11 +100,11 @@ class ArmMotion:
         elif arm == RISES:
             self._height_m = min(self._height_m + most, self._top_m)
             self.is_there = self._height_m == self._top_m
-            self._rises = True
+            self.rises = True
         elif arm == SINKS:
             self._height_m = max(self._height_m - most, floor)
             self.is_there = self._height_m == floor
-            self._rises = False
+            self.rises = False
         self._height_m = max(self._height_m, floor)
 
     @property
@@ -120,5 +121,5 @@ class ArmMotion:
     def edge(self) -> int:
         """The end of the present step from which the arm has come: there it goes on after a boot.
         The partner's arm is at most a step from there. An arm that is up goes on at the top."""
-        is_below = self._rises and self._height_m != self._top_m
+        is_below = self.rises and self._height_m != self._top_m
         return self.steps + (0 if is_below or self._height_m <= 0 else 1)

@@ -43,8 +43,7 @@ class Reading:
     arm_edge: int = 0
     """Where the arm goes on after a boot (`palmbots.drivers.arm.ArmMotion.edge`)."""
     beneath: bool = False
-    """The robot has reached its place below an object on a stand; of a simulated world in
-    lockstep."""
+    """The robot has reached its place below an object on a stand; of a simulated world."""
     far_enough: bool = False
     """The distance is covered, whatever the odometry counts; of a simulated world in lockstep."""
 
@@ -69,6 +68,8 @@ class Drive:
     """What the arm does in a job on the floor (`palmbots.drivers.arm`): the nose of the palm rests
     on the floor, also while the palm turns; or the arm holds its height, rises to the height at
     which the pair carries, or sinks until the nose is on the floor."""
+    phase: int = 0
+    """The phase of a job on the floor, as its table numbers it; for simulated worlds."""
 
 
 class Driver(Protocol):

@@ -100,18 +100,22 @@ class HardwareIo:
                         self._counted_s[wheel] = now_s
             self._counts = counts
         has_middle = any(zone.sign == "0" for zone in hardware.switches)
+        is_turned = self._is_turned(raw.servo_rad, now_s)
         return Reading(
             pressed_sign(hardware, raw.closed),
-            self._is_turned(raw.servo_rad, now_s),
+            is_turned,
             distance_m,
             raw.battery_v,
             any(raw.closed) or not has_middle,
-            *self._arm_reading(),
+            *self._arm_reading(is_turned),
         )
 
-    def _arm_reading(self) -> tuple[bool, int, int]:
+    def _arm_reading(self, is_turned: bool) -> tuple[bool, int, int]:
         arm = self._arm
-        return (False, 0, 0) if arm is None else (arm.is_there, arm.steps, arm.edge)
+        if arm is None:
+            return False, 0, 0
+        # The height of the floor is that of the angle to which the palm turns.
+        return arm.is_there and (is_turned or arm.rises), arm.steps, arm.edge
 
     def _turns(self, wheel: int, rate: float, now_s: float) -> bool:
         """Whether a wheel turns already, as far as can be said."""

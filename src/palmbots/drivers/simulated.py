@@ -67,6 +67,7 @@ class SimulatedDriver:
         self._newest: Reading | RawReading | None = None
         self._palm = 0
         self._arm: int | None = None
+        self._phase = 0
         self._has_arm = False
         self._servo_rad: float | None = None
         self._arm_rad: float | None = None
@@ -132,22 +133,25 @@ class SimulatedDriver:
                 servo_rad,
                 battery_v,
             )
-        if not isinstance(frame, list) or len(frame) not in (3, 7):
+        if not isinstance(frame, list) or len(frame) not in (3, 8):
             raise PalmbotsError("world: sends no readings; allowed: one without --lockstep")
         sign, palm_at_target, distance_m, *senses = frame
         if not senses:
             return Reading(sign, palm_at_target, distance_m)
         self._has_arm = True
-        touches, arm, is_there, steps = senses
+        touches, arm, is_there, steps, beneath = senses
         is_there = is_there and arm == self._arm  # the world may not have the newest command yet
-        return Reading(sign, palm_at_target, distance_m, None, touches, is_there, steps)
+        return Reading(
+            sign, palm_at_target, distance_m, has_contact=touches, arm_there=is_there,
+            arm_steps=steps, beneath=beneath,
+        )  # fmt: skip
 
     def write(self, drive: Drive) -> None:
         """Command palm and wheels; if `drive.wheels` is false, the wheels stop."""
         if isinstance(self._newest, RawReading):
             self.write_raw(self._io.command(drive, self._now_s()))
             return
-        self._palm, self._arm = drive.palm, drive.arm
+        self._palm, self._arm, self._phase = drive.palm, drive.arm, drive.phase
         stops = drive.stop or not drive.wheels
         self._obey(drive.move if drive.wheels else 0, stops)
 
@@ -168,7 +172,8 @@ class SimulatedDriver:
             self._obey(0, True)
 
     def _obey(self, move: int, stops: bool) -> None:
-        self._offer([self._palm, move, stops, *([self._arm] if self._has_arm else [])])
+        of_arm = [self._arm, self._phase] if self._has_arm else []
+        self._offer([self._palm, move, stops, *of_arm])
 
     def _offer(self, frame: list[Any]) -> None:
         with contextlib.suppress(ConnectionLost):  # `read` reports it, or the world's end

@@ -53,12 +53,12 @@ def run_lockstep(
     ):
         world = ["world", str(file.with_name("scene.toml")), "--serve", address, "--lockstep"]
         running.start("world", [*world, "--controller", controller, *world_options])
-        for side in SIDES:
+        for side in scene.working_sides:
             running.start(side, ["robot", str(file), "--side", side, "--lockstep"])
         if has_station:
             running.start("station", ["station", str(file), "--lockstep"])
         while (status := running.status("world")) is None:
-            for side in SIDES:
+            for side in scene.working_sides:
                 ended = running.status(side)
                 if ended == REBOOTED:
                     running.restart(side)
@@ -66,7 +66,7 @@ def run_lockstep(
                     raise PalmbotsError(f"{side} robot: its program ended with status {ended}")
             time.sleep(_POLL_S)
         _check_world(status)
-        running.end(*SIDES, within_s=_END_WITHIN_S, ask=False)
+        running.end(*scene.working_sides, within_s=_END_WITHIN_S, ask=False)
         return status
 
 
@@ -156,7 +156,7 @@ class LiveCarryProcesses:
         world = ["world", str(file.with_name("scene.toml")), "--serve", address, *speed]
         self.station_address = station_address(load_pair(files["station"]))
         running.start("world", [*world, *self._options], output=self._output)
-        for side in SIDES:
+        for side in self._scene.working_sides:
             running.start(side, ["robot", str(files[side]), "--side", side, *speed])
         station = ["station", str(files["station"])]
         running.start(
@@ -181,7 +181,7 @@ class LiveCarryProcesses:
         if world is not None:
             _check_world(world)
             return False
-        for name in (*SIDES, "station"):
+        for name in (*self._scene.working_sides, "station"):
             ended = running.status(name)
             if ended is not None and ended < 0:
                 self._on_line(f"{name}: was killed (signal {-ended}), and starts again")
@@ -202,7 +202,7 @@ class LiveCarryProcesses:
         """
         if self._screen is not None:  # it shows the end
             self.processes.ends_within("screen", _END_WITHIN_S)
-        self.processes.end(*SIDES, within_s=_END_WITHIN_S)
+        self.processes.end(*self._scene.working_sides, within_s=_END_WITHIN_S)
         # The world waits for robots for three seconds of its own time.
         return self.processes.wait("world", _END_WITHIN_S + 5.0 / min(1.0, self._rate))
 

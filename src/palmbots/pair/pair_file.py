@@ -109,17 +109,11 @@ def check_on_robots(scene: Scene) -> None:
     """Check a scene against what robots as processes can carry.
 
     Raises:
-        SceneError: its object is too heavy or cannot be lifted, or it needs turns, or one robot
-            does the job alone.
+        SceneError: its object is too heavy or cannot be lifted, or it needs turns.
     """
     refuse_curved(scene)
     check_load(scene)
     if to_spec(scene).uses_floor:
-        if scene.task.dock == "alone":
-            raise SceneError(
-                'task.dock: value is "alone", and robots as processes work in pairs; allowed: '
-                '"together" or "one-first"'
-            )
         from palmbots.mechanics.lifting import check_lift  # loads numpy
 
         check_lift(scene)

@@ -100,7 +100,7 @@ def run_live_robot(
 
         period_s = scene.control.period_s
         modes = ModeLines(side, on_line)
-        silence = _silence(pair, side, ticks_in(PATIENCE_S * rate, period_s), on_line)
+        silence = _silence(pair, side, scene, ticks_in(PATIENCE_S * rate, period_s), on_line)
 
         def watch(loop: RobotLoop, step: Step) -> None:
             silence.step(loop.heard)
@@ -166,11 +166,14 @@ def logged_program(
     return program, RobotLog(pair, side, state, scene, settings, on_warning)
 
 
-def _silence(pair: Pair, side: Side, patience: int, on_line: Callable[[str], None]) -> Silence:
-    """A watch on which ends a robot hears; the partner only if the controller uses the radio."""
+def _silence(
+    pair: Pair, side: Side, scene: Scene, patience: int, on_line: Callable[[str], None]
+) -> Silence:
+    """A watch on which ends a robot hears; the partner only if there is one, and the controller uses
+    the radio."""
     ends: dict[Role, str] = pair.settings.link.addresses()
     del ends[side]
-    if not controller_of(pair).uses_radio:
+    if not controller_of(pair).uses_radio or partner_of(side) not in scene.working_sides:
         del ends[partner_of(side)]
     return Silence(side, ends, patience, on_line)
 
@@ -215,6 +218,7 @@ def core_settings(
     limits = pair.settings.limits
     lease_s = bounds_of(scene).lease_s if entry.has_time_bounds else NEWS_LEASE_S
     period_s = scene.control.period_s
+    is_alone = len(scene.working_sides) == 1  # there is no partner
 
     def ticks(seconds: float) -> int:
         return ticks_in(seconds, period_s)
@@ -226,12 +230,12 @@ def core_settings(
         "travel": ticks(travel_s) if travel_s > 0 else 0,  # 0: the driver measures the distance
         "stopping_limit": ticks(stopping_limit_s(scene)),
         "most_overruns": _MOST_OVERRUNS,
-        "has_radio": entry.uses_radio or to_spec(scene).uses_floor,
+        "has_radio": not is_alone and (entry.uses_radio or to_spec(scene).uses_floor),
         "rejoins": limits.after_reboot == "rejoin",
         "stops_without_station": limits.station_lost == "stop",
         "stops_without_partner": limits.partner_lost == "stop",
-        "state_period": ticks(_STATE_PERIOD_S),
+        "state_period": 0 if is_alone else ticks(_STATE_PERIOD_S),
         "status_period": min(0xFFFF, ticks(_STATUS_PERIOD_S * rate)),
-        "number": pair.fingerprint(scene),
+        "number": 0 if is_alone else pair.fingerprint(scene),
         "order_age": ticks(limits.order_age_s * rate),
     }

@@ -169,7 +169,7 @@ class RobotLoop:
         values = self._gauge.take(
             seen,
             carries=self._carries,
-            counts=self.robot.phase in ("", "carry"),
+            counts=self.robot.counts,
             driver_ok=works(self._driver),
             storage_ok=self._keeper.works,
             overruns=min(self.clock.recent_overruns, 0xFFFF),
@@ -259,7 +259,7 @@ class RobotLoop:
         self._keeper.keep(self._stored(assists, self._gauge.to_store_m))
         drive = self._drives[palm, move, stop, self.robot.wheels]
         if self._has_arms:
-            drive = replace(drive, arm=self.robot.arm)
+            drive = replace(drive, arm=self.robot.arm, phase=self.robot.phase_state)
         self._driver.write(drive)
         if self.clock.is_stepped:
             self._keeper.settle()

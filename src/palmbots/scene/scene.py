@@ -69,6 +69,13 @@ class Scene(Section):
         """Remember how a command line names it."""
         self._spelled = words
 
+    @property
+    def working_sides(self) -> tuple[Side, ...]:
+        """The robots that work: both, or the one that does a job on the floor alone."""
+        if self.task.dock != "alone" or self.task.ends == ("palms", "palms"):
+            return SIDES
+        return SIDES[1:] if self.task.direction == "forward" else SIDES[:1]
+
     def palm_of(self, side: Side) -> PalmParameters:
         """The palm of one side: `palm` with the overrides of `palm.left` or `palm.right`.
 

@@ -143,16 +143,16 @@ class LiveRobots:
     """
 
     def __init__(self, scene: Scene, stage: Stage, door: socket, rate: float) -> None:
-        self._stage = stage
+        self._stage, self.sides = stage, scene.working_sides
         watchdog_ticks = round(scene.control.watchdog_s / scene.control.period_s)
         self._boards: dict[str, Board] = {
             side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)
         }
-        self._entrance = Entrance(door, SIDES, scene_number(scene))
+        self._entrance = Entrance(door, self.sides, scene_number(scene))
 
     def missing(self) -> list[str]:
-        """The robots without a program."""
-        return [side for side, board in self._boards.items() if board.driver is None]
+        """The robots without a program; one that stands aside needs none."""
+        return [side for side in self.sides if self._boards[side].driver is None]
 
     def wait(self, on_line: Callable[[str], None]) -> None:
         """Wait until both programs have connected.
@@ -173,7 +173,7 @@ class LiveRobots:
 
     def tick(self) -> None:
         """One control period."""
-        for side, program in self._entrance.admit([*{*SIDES} - {*self.missing()}]):
+        for side, program in self._entrance.admit([*{*self.sides} - {*self.missing()}]):
             self._plug(side, program)
         for board, frame in zip(self._boards.values(), self._stage.frames(), strict=True):
             board.take()
@@ -240,7 +240,7 @@ def run_live_world(
             events.take(stage.midpoint, robots.missing())
         if stage.midpoint != before:
             first, last = first or ticks - 1, ticks
-        if len(robots.missing()) == len(SIDES):
+        if len(robots.missing()) == len(robots.sides):
             now = process_clock.monotonic()
             alone_since = alone_since or now
             if now - alone_since > _ALONE_S / rate:

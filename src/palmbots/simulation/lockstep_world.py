@@ -103,6 +103,8 @@ def establish_sessions(
         greet: makes the hello of one end to another; None if its controller has no use for it.
         hear: passes a hello to an end.
     """
+    if not {*SIDES} <= {*ends}:
+        return  # one that works alone talks to nobody
     if "station" in ends:
         talk = [pair for side in SIDES for pair in ((side, "station"), ("station", side))]
     else:
@@ -114,9 +116,9 @@ def establish_sessions(
         hear(receiver, hello)
 
 
-def ends_of(entry: ControllerEntry) -> tuple[str, ...]:
-    """Whose programs a controller needs."""
-    return ENDS if entry.team == "station" else SIDES
+def ends_of(entry: ControllerEntry, sides: tuple[str, ...] = SIDES) -> tuple[str, ...]:
+    """Whose programs a controller needs, if these robots work."""
+    return (*sides, "station") if entry.team == "station" and len(sides) > 1 else sides
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import palmbots._core as _core
 from palmbots._types import SIDES
-from palmbots.drivers.arm import ARM_WORDS, FOLLOWS, HOLDS, RISES, refuse_stands
+from palmbots.drivers.arm import ARM_WORDS, FOLLOWS, HOLDS, RISES
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.links.local_connection import ConnectionLost
@@ -25,7 +25,8 @@ from palmbots.simulation.prepare import prepare
 from palmbots.simulation.worlds import world_entry
 
 # The world goes on until the robots stop: neither distance nor time ends it.
-_ENDLESS = {"task.distance_m": 10_000.0, "task.timeout_s": 90_000.0}
+_NO_TIMEOUT = {"task.timeout_s": 90_000.0}
+_ENDLESS = _NO_TIMEOUT | {"task.distance_m": 10_000.0}
 
 
 class Stage(Protocol):
@@ -142,17 +143,22 @@ class PerfectStage:
         _, _, _, self.midpoint, self.contacts = self._carry.step((*left[:2], 0), (*right[:2], 0), 1)
 
 
+FloorCommand = tuple[int, int, bool, int, int]
+"""Palm, move and stop as a controller commands them, what the arm does, and the phase; phase −1: as
+before."""
+
+
 class FloorStage:
-    """The robots of a scene whose job begins or ends on the floor. Their commands are those of a
-    controller, and what the arm does."""
+    """The robots of a scene whose job begins or ends on the floor or on a stand."""
 
     def __init__(self, scene: Scene, world: str, seed: int) -> None:
         refuse_live_floor(scene, world)
-        prepared = prepare(load_scene(scene, _ENDLESS), "none", world)
+        prepared = prepare(load_scene(scene, _NO_TIMEOUT), "none", world)
         self._job = _core.FloorEpisode(prepared.spec, seed)
-        self._ends_low = scene.task.to == "floor"
-        self._low = getattr(scene.task, "from") == "floor"
-        self.carried_m = 0.0
+        self._ends_low = scene.task.to != "palms"
+        self._low = getattr(scene.task, "from") != "palms"
+        leads = scene.task.direction == "forward"
+        self._sides = (int(leads),) if scene.task.dock == "alone" else (0, 1)
 
     @property
     def midpoint(self) -> float:
@@ -170,8 +176,14 @@ class FloorStage:
         return self._job.contacts
 
     @property
+    def carried_m(self) -> float:
+        """What the robots moved while they carried the object, on average."""
+        travelled = self._job.travelled
+        return float(sum(travelled[side] for side in self._sides) / len(self._sides))
+
+    @property
     def is_put_down(self) -> bool:
-        """The object is on the floor alone, if that is what the job is for."""
+        """The object is on the floor or on a stand alone, if that is what the job is for."""
         return self._job.stands or not self._ends_low
 
     @property
@@ -195,34 +207,33 @@ class FloorStage:
 
     def frames(self) -> tuple[Any, Any]:
         """Sign, whether the palm is turned, the distance that the robot has moved, whether
-        something presses the palm, what the arm does, whether it has done that, and its steps."""
+        something presses the palm, what the arm does, whether it has done that, its steps, and
+        whether the robot is below an object on a stand."""
         left, right = ([*values] for values in self._job.seen)
         return left, right
 
-    def command_in(self, frame: Any) -> tuple[int, int, bool, int]:
-        """Palm, move, stop and arm."""
-        if isinstance(frame, list) and [type(value) for value in frame] == [int, int, bool, int]:
-            palm, move, stop, arm = frame
-            if palm in (0, 1) and move in (0, 1, 2) and arm in range(len(ARM_WORDS)):
-                return palm, move, stop, arm
+    def command_in(self, frame: Any) -> FloorCommand:
+        """Palm, move, stop, arm and phase."""
+        if isinstance(frame, list) and [type(v) for v in frame] == [int, int, bool, int, int]:
+            palm, move, stop, arm, phase = frame
+            is_known = palm in (0, 1) and move in (0, 1, 2) and arm in range(len(ARM_WORDS))
+            if is_known and phase in range(self._job.states):
+                return palm, move, stop, arm, phase
         raise ConnectionLost("a program: sends no commands")
 
-    def rest(self, command: tuple[int, int, bool, int] | None) -> tuple[int, int, bool, int]:
+    def rest(self, command: FloorCommand | None) -> FloorCommand:
         """Stop; the palm stays, and an arm that is up holds."""
         if command is None:
-            return 0, 0, True, FOLLOWS if self._low else HOLDS
-        return command[0], 0, True, FOLLOWS if command[3] == FOLLOWS else HOLDS
+            return 0, 0, True, FOLLOWS if self._low else HOLDS, -1
+        palm, _, _, arm, phase = command
+        return palm, 0, True, FOLLOWS if arm == FOLLOWS else HOLDS, phase
 
-    def step(self, left: tuple[int, int, bool, int], right: tuple[int, int, bool, int]) -> None:
+    def step(self, left: FloorCommand, right: FloorCommand) -> None:
         """One control period. Nobody lays an object that was put down on the palms again, so arms
         that rise without it have no effect."""
         arms = left[3], right[3]
-        before = self.midpoint
         if self._low or not (RISES in arms and self._job.stands):
             self._job.step(left, right)
-        # Arms hold while the pair travels; before and after, the robots go their own ways.
-        if arms == (HOLDS, HOLDS):
-            self.carried_m += self.midpoint - before
 
 
 def perfect_stage(scene: Scene, world: str, seed: int) -> PerfectStage | FloorStage:
@@ -233,7 +244,6 @@ def perfect_stage(scene: Scene, world: str, seed: int) -> PerfectStage | FloorSt
 def refuse_live_floor(scene: Scene, world: str) -> None:
     """Raise `SceneError` for a job on the floor in a world whose robots have arms in lockstep
     only."""
-    refuse_stands(scene)
     if to_spec(scene).uses_floor and world != "quasistatic":
         raise SceneError(
             f"task.from, task.to: a job on the floor runs in real time in the quasistatic world "

@@ -3,7 +3,6 @@
 
 from collections.abc import Generator, Iterator
 
-from palmbots._types import SIDES
 from palmbots.station.station import GONE_AFTER_S, UNDER_WAY, Station
 
 _SETTLE_STEPS = 10  # the robots hear each other meanwhile
@@ -26,7 +25,7 @@ def carry_once(station: Station, within_s: float) -> Iterator[bool | None]:
     give_up = station.clock() + within_s
     settled_steps = 0
     while settled_steps < _SETTLE_STEPS and station.clock() < give_up:
-        settled_steps = settled_steps + 1 if len(station.modes()) == len(SIDES) else 0
+        settled_steps = settled_steps + 1 if station.hears_all() else 0
         if station.claimed_twice():
             yield from _stopped(station)
             return
@@ -42,11 +41,11 @@ def carry_once(station: Station, within_s: float) -> Iterator[bool | None]:
             text = f"{' and '.join(gone)} not heard for {GONE_AFTER_S:g} s"
             yield from _stopped(station, f"{_BY} ({text})")
             return
-        if len(modes) == len(SIDES) and set(modes.values()) == {"done"}:
+        if station.hears_all() and set(modes.values()) == {"done"}:
             station.keep_carrying(False)
             yield True
             return
-        is_over = len(modes) == len(SIDES) and not set(UNDER_WAY) & set(modes.values())
+        is_over = station.hears_all() and not set(UNDER_WAY) & set(modes.values())
         if is_over or {"stopped", "fault"} & set(modes.values()):
             yield from _stopped(station)
             return
@@ -65,7 +64,7 @@ def _started(station: Station, give_up: float) -> Generator[None, None, bool]:
             if station.claimed_twice():
                 return False
             if station.has_lapsed():
-                tries += len(station.modes()) == len(SIDES)
+                tries += station.hears_all()
                 if operation == "start" or tries == _MOST_TRIES:
                     return False
                 station.wish(operation, _BY)

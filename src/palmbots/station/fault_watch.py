@@ -33,6 +33,7 @@ class FaultWatch:
         statistics: of the packets that arrive.
         now_s: the time.
         wall_s: the wall clock, which anybody may set, and a clock that nobody sets.
+        sides: the robots that work.
     """
 
     def __init__(
@@ -41,8 +42,9 @@ class FaultWatch:
         statistics: PacketStatistics,
         now_s: float,
         wall_s: Callable[[], float] = lambda: time.time() - time.monotonic(),
+        sides: tuple[Side, ...] = SIDES,
     ) -> None:
-        self._period_s, self._wall_s = period_s, wall_s
+        self._period_s, self._wall_s, self._sides = period_s, wall_s, sides
         self._wall_offset_s = wall_s()
         self._streams: dict[Side, RobotStream] = {
             side: RobotStream(statistics.ends[side]) for side in SIDES
@@ -93,7 +95,7 @@ class FaultWatch:
                 "nothing here depends on it"
             )
         now = set(modes.values())  # a robot may wait for one that is done
-        is_under_way = len(modes) == len(SIDES) and {"done"} != now <= {*_STANDING, "done"}
+        is_under_way = len(modes) == len(self._sides) and {"done"} != now <= {*_STANDING, "done"}
         if not is_under_way:
             self._moved_s = now_s
         elif now_s - self._moved_s > self._hangs_s() and self._may_say("hangs", now_s):
@@ -128,7 +130,7 @@ class FaultWatch:
         times.append(now_s)
         if len(times) < _MANY or now_s - times[0] > _WITHIN_S or not self._may_say(verdict, now_s):
             return []
-        silent = [side for side in SIDES if not self._streams[side].is_heard]
+        silent = [side for side in self._sides if not self._streams[side].is_heard]
         who = f"; not heard: {' and '.join(silent)}, which may have an old key" if silent else ""
         return [f"packets arrive that are {reasons[verdict]}{who}"]
 

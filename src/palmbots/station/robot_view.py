@@ -15,12 +15,12 @@ _NOT_MEASURED = 0xFFFF
 _MANY_OVERRUNS = 5
 _MUCH_LOSS = 0.1
 _NUMBERS = ("progress", "battery", "overruns", "phase")
-_PHASES = (*_core.lift_states,)
+_PHASES: dict[int, str] = _core.lift_state_numbers
 
 
 def phase_name(number: int) -> str:
     """The phase of a job with this number in a status; empty: it is none, or not known yet."""
-    return _PHASES[number] if number < len(_PHASES) else ""
+    return _PHASES.get(number, "")
 
 
 @dataclass

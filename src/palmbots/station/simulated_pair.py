@@ -193,7 +193,7 @@ class SimulatedPair:
         self.lines: list[str] = []
         """What the station and the robots say."""
         self._station_log: StationLog | None = None
-        for side in SIDES:
+        for side in self.scene.working_sides:
             self.boot(side)
         self._start_station()
 
@@ -348,7 +348,7 @@ class SimulatedPair:
         for _ in range(_MOST_TICKS):
             if self.stage.outcome != "running":
                 return "dropped"
-            if self.modes() == ("done", "done"):
+            if set(self.modes()) == {"done"}:
                 return "delivered"
             if "fault" in self.modes():
                 return "/".join(robot.fault for robot in self.robots.values())

@@ -102,8 +102,11 @@ class Station:
         """What is known of each robot."""
         self.reported: dict[Side, ReportedCounts] = {side: ReportedCounts() for side in SIDES}
         """What each robot has reported about its own end of the wire."""
-        self.corrections = CorrectionWatch(longest_correction_s(pair.checked_scene()))
-        self._faults = FaultWatch(PERIOD_S, self.statistics, self._start_s)
+        scene = pair.checked_scene()
+        self.sides = scene.working_sides
+        """The robots that work."""
+        self.corrections = CorrectionWatch(longest_correction_s(scene))
+        self._faults = FaultWatch(PERIOD_S, self.statistics, self._start_s, sides=self.sides)
         self._lost: set[Side] = set()
         self._late: set[Side] = set()
         self._boot(read_state(self._file))
@@ -171,10 +174,14 @@ class Station:
         return StationLinks(own, dict(self._end.counts), reported)
 
     def is_done(self) -> bool:
-        """Both robots have carried out the wish."""
+        """All robots have carried out the wish."""
         modes = self.modes()
         wanted = _REACHED[self._wish] if self._wish else ()
-        return len(modes) == len(SIDES) and all(mode in wanted for mode in modes.values())
+        return self.hears_all() and all(mode in wanted for mode in modes.values())
+
+    def hears_all(self) -> bool:
+        """All robots that work are heard."""
+        return len(self.modes()) == len(self.sides)
 
     def has_fallen_back(self) -> bool:
         """A robot that had carried out the wish no longer does as wished, because of a fault."""
@@ -212,7 +219,7 @@ class Station:
             return
         self._note_lapse()
         self._note_unconfirmed()
-        for side in SIDES:
+        for side in self.sides:
             body = self._due(side)
             self._link.send(side, self._end.send(side, body))
             stamp = self._end.newest(side)
@@ -246,7 +253,7 @@ class Station:
         self._lost = set(self.status.keys() - modes.keys())
         for line in self._faults.step(modes, self.clock()):
             self._say(line)
-        if len(modes) == len(SIDES) and set(modes.values()) <= set(UNDER_WAY):
+        if self.hears_all() and set(modes.values()) <= set(UNDER_WAY):
             for line in self.corrections.hanging(self.time_s()):
                 self._say(line)
 
@@ -257,7 +264,7 @@ class Station:
     def gone(self) -> tuple[Side, ...]:
         """The robots that have not been heard for so long that a carry is over."""
         now = self.clock()
-        return tuple(s for s, v in self.robots.items() if now - v.heard_s > GONE_AFTER_S)
+        return tuple(s for s in self.sides if now - self.robots[s].heard_s > GONE_AFTER_S)
 
     def _due(self, side: Side) -> Operate | Hello:
         wish = self._wish
@@ -277,7 +284,7 @@ class Station:
         if not self._is_older(_MODE_KNOWN_S):
             return
         modes = self.modes()
-        for side in SIDES:
+        for side in self.sides:
             is_refused = modes.get(side) == "stopped" and self._wish != "release"
             if side in self._fulfilled | self._lapsed or not (is_refused or self.has_lapsed()):
                 continue
@@ -290,7 +297,7 @@ class Station:
         if self._wish not in _STOPS or self.clock() - self._wish_s <= _STOP_CONFIRMED_S:
             return
         modes = self.modes()
-        for side in SIDES:
+        for side in self.sides:
             if modes.get(side) == "stopped" or side in self._lapsed:
                 continue
             self._lapsed.add(side)
@@ -369,13 +376,13 @@ class Station:
             "time_s": round(self.time_s(), 3),
             "wish": self._wish,
             "wish_is_done": self.is_done(),
-            "robots": {side: self._frame_of(side, now) for side in SIDES},
+            "robots": {side: self._frame_of(side, now) for side in self.sides},
             "corrections": [
                 [one.label, one.robot, one.case, one.assistant]
                 for one in self.corrections.under_way
             ],
             "warnings": [
-                f"{side}: {text}" for side, v in self.robots.items() for text in v.warnings(now)
+                f"{side}: {text}" for side in self.sides for text in self.robots[side].warnings(now)
             ],
         }
 

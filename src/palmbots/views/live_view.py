@@ -113,7 +113,7 @@ class LiveView:
         self._server.send_message("/contacts", scene_updates.contact_update((0, 0), now), now)
         angles = self._carry.palm_rad()
         for k, side in enumerate(SIDES):
-            robot = state["robots"][side]
+            robot = state["robots"].get(side)
             if robot is not None:
                 values = {
                     "time": state["time_s"],

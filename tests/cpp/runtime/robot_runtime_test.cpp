@@ -53,9 +53,10 @@ struct Silent {
 // A robot on the left with its partner and a station, which hear everything.
 struct Ends {
   explicit Ends(const RuntimeSettings& settings, bool carries = false, StoredMode stored = {},
-                std::uint32_t epoch = 1, const PhaseSettings& phases = {}, bool holds = false)
+                std::uint32_t epoch = 1, const PhaseSettings<Lifting>& phases = {},
+                bool holds = false)
       : robot(identity_of(Role::left), epoch, Silent{}, Silent{true},
-              PhaseProgram(phases, epoch, holds), settings, stored, carries) {}
+              PhaseProgram<Lifting>(phases, epoch, holds), settings, stored, carries) {}
 
   void step(const Reading& reading = {}, std::uint16_t elapsed = 1) {
     robot.begin(elapsed);

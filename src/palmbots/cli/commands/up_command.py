@@ -67,7 +67,7 @@ def up(
     from palmbots.links.impairment import Impairment
     from palmbots.pair.launcher import run_live, run_lockstep
     from palmbots.pair.pair_file import check_on_robots
-    from palmbots.simulation.lockstep_world import remote
+    from palmbots.simulation.lockstep_world import ends_of, remote
     from palmbots.simulation.prepare import check_precision, prepare
     from palmbots.simulation.world_stage import refuse_live_floor
     from palmbots.simulation.worlds import world_entry
@@ -95,7 +95,8 @@ def up(
         )
     if lockstep:
         options += ["--precision", precision, "--called", scene]
-        return run_lockstep(chosen, controller, options, has_station=entry.team == "station")
+        has_station = "station" in ends_of(entry, chosen.working_sides)
+        return run_lockstep(chosen, controller, options, has_station=has_station)
     if entry.team == "station":
         raise PalmbotsError(
             f"--controller: {entry.name} needs a station that decides; allowed: with --lockstep"
