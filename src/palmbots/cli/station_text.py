@@ -3,7 +3,6 @@
 
 from typing import Any
 
-from palmbots._types import SIDES
 from palmbots.control.registry import describe
 
 UNKNOWN = "–"

@@ -169,8 +169,7 @@ def logged_program(
 def _silence(
     pair: Pair, side: Side, scene: Scene, patience: int, on_line: Callable[[str], None]
 ) -> Silence:
-    """A watch on which ends a robot hears; the partner only if there is one, and the controller uses
-    the radio."""
+    """A watch on which ends a robot hears; the partner only if both work and use the radio."""
     ends: dict[Role, str] = pair.settings.link.addresses()
     del ends[side]
     if not controller_of(pair).uses_radio or partner_of(side) not in scene.working_sides:
