@@ -75,7 +75,7 @@ class Program:
     def __init__(self, wheels: bool) -> None:
         self.wheels, self.judged, self.to_store = wheels, [], (wheels, False)
         self.stamps = [(1, 1)]
-        self.phase, self.holds = "", False  # no job on the floor
+        self.phase, self.holds, self.counts = "", False, True  # no job on the floor
 
     def step(self, elapsed: int, reading: Any, packets: list[bytes]) -> tuple[Any, ...]:
         return 0, 0, not self.wheels, [(1, b"packet", 0)], "", False, True
