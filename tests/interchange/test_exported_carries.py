@@ -95,6 +95,7 @@ def test_a_bag_says_what_the_robots_read_and_said(direction: str, tmp_path: Path
         contact = found[f"/{side}/contact"]
         assert [now for now, _ in contact] == times.tolist()
         assert [one.data for _, one in contact] == trace["sign"].to_numpy()[:, k].tolist()
+        assert all(one.data for _, one in found[f"/{side}/contact_present"])
         joints = [one.position[0] for _, one in found[f"/{side}/joint_states"]]
         assert joints == trace["palm"].to_numpy()[:, k].tolist()
         # The pivots' places along x; base_link looks at the partner.
@@ -153,6 +154,35 @@ def test_a_dataset_has_frames_episodes_and_statistics(
         for key, by in (("min", np.min), ("max", np.max), ("mean", np.mean), ("std", np.std)):
             assert np.allclose(stats[name][key], by(values, axis=0), rtol=1e-5, atol=1e-7), name
         assert stats[name]["count"] == [len(rows)]
+
+
+def test_a_job_has_its_arms_its_task_and_empty_palms(tmp_path: Path) -> None:
+    """From the floor to the floor: nothing is on the palms at first and in the end."""
+    carry = pb.carry("lift", "shared-sign")
+    trace = carry.trace
+    assert trace is not None
+    pb.export("lift", controller="shared-sign", lerobot=tmp_path / "set", rosbag=tmp_path / "bag")
+    info = json.loads((tmp_path / "set" / "meta" / "info.json").read_text())
+    frames = pd.read_parquet(tmp_path / "set" / "data")
+    heights = trace["pivot_height"].to_numpy()[:, 1].astype(np.float32)
+    for feature, name, expected in (
+        ("observation.state", "right_pivot_height_m", heights),
+        ("action", "right_next_pivot_height_m", [*heights[1:], heights[-1]]),
+    ):
+        column = info["features"][feature]["names"].index(name)
+        assert (np.stack(frames[feature])[:, column] == expected).all()
+    assert pd.read_parquet(tmp_path / "set" / "meta" / "tasks.parquet").index.tolist() == [
+        "pick the object up from the floor, then carry the object 1.5 m on two tilting palms, then "
+        "put the object down on the floor"
+    ]
+    with AnyReader([tmp_path / "bag"]) as reader:
+        topics = [one for one in reader.connections if one.topic == "/left/contact_present"]
+        present = [
+            reader.deserialize(data, one.msgtype).data
+            for one, _, data in reader.messages(connections=topics)
+        ]
+    assert not present[0] and not present[-1]
+    assert present[len(present) // 2]
 
 
 def test_what_robots_do_not_know_is_left_out(carries: list[Any], tmp_path: Path) -> None:

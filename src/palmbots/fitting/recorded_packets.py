@@ -27,6 +27,7 @@ DelayKind = Literal["round trip", "one-way delay", "delay behind the fastest"]
 
 COLUMNS = ("index", "time_s", "sent_s", "round_trip_s")
 _RESTART = 1000  # a greater fall of the index is no reordering
+_LONGEST_S = 2.0  # a longer median delay is in another unit, or a clock jumped
 _MOST_LOST = 20.0  # packets for each that arrived
 _IRREGULAR = 5.0  # a median delay of more intervals than this: the sender paused
 
@@ -131,9 +132,10 @@ def _check_trips(name: str, trips: Floats) -> None:
     if trips.min() <= 0:
         raise PalmbotsError(f"{name}: round_trip_s is {trips.min():.4g}; expected above 0")
     usual = float(np.median(trips))
-    if usual > 2:
+    if usual > _LONGEST_S:
         raise PalmbotsError(
-            f"{name}: round_trip_s is {usual:.4g} in the median; expected s, and at most 2"
+            f"{name}: round_trip_s is {usual:.4g} in the median; expected s, and at most "
+            f"{_LONGEST_S:g}"
         )
 
 
@@ -168,10 +170,16 @@ def _one_way(
     if np.ptp(sent) == 0:
         raise PalmbotsError(f"{table.name}: sent_s is constant; expected when each packet was sent")
     delays = above_line(sent, table.times_s)
-    if "sent_s" not in table and np.median(delays) > _IRREGULAR * interval_s:
+    usual = float(np.median(delays))
+    if "sent_s" not in table and usual > _IRREGULAR * interval_s:
         return np.zeros(0), (
-            f"the packets were not sent regularly: the median is {np.median(delays):.2g} s behind "
-            "the fastest; record sent_s"
+            f"the packets were not sent regularly: the median is {usual:.2g} s behind the fastest; "
+            "record sent_s"
+        )
+    if usual > _LONGEST_S:
+        raise PalmbotsError(
+            f"{table.name}: packets arrive {usual:.3g} s later than the fastest in the median; "
+            f"expected at most {_LONGEST_S:g} s, and clocks that do not jump"
         )
     return delays, ""
 

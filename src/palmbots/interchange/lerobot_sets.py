@@ -27,13 +27,14 @@ _IN_A_FILE, _IN_A_CHUNK = 500, 1000  # carries in a file, and files in a folder
 _DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 _EPISODES = "meta/episodes/chunk-000/file-000.parquet"
 _VECTORS = {
-    "observation.state": ("sign", "palm_rad", "distance_m"),
+    "observation.state": ("sign", "palm_rad", "distance_m", "pivot_height_m"),
     "observation.environment_state": ("contact_m", "speed_m_s"),
-    "action": ("next_palm_rad", "commanded_m_s"),
+    "action": ("next_palm_rad", "commanded_m_s", "next_pivot_height_m"),
 }
 """Features with a value for each robot: what it measures, what only the simulation knows, and what
-it commands. Its palm is commanded to where it is at the end of the tick. What is unknown in the
-carry, as is the contact coordinate in logs of robots, is left out."""
+it commands. Its palm and its arm are commanded to where they are at the end of the tick. What is
+unknown in the carry, as is the contact coordinate in logs of robots, is left out, and so is the arm
+where the job does not need it."""
 _NUMBERS = {
     "timestamp": "float32",
     "frame_index": "int64",
@@ -116,18 +117,27 @@ def write_dataset(carries: Iterable[Carry], path: Path) -> None:
 
 
 def _task(carry: Carry) -> str:
-    return f"carry the object {carry.scene.task.distance_m:g} m on two tilting palms"
+    task = carry.scene.task
+    begin, end = task.ends
+    parts = [f"carry the object {task.distance_m:g} m on two tilting palms"]
+    if begin != "palms":
+        parts.insert(0, f"pick the object up from the {begin}")
+    if end != "palms":
+        parts.append(f"put the object down on the {end}")
+    return ", then ".join(parts)
 
 
 def _values(carry: Carry) -> dict[str, NDArray[Any]]:
     """What the features consist of, each (time, side)."""
     trace = carry.trace
     assert trace is not None
-    palm = trace["palm"].to_numpy()
+    moved = {"palm_rad": trace["palm"].to_numpy()}
+    if "pivot_height" in trace:
+        moved["pivot_height_m"] = trace["pivot_height"].to_numpy()
     return {
+        **moved,
+        **{f"next_{name}": np.concatenate([one[1:], one[-1:]]) for name, one in moved.items()},
         "sign": trace["sign"].to_numpy(),
-        "palm_rad": palm,
-        "next_palm_rad": np.concatenate([palm[1:], palm[-1:]]),
         "distance_m": distances(carry),
         "contact_m": trace["contact"].to_numpy(),
         "speed_m_s": trace["speed"].to_numpy(),

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from palmbots._types import SIDES, Side
 from palmbots._util.atomic_files import new_folder
 from palmbots._util.optional_imports import require
@@ -18,6 +20,7 @@ from palmbots.interchange.distances import distances
 from palmbots.pair.ros2_keys import Ros2Table
 from palmbots.ros2.robot_messages import RobotMessages
 from palmbots.ros2.ros2_topics import PUBLISHED, type_of
+from palmbots.simulation.floor_job import contacts_on_palms
 from palmbots.simulation.result import Carry
 
 _NANOSECONDS = 1_000_000_000
@@ -114,7 +117,12 @@ def _ticks(carry: Carry, k: int) -> list[_Tick]:
     trace = carry.trace
     assert trace is not None
     columns = (trace[name].to_numpy()[:, k] for name in ("sign", "palm", "commanded"))
+    touches = np.isfinite(contacts_on_palms(carry.scene, trace)[:, k])
+    if np.isnan(trace["contact"].to_numpy()[:, k]).all():
+        touches[:] = True  # logs of robots do not show it
     return [
-        _Tick(int(sign), True, float(palm), float(speed), float(covered))
-        for sign, palm, speed, covered in zip(*columns, distances(carry)[:, k], strict=True)
+        _Tick(int(sign), bool(touch), float(palm), float(speed), float(covered))
+        for sign, palm, speed, touch, covered in zip(
+            *columns, touches, distances(carry)[:, k], strict=True
+        )
     ]
