@@ -177,10 +177,11 @@ def test_a_job_has_its_arms_its_task_and_empty_palms(tmp_path: Path) -> None:
     ]
     with AnyReader([tmp_path / "bag"]) as reader:
         topics = [one for one in reader.connections if one.topic == "/left/contact_present"]
-        present = [
-            reader.deserialize(data, one.msgtype).data
+        messages: list[Any] = [
+            reader.deserialize(data, one.msgtype)
             for one, _, data in reader.messages(connections=topics)
         ]
+    present = [one.data for one in messages]
     assert not present[0] and not present[-1]
     assert present[len(present) // 2]
 
