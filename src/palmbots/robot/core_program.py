@@ -6,6 +6,7 @@ from typing import Any
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
 from palmbots.control.registry import ControllerEntry, check_on_robots, resolve
+from palmbots.errors import PalmbotsError
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState
 from palmbots.scene.scene import Scene
@@ -21,6 +22,15 @@ def controller_of(pair: Pair) -> ControllerEntry:
     entry = resolve(pair.settings.pair.controller, folder=str(pair.file.parent))
     check_on_robots(entry)
     return entry
+
+
+def check_works(scene: Scene, side: Side) -> None:
+    """Raise `PalmbotsError` for a robot that stands aside."""
+    if side not in scene.working_sides:
+        raise PalmbotsError(
+            f'--side: value is {side}, and with task.dock = "alone" this robot stands aside; '
+            f"allowed: {scene.working_sides[0]}"
+        )
 
 
 def robot_program(

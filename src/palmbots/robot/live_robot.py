@@ -23,7 +23,7 @@ from palmbots.pair.live_ends import check_pair_arms, open_pair_driver, open_pair
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stopping_limit import stopping_limit_s
 from palmbots.pair.stored_state import StoredState, booted
-from palmbots.robot.core_program import controller_of, robot_program
+from palmbots.robot.core_program import check_works, controller_of, robot_program
 from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.mode_lines import ModeLines
 from palmbots.robot.observation import Observation, Observer, observation_socket
@@ -66,6 +66,7 @@ def run_live_robot(
     """
     file = pair.state_file(side)
     scene = pair.checked_scene()
+    check_works(scene, side)
     check_pair_arms(pair, scene)
     with booted(file) as state, contextlib.ExitStack() as stack:
         live_program(pair, side, state, scene, rate)  # refuses before anything is opened

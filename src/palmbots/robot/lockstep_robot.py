@@ -21,7 +21,7 @@ from palmbots.links.lockstep_line import Input, LockstepLine
 from palmbots.pair.live_ends import check_speed
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stored_state import StoredState, booted
-from palmbots.robot.core_program import robot_program
+from palmbots.robot.core_program import check_works, robot_program
 from palmbots.robot.logged_steps import RobotLog
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotEnd, RobotLoop, Step
@@ -131,6 +131,7 @@ def run_lockstep_robot(pair: Pair, side: Side, on_line: Callable[[str], None] = 
     file, silent = pair.state_file(side), pair.with_logs(None, is_off=True)
     settings = _core.runtime.RuntimeSettings.lockstep()
     scene = pair.checked_scene()
+    check_works(scene, side)
     check_speed(pair, side, scene)
     if text := without_effect(pair):
         on_line(f"warning: {text}")
