@@ -5,9 +5,10 @@ ends.
 
     .venv/bin/python benchmarks/bench_lift.py [JOBS] [WORLD] [SCENE]        200 each by default
 
-The scene is `lift`, `stand` or `lone`, with its noise of 1 cm/s, in the quasistatic world or in
-MuJoCo. Seeds are 0, 1, …; the counts depend on nothing but the version. The miss is positive where
-the object went too far. The time is that of the processor, without the checks before the first job.
+The scene is `lift`, `stand`, `lone` or `handover`, with its noise of 1 cm/s, in the quasistatic
+world or in MuJoCo. Seeds are 0, 1, …; the counts depend on nothing but the version. The miss is
+positive where the object went too far. The time is that of the processor, without the checks before
+the first job.
 """
 
 import sys
@@ -51,7 +52,7 @@ def main() -> None:
     print(
         "controller     jobs  failed  median miss  95 % of the misses  95 % of |miss| below  time"
     )
-    for controller in CONTROLLERS[:1] if scene == "lone" else CONTROLLERS:
+    for controller in CONTROLLERS[:1] if scene in ("lone", "handover") else CONTROLLERS:
         failed, missed, job_s = jobs(controller, count, world, scene)
         low, median, high = 1e3 * np.quantile(missed, [0.025, 0.5, 0.975])
         within = 1e3 * np.quantile(np.abs(missed), 0.95)

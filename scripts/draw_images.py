@@ -45,6 +45,7 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "palmbots carry lift --out out": {"lifting-phases.png": "out/phases.png"},
     "palmbots carry stand --out out": {"stand-phases.png": "out/phases.png"},
     "palmbots carry lone --out out": {"lone-phases.png": "out/phases.png"},
+    "palmbots carry handover --out out": {"handover-phases.png": "out/phases.png"},
     "palmbots noise-limit --out out": {"noise_limit.png": "out/noise_limit.png"},
     "palmbots bound --out out": {"bound.png": "out/bound.png"},
     "palmbots design --out out": {"design.png": "out/design.png"},

@@ -232,13 +232,13 @@ def required_mode(number: int) -> str:
 
 def tables() -> dict[str, Any]:
     """Everything."""
-    # Jobs of which the page knows nothing: onto stands, along routes, and of one robot alone.
+    # Jobs of which the page knows nothing: onto stands, along routes, and on one palm.
     scenes = {
         name: meaning
         for name, meaning in built_in_meanings("scenes").items()
         if "stand" not in (task := load_scene(name).task).ends
         and not task.route.is_set
-        and task.dock != "alone"
+        and task.dock not in ("alone", "hand-over")
     }
     objects = built_in_meanings("objects")
     return {

@@ -55,10 +55,11 @@ PageScene read_scene(std::string_view lines, NumberStream in) {
     scene.object.insert(scene.object.end(), {vertex.x, vertex.y});
   }
   if (scene.problems.empty()) {
-    if (is_alone(scene.spec))
+    if (is_alone(scene.spec) || hands_over(scene.spec))
       scene.refusal =
-          "task.dock: value is alone, and this page carries with two robots; allowed: together or "
-          "one-first, or the command palmbots carry";
+          std::string("task.dock: value is ") + (is_alone(scene.spec) ? "alone" : "hand-over") +
+          ", and this page carries with two palms; allowed: together or one-first, or the command "
+          "palmbots carry";
     if (scene.refusal.empty()) scene.refusal = load_refusal(values, scene.spec, false);
     if (scene.refusal.empty()) scene.refusal = palm_refusal(scene.spec);
     scene.warnings = value_warnings(values);

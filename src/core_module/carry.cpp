@@ -75,6 +75,10 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
       const nb::gil_scoped_release release;
       return run_lift<Lone>(spec, seed, record, NoController{});
     }
+    if (hands_over(spec)) {
+      const nb::gil_scoped_release release;
+      return run_lift<HandOver>(spec, seed, record, NoController{});
+    }
     const auto lift_with = [&]<class Team>(Team team) {
       if constexpr (calls_python<Team>) return run_lift(spec, seed, record, std::move(team));
       const nb::gil_scoped_release release;
@@ -280,8 +284,8 @@ void bind_carry(nb::module_& m) {
     for (int i = 0; i < Table::states; ++i) {
       const auto state = static_cast<typename Table::State>(i);
       numbers[nb::int_(phase_number<Table>(state))] = Table::meanings[i].name;
-      const bool low =
-          Table::alone || Table::role(state).arm == ArmMove::follow || Table::on_trial.has(state);
+      const bool low = Table::on_one_palm || Table::role(state).arm == ArmMove::follow ||
+                       Table::on_trial.has(state);
       const CarryPhase phase = low ? CarryPhase::low : CarryPhase::carried;
       states[Table::meanings[i].name] = Table::meanings[i].meaning;
       phases_of_states[Table::meanings[i].name] =
@@ -290,6 +294,7 @@ void bind_carry(nb::module_& m) {
   };
   add(Lifting{});
   add(Lone{});
+  add(HandOver{});
   m.attr("lift_states") = states;
   m.attr("phases_of_lift_states") = phases_of_states;
   m.attr("lift_state_numbers") = numbers;

@@ -86,6 +86,9 @@ std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::o
       return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed, lone);
     return lone(NoController{});
   }
+  if (hands_over(spec))
+    return std::make_unique<CoSimulationOf<LiftCoSimulation<NoController, HandOver>>>(
+        spec, seed, NoController{}, slack, first);
   return with_given_team(controller, spec, seed,
                          [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
                            if (uses_floor(spec))

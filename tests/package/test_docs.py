@@ -67,6 +67,7 @@ FEW = {
     "carry lift": ["--seeds", "1"],
     "route": ["--routes", "1", *TYPED],
     "carry lone": ["--seeds", "1"],
+    "carry handover": ["--seeds", "1"],
     "compare": ["--carries", "2"],
     "curve": ["--carries", "1", "--turn-angle-deg", "7", "--set", "robot.speed_m_s=0.18"],
     "design": ["--resolution-deg", "3", "--set", "task.distance_m=0.1"],

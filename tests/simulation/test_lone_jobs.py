@@ -88,7 +88,7 @@ def test_a_restart_with_the_object_in_the_air_ends_on_the_floor() -> None:
     carry = pb.carry("lone", "shared-sign", overrides={"faults.script": [fault]})
     assert carry.outcome == "stalled"
     failure = job(carry).failure
-    assert failure is not None and failure.startswith("the robot restarted")
+    assert failure is not None and failure.startswith("a robot restarted")
     assert carry.trace is not None
     low = to_spec(LONE).palms[1].lowest_pivot(math.radians(6))
     end = carry.trace.isel(time=-1)

@@ -20,12 +20,14 @@ def expect_hash(page: Page, carried: pb.simulation.Carry) -> None:
 
 
 def on_the_page() -> list[str]:
-    """The built-in scenes that the page has: no stands with a gap, no routes, no robot alone."""
+    """The built-in scenes that the page has: no stands with a gap, no routes, no single palms."""
     tasks = {name: pb.load_scene(name).task for name in built_in_scenes()}
     return [
         name
         for name, task in tasks.items()
-        if "stand" not in task.ends and not task.route.is_set and task.dock != "alone"
+        if "stand" not in task.ends
+        and not task.route.is_set
+        and task.dock not in ("alone", "hand-over")
     ]
 
 

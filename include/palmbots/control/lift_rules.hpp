@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the tables of jobs that begin or end on the floor or on a stand have in common
-// (control/lifting.hpp, control/lone.hpp): arms, what a robot knows besides its sign and its palm, its
-// memory, and who commands palm and wheels.
+// (control/lifting.hpp, control/lone.hpp, control/hand_over.hpp): arms, what a robot knows besides its
+// sign and its palm, its memory, and who commands palm and wheels.
 #pragma once
 
 #include <cstddef>
@@ -158,6 +158,11 @@ struct LiftRules {
     if (by == Driver::controller_in_place) command.stop = true;
     return command;
   }
+  // The share of the distance of the task after which a robot has travelled far enough in a state in
+  // which it counts (`Table::is_carrying`).
+  static constexpr double share_of_way(auto, bool) { return 1; }
+  // Whether the object feels the accelerations of the robots in these states.
+  static constexpr bool moves_object(auto, auto) { return true; }
 };
 
 // The number by which a robot reports a state of such a table.
@@ -185,6 +190,8 @@ struct LiftRobot : TableRobot<Table> {
   RobotOutput step(const RobotInput& in) {
     RobotOutput out = Base::step(in);
     if (Table::alone) out.send = false;
+    // The bit that stops other robots is one of the steps of the arm here.
+    if constexpr (Table::on_one_palm) out.command.stop = Base::now().command.stop;
     return out;
   }
 };

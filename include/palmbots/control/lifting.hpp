@@ -259,7 +259,8 @@ struct Lifting : LiftRules<Lifting> {
   static constexpr auto columns = columns_of(behaviour);
   static constexpr const auto& outputs = columns.outputs;
 
-  static constexpr bool alone = false;  // one robot does the job
+  static constexpr bool alone = false;        // one robot does the job
+  static constexpr bool on_one_palm = false;  // one palm holds the object in the air
   // In which state a robot begins: with the object on the floor, or with palms that hold it;
   // `stands_by`: it docks after its partner.
   static constexpr State first(bool begins_low, bool stands_by) {

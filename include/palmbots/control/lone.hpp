@@ -151,6 +151,7 @@ struct Lone : LiftRules<Lone> {
   static constexpr const auto& outputs = columns.outputs;
 
   static constexpr bool alone = true;
+  static constexpr bool on_one_palm = true;
   static constexpr State first(bool, bool stands_by) { return stands_by ? S::done : initial; }
   static constexpr bool has_ended(State state, bool) { return state == S::done; }
   static constexpr bool is_carrying(State state) { return state == S::haul; }

@@ -4,7 +4,7 @@
 //
 // WHEELS. Wheels that stall (mechanics/carry_ends.hpp) stand for the rest of the tick. No robot
 // notices that. The odometry of wheels that spin counts on. Wheels also stall when the nose of a palm is
-// at a wall.
+// at a wall, or at the nose of its partner while one hands the object to the other.
 #pragma once
 
 #include <cmath>
@@ -84,7 +84,8 @@ class LiftCarry : public LiftRobots<Inner, Recorder, Table> {
     recorder_.before(*this, sensed);
     this->record(height_);
     set_phase(is_airborne());
-    const Advance<double>& step = world_.advance(by, act.angles, act.push);
+    const bool is_felt = Table::moves_object(this->team_.state(left), this->team_.state(right));
+    const Advance<double>& step = world_.advance(by, act.angles, is_felt ? act.push : 0.0);
     for (const std::size_t side : {left, right}) {
       height_[side] += step.fraction * by[side].y;
       const double way = step.fraction * by[side].x + step.lag[side];
@@ -146,27 +147,35 @@ class LiftCarry : public LiftRobots<Inner, Recorder, Table> {
 
   // One palm alone may hold an object on it, as on the floor.
   void set_phase(bool airborne) {
-    const bool by_both = airborne && !Table::alone;
+    const bool by_both = airborne && !Table::on_one_palm;
     world_.set_phase(by_both ? CarryPhase::carried : CarryPhase::low, spec_.fall);
   }
 
-  // The part of the way of a pivot along the floor that leaves its nose in front of the walls [m].
+  // The part of the way of a pivot along the floor that leaves its nose in front of the walls,
+  // and of its partner [m].
   double before_walls(std::size_t side, double way) {
     if (!this->is_low(side)) return way;
-    const PalmAngle<double>& at = world_.configuration().palms[side];
-    const PalmSpec& palm = spec_.palms[side];
     const double out = outward<double>(side);
-    const double nose =
-        world_.pivot(side).x - out * (0.5 * palm.length * at.cos + palm.offset * at.sin);
-    for (std::size_t i = 0; i < spec_.wall_count; ++i) {
-      const double room = out * (nose - spec_.walls[i].at);
-      if (spec_.walls[i].at * out > 0 || -out * way <= room) continue;
+    const auto before = [&](double wall) {
+      const double room = out * (nose(side) - wall);
+      if (-out * way <= room) return;
       const double left_over = -out * larger(room, 0.0);
       metrics_.stalled_ticks[side] += 1 - left_over / way;
       robots_.midpoint += 0.5 * (left_over - way);
       way = left_over;
+    };
+    for (std::size_t i = 0; i < spec_.wall_count; ++i) {
+      if (spec_.walls[i].at * out <= 0) before(spec_.walls[i].at);
     }
+    if (hands_over(spec_) && this->is_low(other(side))) before(nose(other(side)));
     return way;
+  }
+  // Where the inner end of a palm is along the floor [m].
+  double nose(std::size_t side) const {
+    const PalmAngle<double>& at = world_.configuration().palms[side];
+    const PalmSpec& palm = spec_.palms[side];
+    const double arm = 0.5 * palm.length * at.cos + palm.offset * at.sin;
+    return world_.pivot(side).x - outward<double>(side) * arm;
   }
 
   World<double> world_;

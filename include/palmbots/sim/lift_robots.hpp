@@ -77,7 +77,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
       }
       if (is_stand(false)) way_below_[side] = StandingStart::of(spec).way_below(spec, side);
     }
-    if (Table::alone) robots_.inertia.gain *= 2;  // the object moves with one robot
+    if (Table::on_one_palm) robots_.inertia.gain *= 2;  // the object moves with one robot
     height_ = lowest_[false];
     lifted_from_ = height_;
   }
@@ -119,7 +119,8 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
       const double half = 0.5 * spec_.palms[side].length;
       senses[side].touches = pressed[side];
       senses[side].arm_there = arm_there_[side];
-      senses[side].far_enough = travelled_[side] >= spec_.distance;
+      const double share = Table::share_of_way(team_.state(side), side == this->leader());
+      senses[side].far_enough = travelled_[side] >= share * spec_.distance;
       const double zero = is_ending(side) ? lowest_[true][side] : lifted_from_[side];
       senses[side].steps =
           static_cast<std::uint8_t>(std::floor(larger(height_[side] - zero, 0.0) / step_height_));

@@ -9,21 +9,34 @@
 
 #include <utility>
 
+#include "palmbots/control/hand_over.hpp"
 #include "palmbots/control/lifting.hpp"
 #include "palmbots/control/lone.hpp"
 #include "palmbots/sim/table_team.hpp"
 
 namespace palmbots {
 
-// A robot that works alone drives its whole palm under the object, whatever part of it is usable.
+// A robot that picks up alone drives its whole palm under the object, whatever part of it is usable.
+template <class Table>
+TableTimes<Table> times_of_scooping(const Spec& spec) {
+  TableTiming timing = table_timing_of(spec);
+  double reach = 0;
+  for (const std::size_t side : {left, right}) {
+    if (Table::alone && side != leader_of(spec)) continue;
+    if (spec.robots[side].correction > 0)
+      reach = larger(reach, 0.5 * spec.palms[side].length / spec.robots[side].correction);
+  }
+  if (reach > 0) timing.reach = reach;
+  return {ticks_in(spec.beacon, spec.period), ticks_in(table_lease(spec), spec.period),
+          table_limits<Table>(timing, spec.period)};
+}
 template <>
 inline TableTimes<Lone> table_times_of<Lone>(const Spec& spec) {
-  const std::size_t side = leader_of(spec);
-  TableTiming timing = table_timing_of(spec);
-  if (spec.robots[side].correction > 0)
-    timing.reach = 0.5 * spec.palms[side].length / spec.robots[side].correction;
-  return {ticks_in(spec.beacon, spec.period), ticks_in(table_lease(spec), spec.period),
-          table_limits<Lone>(timing, spec.period)};
+  return times_of_scooping<Lone>(spec);
+}
+template <>
+inline TableTimes<HandOver> table_times_of<HandOver>(const Spec& spec) {
+  return times_of_scooping<HandOver>(spec);
 }
 
 // The seed of the radio for phases: both radios would else lose the same messages.

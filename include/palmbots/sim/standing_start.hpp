@@ -21,10 +21,16 @@ inline bool is_alone(const Spec& spec) {
   return uses_floor(spec) && spec.docking == Docking::alone;
 }
 
-// The angle of a palm where a job begins [rad]. A robot that works alone docks with a shallow palm.
+// Whether one robot hands the object to the other one.
+inline bool hands_over(const Spec& spec) {
+  return uses_floor(spec) && spec.docking == Docking::hand_over;
+}
+
+// The angle of a palm where a job begins [rad]. A robot that picks up alone docks with a shallow palm.
 inline double first_angle(const Spec& spec, std::size_t side) {
   const PalmSpec& palm = spec.palms[side];
-  return is_alone(spec) && side == leader_of(spec) ? palm.shallow : palm.steep;
+  const bool leads = side == leader_of(spec);
+  return (is_alone(spec) && leads) || (hands_over(spec) && !leads) ? palm.shallow : palm.steep;
 }
 
 // The height at which the object begins, or ends after it moved by `moved`: that of the highest stand

@@ -191,8 +191,8 @@ inline constexpr Key world_keys[] = {
 enum class StandsOn : std::uint8_t { palms, floor, stand };
 
 // Which robots drive at first to get under an object on the floor: both, or the one that leads. Or that
-// one does the whole job alone, against a wall.
-enum class Docking : std::uint8_t { together, one_first, alone };
+// one does the whole job alone, against a wall. Or the one that follows hands the object to it.
+enum class Docking : std::uint8_t { together, one_first, alone, hand_over };
 
 struct TaskSpec {
   StandsOn begins_on = StandsOn::palms;
@@ -208,7 +208,7 @@ struct TaskSpec {
 };
 inline constexpr Choices direction_choices(0, "forward", "backward");
 inline constexpr Choices support_choices(0, "palms", "floor", "stand");
-inline constexpr Choices docking_choices(0, "together", "one-first", "alone");
+inline constexpr Choices docking_choices(0, "together", "one-first", "alone", "hand-over");
 inline constexpr Key task_keys[] = {
     choice<&TaskSpec::begins_on>("from", support_choices),
     choice<&TaskSpec::ends_on>("to", support_choices),

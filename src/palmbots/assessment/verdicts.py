@@ -66,11 +66,13 @@ def _held(
     analysis: Analysis, near: Analysis | None, best: OutcomeCounts | None
 ) -> tuple[Verdict, str, bool]:
     """The verdict, its text, and whether they are for the contacts that occur in carries."""
-    for job in (analysis.lifting, analysis.lone):
+    for job in (analysis.lifting, analysis.lone, analysis.hand_over):
         if job is not None and not job.works:
             return "no", job.refusals[0], False
     if analysis.lone is not None:
         return "yes", f"the {analysis.lone.robot} robot holds it alone", False
+    if analysis.hand_over is not None:
+        return "yes", "one palm at a time holds it", False
     doubt = _doubt(analysis)
     if doubt is None:
         tightest = _tightest(analysis)

@@ -18,6 +18,7 @@ import palmbots._core as _core
 from palmbots._types import SIDES, BySide
 from palmbots.errors import SceneError
 from palmbots.mechanics import lift_refusals
+from palmbots.mechanics.hand_over import hand_over
 from palmbots.mechanics.lift_margins import Lifting, PalmLift
 from palmbots.mechanics.lifting_bodies import Plate, Standing, plate_on_floor, standing
 from palmbots.mechanics.lifting_forces import (
@@ -26,7 +27,7 @@ from palmbots.mechanics.lifting_forces import (
     floor_friction_to_stay,
     least_partner_angle,
 )
-from palmbots.mechanics.lone import lone_lift
+from palmbots.mechanics.lone import ON_ONE_PALM, lone_lift
 from palmbots.mechanics.unlevel_pivots import PivotRises
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import as_given
@@ -42,13 +43,13 @@ _CENTRED = 0.5  # of the usable palm: where contacts are while the arms move
 @lru_cache(maxsize=64)  # of one scene many jobs may be done
 def lifting(scene: Scene) -> Lifting | None:
     """The analysis of a scene; None: its job neither begins nor ends on the floor or on a stand, or
-    one robot does it alone.
+    one palm at a time holds the object.
 
     Raises:
         SceneError: the path is curved, or the object does not stand on its contact vertices.
     """
     spec = to_spec(scene, unrolled=True)
-    if not spec.uses_floor or scene.task.dock == "alone":
+    if not spec.uses_floor or scene.task.dock in ON_ONE_PALM:
         return None
     check_stands(spec)
     tops = _tops(scene, spec)
@@ -94,7 +95,7 @@ def check_lift(scene: Scene) -> tuple[str, ...]:
     Raises:
         SceneError: the job cannot work.
     """
-    found = lone_lift(scene) or lifting(scene)
+    found = lone_lift(scene) or hand_over(scene) or lifting(scene)
     if found is None:
         return ()
     if found.refusals:

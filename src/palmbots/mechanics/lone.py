@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Can one robot pick a small object up against a wall, carry it and put it down: by what margin,
+"""Can one palm pick a small object up against a wall, carry it and put it down: by what margin,
 and what limits?
 
-Closed forms for a job with ``task.dock = "alone"``. φ is the friction angle of the palm, φ_w that
-of the wall, and the *far* side of the object the one at the wall. Terms are those of
-`lifting_bodies`. Source: docs/theory/lifting.md.
+Closed forms for a job with ``task.dock = "alone"``, and for each robot of a job in which one hands
+the object to the other (`hand_over`): the palm of its partner is then the wall. φ is the friction
+angle of the palm, φ_w that of the wall, and the *far* side of the object the one at the wall. Terms
+are those of `lifting_bodies`. Source: docs/theory/lifting.md.
 """
 
 from __future__ import annotations
@@ -17,16 +18,26 @@ import palmbots._core as _core
 from palmbots._types import SIDES, MaybeNaN, Side
 from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Line, Table, bold, verdict, warning
-from palmbots._util.text import millimetres, rounded_down, rounded_up
 from palmbots.errors import SceneError
-from palmbots.mechanics.lifting_bodies import Plate, Standing, plate_on_floor, standing
-from palmbots.mechanics.lifting_forces import floor_friction_to_stay
+from palmbots.mechanics.lifting_bodies import (
+    Plate,
+    Standing,
+    plate_on_floor,
+    squeeze_of,
+    standing,
+)
+from palmbots.mechanics.lifting_forces import floor_friction_to_stay, least_partner_angle
+from palmbots.mechanics.lone_refusals import mm, newtons, number, refusals_of_lone, warnings_of
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import as_given
 from palmbots.scene.spec import to_spec
 
 _G = _core.standard_gravity
 _LEVEL = math.pi / 2
+_STEEP = math.radians(60)  # of the partner's palm; its least lean does not depend on its angle
+
+ON_ONE_PALM = ("alone", "hand-over")
+"""Values of `task.dock` with which one palm at a time holds the object."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +47,8 @@ class LoneLift:
     robot: Side
     """The one that works."""
     wall_m: float | None
-    """Distance of the object from the wall; None: there is no wall behind it."""
+    """Distance of the object from the wall; None: there is no wall behind it, or it is the palm of
+    the partner."""
     nose_height_m: float
     """Of the upper edge of the nose above the floor, palm shallow."""
     thickest_m: float
@@ -47,6 +59,10 @@ class LoneLift:
     """Whether the object jams between nose and wall, however hard the robot pushes."""
     wall_friction: float | None
     """Friction of the wall."""
+    partner_lean_deg: float | None
+    """Lean of the contact on the palm of the partner; None: there is a wall instead."""
+    least_partner_lean_deg: float | None
+    """The lean from which on that palm is a wall: otherwise the object climbs it."""
     most_wall_friction: MaybeNaN
     """Below this it does not jam: cot(ψ + φ); infinite: it never jams, because the force of the
     nose passes above the far side."""
@@ -91,7 +107,8 @@ class LoneLift:
 
     def verdict_lines(self) -> Iterator[Item]:
         """Whether the job can begin, and why not."""
-        what = f"  the {self.robot} robot alone picks up and puts down"
+        how = "alone" if self.partner_lean_deg is None else "against its partner's palm"
+        what = f"  the {self.robot} robot {how} picks up and puts down"
         yield Line(verdict(self.works, "LIFTS", "FAILS"), bold(what))
         for refusal in self.refusals:
             yield Line(refusal, indent=2)
@@ -100,16 +117,10 @@ class LoneLift:
         """The margins, and what limits."""
         heads = ("value", "limit")
         rows = [
-            ("nose above the floor", _mm(self.nose_height_m), f"below {_mm(self.thickest_m)}"),
-            (
-                "friction of the wall",
-                "no wall" if self.wall_friction is None else f"{self.wall_friction:g}",
-                "any"
-                if math.isinf(self.most_wall_friction)
-                else f"below {_number(self.most_wall_friction)}",
-            ),
-            ("squeeze, at most", _newtons(self.squeeze_n), f"up to {_newtons(self.push_n)}"),
-            ("width of the object", _mm(self.width_m), f"up to {_mm(self.room_m)}"),
+            ("nose above the floor", mm(self.nose_height_m), f"below {mm(self.thickest_m)}"),
+            self._wall_row(),
+            ("squeeze, at most", newtons(self.squeeze_n), f"up to {newtons(self.push_n)}"),
+            ("width of the object", mm(self.width_m), f"up to {mm(self.room_m)}"),
             ("shallow palm", f"{self.shallow_deg:g}°", f"below φ = {self.friction_deg:.1f}°"),
             (
                 "acceleration",
@@ -121,15 +132,32 @@ class LoneLift:
                 f"{self.steep_deg:g}°",
                 f"{self.friction_deg:.1f} to {self.topples_deg:.1f}°",
             ),
-            ("fall at the end", _mm(self.fall_m), f"up to {_mm(self.most_fall_m)}"),
+            *self._fall_rows(),
             (
                 "friction of the floor",
                 f"{self.floor_friction:g}",
-                f"at least {_number(self.least_floor_friction)}",
+                f"at least {number(self.least_floor_friction)}",
             ),
         ]
         yield Table([(f"  {name}", *row) for name, *row in rows], ("", *heads), right=heads)
         yield from map(warning, self.warnings)
+
+    def _fall_rows(self) -> list[tuple[str, str, str]]:
+        if self.partner_lean_deg is not None:  # its far vertex is at the nose then
+            return []
+        return [("fall at the end", mm(self.fall_m), f"up to {mm(self.most_fall_m)}")]
+
+    def _wall_row(self) -> tuple[str, str, str]:
+        if self.partner_lean_deg is not None:
+            assert self.least_partner_lean_deg is not None
+            least = f"at least {self.least_partner_lean_deg:.1f}°"
+            return "lean on the partner's palm", f"{self.partner_lean_deg:.1f}°", least
+        limit = f"below {number(self.most_wall_friction)}"
+        return (
+            "friction of the wall",
+            "no wall" if self.wall_friction is None else f"{self.wall_friction:g}",
+            "any" if math.isinf(self.most_wall_friction) else limit,
+        )
 
 
 def lone_lift(scene: Scene) -> LoneLift | None:
@@ -140,9 +168,24 @@ def lone_lift(scene: Scene) -> LoneLift | None:
     """
     if scene.task.dock != "alone" or not (spec := to_spec(scene)).uses_floor:
         return None
+    check_standing(spec)
+    found, tall = lift_with(scene, spec, 1 if spec.direction > 0 else 0), _height(spec)
+    refusals = [*refusals_of_lone(scene, spec, found, tall)]
+    return replace(found, refusals=tuple(refusals), warnings=tuple(warnings_of(found)))
+
+
+def check_standing(spec: _core.Spec) -> None:
+    """Raise `SceneError` for an object that does not stand on its two contact vertices."""
     if refusal := _core.standing_refusal(spec):
         raise SceneError(refusal)
-    side = 1 if spec.direction > 0 else 0
+
+
+def _height(spec: _core.Spec) -> float:
+    return max(y for _, y in spec.silhouette) - min(y for _, y in spec.silhouette)
+
+
+def lift_with(scene: Scene, spec: _core.Spec, side: int) -> LoneLift:
+    """What one robot of a scene needs, without refusals and warnings."""
     palm, radius = spec.palms[side], standing(spec, 1.0).radii[side]
     body = standing(spec, scene.object.mass_kg * _G)
     low, high = (plate_on_floor(palm, angle) for angle in (palm.shallow, palm.steep))
@@ -150,7 +193,7 @@ def lone_lift(scene: Scene) -> LoneLift | None:
     cotangent = 1 / math.tan(push) if push < _LEVEL else 0.0
     wall = _wall(scene)
     friction = None if wall is None else _friction_of_wall(scene, wall)
-    tall = max(y for _, y in spec.silhouette) - min(y for _, y in spec.silhouette)
+    tall, by_partner = _height(spec), scene.task.dock == "hand-over"
     # The force of the nose meets the wall at this height. Above the far side, the object tilts.
     lean = low.nose_lean(radius)
     meets = radius * (1 - math.cos(lean)) + cotangent * (
@@ -159,8 +202,11 @@ def lone_lift(scene: Scene) -> LoneLift | None:
     most = cotangent if meets <= tall else math.inf
     locks = friction is not None and friction >= most
     squeeze = math.inf
-    if friction is not None and not locks:
+    if by_partner:  # no corner carries more than the weight
+        squeeze, most, locks = squeeze_of(body.weight, push), math.inf, False
+    elif friction is not None and not locks:
         squeeze = _squeeze(body, side, low, tall, friction, scene.floor.friction)
+    partner = plate_on_floor(spec.palms[1 - side], spec.palms[1 - side].steep)
     limit, by_load = _core.push_of_robot(as_given(scene), side, -low.half, low.pivot)
     own = scene.robot_of(SIDES[side]).force_limit_n
     load = squeeze * cotangent if math.isfinite(squeeze) else body.weight
@@ -168,12 +214,16 @@ def lone_lift(scene: Scene) -> LoneLift | None:
     can = can if own is None else min(can, own)
     needed = squeeze - by_load * load
     heaviest = scene.object.mass_kg * (max(0.0, limit) / needed if needed > 0 else math.inf)
+    if by_partner:  # whose wheels hold against it
+        holds, _ = _core.push_of_robot(as_given(scene), 1 - side, -partner.half, partner.pivot)
+        can = min(can, max(0.0, holds))
+        heaviest = min(heaviest, scene.object.mass_kg * max(0.0, holds) / squeeze)
     if own is not None:
         heaviest = min(heaviest, scene.object.mass_kg * own / squeeze)
     far_x, far_y = (spec.com_left, spec.com_right)[1 - side], spec.com_height
     # Along the palm, from the nose at the wall to the far arc, whose side leans on the wall.
     along = (radius + (tall - radius) * math.sin(palm.shallow)) / math.cos(palm.shallow)
-    result = LoneLift(
+    return LoneLift(
         robot=SIDES[side],
         wall_m=None if wall is None else -wall - (-min(x for x, _ in spec.silhouette) + far_x),
         nose_height_m=low.nose,
@@ -181,6 +231,10 @@ def lone_lift(scene: Scene) -> LoneLift | None:
         push_deg=math.degrees(push),
         self_locking=locks,
         wall_friction=friction,
+        partner_lean_deg=math.degrees(partner.nose_lean(body.radii[1 - side]))
+        if by_partner
+        else None,
+        least_partner_lean_deg=_least_lean(body, low, spec, side) if by_partner else None,
         most_wall_friction=most,
         squeeze_n=squeeze,
         push_n=can,
@@ -201,11 +255,12 @@ def lone_lift(scene: Scene) -> LoneLift | None:
         refusals=(),
         warnings=(),
     )
-    return replace(
-        result,
-        refusals=tuple(_refusals(scene, spec, result, tall)),
-        warnings=tuple(_warnings(result)),
-    )
+
+
+def _least_lean(body: Standing, low: Plate, spec: _core.Spec, side: int) -> float:
+    other = plate_on_floor(spec.palms[1 - side], _STEEP)
+    plates = (low, other) if side == 0 else (other, low)
+    return math.degrees(least_partner_angle(body, plates, side))
 
 
 def _squeeze(
@@ -234,107 +289,3 @@ def _wall(scene: Scene) -> float | None:
 def _friction_of_wall(scene: Scene, at: float) -> float:
     own = next(wall.friction for wall in scene.floor.walls if wall.at_m == at)
     return scene.floor.friction if own is None else own
-
-
-def _refusals(scene: Scene, spec: _core.Spec, found: LoneLift, tall: float) -> Iterator[str]:
-    """Why the job cannot begin."""
-    for key, place in (("from", getattr(scene.task, "from")), ("to", scene.task.to)):
-        if place != "floor":
-            yield (
-                f'task.{key}: value is {place}, but with task.dock = "alone" one robot picks the '
-                "object up and puts it down; allowed: floor"
-            )
-    if spec.slope != 0:
-        yield (
-            f"task.slope_deg: value is {scene.task.slope_deg:g}, and one robot alone works on a "
-            "level floor; allowed: 0"
-        )
-    if found.wall_m is None:
-        yield (
-            "floor.walls: no wall stands behind the object, so the robot would push it away; "
-            "allowed: one with at_m < 0"
-        )
-        return
-    low = next(wall for wall in scene.floor.walls if wall.at_m < 0)
-    if low.height_m is not None and low.height_m < tall:
-        yield (
-            f"floor.walls[].height_m: value is {low.height_m:g}, and the object is "
-            f"{millimetres(tall)} high; allowed: at least that"
-        )
-    if found.nose_height_m >= found.thickest_m:
-        yield (
-            f"palm.nose_m: the upper edge of the nose is {_mm(found.nose_height_m)} above the "
-            "floor, and it gets under the edge of the object only below "
-            f"{_mm(found.thickest_m)}; allowed: a thinner nose, or a larger object.edge_radius_m"
-        )
-        return
-    if found.self_locking:
-        yield (
-            f"floor.walls[].friction: value is {found.wall_friction:g}, so the object jams between "
-            f"nose and wall; allowed: less than {rounded_down(found.most_wall_friction, 3):g}"
-        )
-    elif found.squeeze_n > found.push_n and scene.object.mass_kg > found.heaviest_kg:
-        yield (
-            f"object.mass_kg: value is {scene.object.mass_kg:g}, and the robot would have to push "
-            f"with {_newtons(found.squeeze_n)} to get under it; allowed: at most "
-            f"{rounded_down(found.heaviest_kg, 3):g} with the traction of this robot"
-        )
-    if found.width_m > found.room_m:
-        yield (
-            f"object.vertices_m: the contact vertices are {millimetres(found.width_m)} apart, and "
-            f"the palm has room for {millimetres(found.room_m)}; allowed: at most that, or a "
-            "longer palm (palm.length_m)"
-        )
-    if found.shallow_deg >= found.friction_deg:
-        yield (
-            f"palm.shallow_deg: value is {found.shallow_deg:g}, so the object slides off the palm; "
-            f"allowed: less than the friction angle, {found.friction_deg:.1f}"
-        )
-    elif found.acceleration_m_s2 > found.most_acceleration_m_s2:
-        yield (
-            f"robot.acceleration_m_s2: value is {found.acceleration_m_s2:g}, so the object slides "
-            "off the palm as the robot starts; allowed: at most "
-            f"{rounded_down(found.most_acceleration_m_s2, 3):g}"
-        )
-    if not found.friction_deg < found.steep_deg < found.topples_deg:
-        why = (
-            "so the palm takes the object along when it leaves"
-            if found.steep_deg <= found.friction_deg
-            else "so the object topples off the palm"
-        )
-        yield (
-            f"palm.steep_deg: value is {found.steep_deg:g}, {why}; allowed: more than the friction "
-            f"angle, {found.friction_deg:.1f}, and less than {found.topples_deg:.1f}"
-        )
-    arm, name = scene.arm.of(found.robot), found.robot
-    if found.pivot_m < arm.lowest_pivot_m:
-        yield (
-            f"arm.lowest_pivot_m: value is {arm.lowest_pivot_m:g}, but the pivot of the {name} "
-            f"palm is only {millimetres(found.pivot_m)} above the floor; allowed: at most that"
-        )
-
-
-def _warnings(found: LoneLift) -> Iterator[str]:
-    """What may end it."""
-    if found.fall_m > found.most_fall_m:
-        yield (
-            f"the object falls by some {_mm(found.fall_m)} when it slides down the steep palm, "
-            f"more than world.fall_m = {found.most_fall_m:g}"
-        )
-    if found.floor_friction < found.least_floor_friction:
-        yield (
-            f"floor.friction is {found.floor_friction:g}: the palm pushes the object away as it "
-            f"leaves; it does not at {rounded_up(found.least_floor_friction, 3):g} or more"
-        )
-
-
-def _mm(value: float) -> str:
-    return f"{1e3 * value:.2f} mm"
-
-
-def _newtons(value: float) -> str:
-    return "any" if math.isinf(value) else f"{value:.2f} N"
-
-
-def _number(value: float) -> str:
-    return "any" if math.isinf(value) else f"{rounded_down(value, 3):g}"

@@ -183,6 +183,8 @@ def mjcf(
             for side in SIDES if scene.task.dock == "alone" else ():  # noses end at walls
                 for end in ("near", "far"):
                     _pair(contact, name, f"{side}_inner_{end}", 1, 0.0, engine.lifting)
+    if lifts(scene) and scene.task.dock == "hand-over":
+        _pair(contact, "left_nose_stop", "right_nose_stop", 1, 0.0, engine.lifting)
     root.append(actuators)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"

@@ -25,6 +25,7 @@ from palmbots.scene.spec import to_spec
 from palmbots.viz import solids
 from palmbots.viz.style import HUE, INK, QUIET
 
+NOSE_STOP = 0.0005  # m, radius of the shape that stops at the nose of the partner
 LIP = 0.004  # m, thickness of the lips along the sides of a palm
 TIP = 1e-4  # m, radius of the contact balls: almost a point
 _SPARE = 0.01  # m, of an arm beyond its greatest height
@@ -233,6 +234,14 @@ def _palm(
                     body, "geom", {"class": "touch"}, name=f"{side}_{name}_{end}", type="sphere",
                     size=numbers(TIP), pos=numbers(out * along, y, offset - below + TIP),
                 )  # fmt: skip
+    if scene.task.dock == "hand-over":
+        # Noses that meet stop each other. They are thin, so a taller shape stands for each; it is
+        # round, and its axis is the edge of the nose, so that it presses along the floor.
+        ET.SubElement(
+            body, "geom", {"class": "touch"}, name=f"{side}_nose_stop", type="capsule",
+            size=numbers(NOSE_STOP, wide), euler=numbers(math.pi / 2, 0.0, 0.0),
+            pos=numbers(-out * half, 0.0, offset),
+        )  # fmt: skip
     if palm.heel_m > 0:
         high = palm.heel_m / 2
         ET.SubElement(

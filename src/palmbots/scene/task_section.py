@@ -132,7 +132,8 @@ class Task(_Ends):
     """Which robots begin to pick the object up. together: both. one-first: the one that leads; the
     other one stands with its brakes on until its partner's palm is under the object. After an
     attempt that failed, both dock together. alone: the one that leads does the whole job, against a
-    wall behind the object; the other one stands aside."""
+    wall behind the object; the other one stands aside. hand-over: the one that follows carries the
+    object half of the way on its palm and hands it to the one that leads."""
     distance_m: float = key("task.distance_m")
     """Distance that the midpoint of the pivots has to travel."""
     slope_deg: float = key("task.slope_deg")

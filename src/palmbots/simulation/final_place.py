@@ -185,11 +185,15 @@ def final_place(
 def contributions(job: FloorJob, distance_m: float) -> tuple[float, float, float]:
     """What docking, travel and leaving contribute to the miss of a job that succeeded [m]."""
 
-    def begun(*phases: str) -> float:
-        return max((one.start_s, one.moved_m) for one in job.phases if one.phase in phases)[1]
+    def begun(by_one: str, by_both: str) -> list[float]:
+        """Where the object was when a phase began; on one palm, for each robot that carries it."""
+        places = [one.moved_m for one in job.phases if one.phase == by_one]
+        both = [(one.start_s, one.moved_m) for one in job.phases if one.phase == by_both]
+        return places or [max(both)[1]]
 
-    held, down = begun("carry", "haul"), begun("down", "tip_out")
-    return held, down - held - distance_m, job.moved_m - down
+    held, down = begun("haul", "carry"), begun("tip_out", "down")
+    travel, leaving = sum(down) - sum(held) - distance_m, job.moved_m - down[-1]
+    return job.moved_m - distance_m - travel - leaving, travel, leaving
 
 
 def _covered(values: NDArray[np.float64]) -> Interval:

@@ -18,6 +18,7 @@ from palmbots.control.resilient_timing import Bounds, bounds_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mechanics.lifting import check_lift
 from palmbots.mechanics.load_limits import check_load
+from palmbots.mechanics.lone import ON_ONE_PALM
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import refuse_floor, refuse_pipe, to_spec
 from palmbots.scene.surroundings import refuse_surroundings
@@ -63,9 +64,9 @@ def prepare(
     spec = to_spec(scene, unrolled=place.supports_curved)
     check_load(scene)
     refuse_surroundings(scene, spec)
-    is_alone = spec.uses_floor and scene.task.dock == "alone"
+    on_one_palm = spec.uses_floor and scene.task.dock in ON_ONE_PALM
     lifts = check_lift(scene) if spec.uses_floor else ()
-    if not is_alone:
+    if not on_one_palm:
         check_palms(spec)
     if spec.uses_floor:
         refuse_reference(entry, "a job on the floor")

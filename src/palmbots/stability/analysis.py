@@ -18,6 +18,7 @@ from palmbots._types import SIDES, BySide, Interval, Overrides, Side
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
+from palmbots.mechanics.hand_over import HandOver, hand_over
 from palmbots.mechanics.lift_margins import Lifting
 from palmbots.mechanics.lifting import lifting
 from palmbots.mechanics.load_limits import LoadLimit, LoadLimits, load_limits
@@ -153,6 +154,8 @@ class Analysis(Result):
     does it alone."""
     lone: LoneLift | None
     """Whether one robot can do the job alone; None: two do it."""
+    hand_over: HandOver | None
+    """Whether one robot can hand the object to the other one; None: they do not."""
     warnings: tuple[str, ...]
     """Numbers of the scene that exceed what properties 1 and 2 allow."""
 
@@ -271,7 +274,7 @@ def analyze(
     closing, opening, turning = (
         BySide.of(_report(problem, number, shallow) for shallow in SIDES) for number in (1, 2, 0)
     )
-    load, lone = load_limits(chosen), lone_lift(chosen)
+    load, lone, handed = load_limits(chosen), lone_lift(chosen), hand_over(chosen)
     return Analysis(
         scene=chosen,
         problem=problem,
@@ -287,12 +290,13 @@ def analyze(
         angle_error_rad=angle,
         clearance=clearance,
         # Of two palms; an object for one may reach farther than between them.
-        touch=None if lone is not None else first_touch(chosen, clearance.rotation_margin),
+        touch=None if lone or handed else first_touch(chosen, clearance.rotation_margin),
         wedging=wedging(problem),
         sideways=sideways_of(chosen),
         load=load,
         lifting=lifting(chosen),
         lone=lone,
+        hand_over=handed,
         warnings=limit_warnings(chosen, problem.contacts),
     )
 

@@ -24,9 +24,10 @@ PROPERTIES = {1: "1 closing", 2: "2 opening", 0: "0 turning"}
 
 def analysis_lines(analysis: "Analysis") -> Iterator[Item]:
     """The tightest margins, the properties with theirs, what limits them, and admissible ranges."""
-    if analysis.lone is not None:  # the properties are those of two palms
-        yield from analysis.lone.verdict_lines()
-        yield from analysis.lone.lines()
+    on_one_palm = analysis.lone or analysis.hand_over
+    if on_one_palm is not None:  # the properties are those of two palms
+        yield from on_one_palm.verdict_lines()
+        yield from on_one_palm.lines()
         return
     yield holding(analysis).line()
     if analysis.lifting is not None:

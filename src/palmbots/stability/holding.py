@@ -43,6 +43,10 @@ def holding(analysis: Analysis) -> Holding:
         if analysis.lone.refusals:
             return Holding("FAILS", analysis.lone.refusals[0])
         return Holding("HOLDS", f"the {analysis.lone.robot} robot alone holds the object")
+    if analysis.hand_over is not None:
+        if analysis.hand_over.refusals:
+            return Holding("FAILS", analysis.hand_over.refusals[0])
+        return Holding("HOLDS", "one palm at a time holds the object")
     if refusal := load.refusal():
         return Holding("FAILS", refusal)
     if analysis.lifting is not None and not analysis.lifting.works:

@@ -44,6 +44,10 @@ def _both(title: str, *states: str, share: float = 0.5) -> Moment:
     return Moment(title, frozenset(states), frozenset(states), share)
 
 
+def _handing(title: str, hands: str, other: str, share: float = 0.5) -> Moment:
+    return Moment(title, frozenset({hands}), frozenset({other}), share)
+
+
 def _alone(title: str, state: str, share: float = 0.5) -> Moment:
     return Moment(title, frozenset({state}), frozenset(), share)
 
@@ -69,6 +73,18 @@ MOMENTS = (
     _alone("tip out", "tip_out", 1.0),
     _alone("leave", "leave_steep"),
     _alone("retreat", "retreat"),
+    _handing("the taker is the wall", "scoop", "prop"),
+    _handing("the object lies flush", "seat", "prop", 1.0),
+    _handing("raise", "lift", "prop"),
+    _handing("the taker gets out of the way", "hold_up", "clear"),
+    _handing("carry", "haul", "there"),
+    _handing("tip out", "tip_out", "there", 1.0),
+    _handing("leave", "leave_steep", "there"),
+    _handing("the giver is the wall", "brace", "scoop", 0.9),
+    _handing("the object lies flush", "brace", "seat", 1.0),
+    _handing("raise", "brace", "lift"),
+    _handing("carry on", "retreat", "haul", 1.0),
+    _handing("leave", "done", "leave_steep"),
 )
 """What is drawn, in the order of a job."""
 

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why a job in which one palm holds the object cannot begin and what may end it, in words, from the
+closed forms of `palmbots.mechanics.lone`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import palmbots._core as _core
+from palmbots._util.text import millimetres, rounded_down, rounded_up
+from palmbots.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from palmbots.mechanics.lone import LoneLift
+
+
+def refusals_of_lone(scene: Scene, spec: _core.Spec, found: LoneLift, tall: float) -> Iterator[str]:
+    """Why the job of one robot against a wall cannot begin."""
+    yield from refusals_of_task(scene, spec)
+    if found.wall_m is None:
+        yield (
+            "floor.walls: no wall stands behind the object, so the robot would push it away; "
+            "allowed: one with at_m < 0"
+        )
+        return
+    low = next(wall for wall in scene.floor.walls if wall.at_m < 0)
+    if low.height_m is not None and low.height_m < tall:
+        yield (
+            f"floor.walls[].height_m: value is {low.height_m:g}, and the object is "
+            f"{millimetres(tall)} high; allowed: at least that"
+        )
+    yield from refusals_of_palm(scene, found)
+
+
+def refusals_of_task(scene: Scene, spec: _core.Spec) -> Iterator[str]:
+    """Why one palm at a time cannot do this job, whatever the palm is."""
+    for key, place in zip(("from", "to"), scene.task.ends, strict=True):
+        if place != "floor":
+            yield (
+                f'task.{key}: value is {place}, but with task.dock = "{scene.task.dock}" one robot '
+                "picks the object up and puts it down; allowed: floor"
+            )
+    if spec.slope != 0:
+        yield (
+            f"task.slope_deg: value is {scene.task.slope_deg:g}, and one robot alone works on a "
+            "level floor; allowed: 0"
+        )
+
+
+def refusals_of_palm(scene: Scene, found: LoneLift) -> Iterator[str]:
+    """Why a palm cannot pick the object up, carry it or put it down."""
+    if found.nose_height_m >= found.thickest_m:
+        yield (
+            f"palm.nose_m: the upper edge of the nose is {mm(found.nose_height_m)} above the "
+            "floor, and it gets under the edge of the object only below "
+            f"{mm(found.thickest_m)}; allowed: a thinner nose, or a larger object.edge_radius_m"
+        )
+        return
+    if found.self_locking:
+        yield (
+            f"floor.walls[].friction: value is {found.wall_friction:g}, so the object jams between "
+            f"nose and wall; allowed: less than {rounded_down(found.most_wall_friction, 3):g}"
+        )
+    elif found.squeeze_n > found.push_n and scene.object.mass_kg > found.heaviest_kg:
+        yield (
+            f"object.mass_kg: value is {scene.object.mass_kg:g}, and the robot would have to push "
+            f"with {newtons(found.squeeze_n)} to get under it; allowed: at most "
+            f"{rounded_down(found.heaviest_kg, 3):g} with the traction of this robot"
+        )
+    if found.width_m > found.room_m:
+        yield (
+            f"object.vertices_m: the contact vertices are {millimetres(found.width_m)} apart, and "
+            f"the palm has room for {millimetres(found.room_m)}; allowed: at most that, or a "
+            "longer palm (palm.length_m)"
+        )
+    if found.shallow_deg >= found.friction_deg:
+        yield (
+            f"palm.shallow_deg: value is {found.shallow_deg:g}, so the object slides off the palm; "
+            f"allowed: less than the friction angle, {found.friction_deg:.1f}"
+        )
+    elif found.acceleration_m_s2 > found.most_acceleration_m_s2:
+        yield (
+            f"robot.acceleration_m_s2: value is {found.acceleration_m_s2:g}, so the object slides "
+            "off the palm as the robot starts; allowed: at most "
+            f"{rounded_down(found.most_acceleration_m_s2, 3):g}"
+        )
+    lean, least = found.partner_lean_deg, found.least_partner_lean_deg
+    if lean is not None and least is not None and lean < least:
+        yield (
+            f"palm.steep_deg: the contact on the palm of the partner leans by {lean:.1f}°, so the "
+            f"object climbs it while the {found.robot} nose drives under it; allowed: at least "
+            f"{rounded_up(least, 3):g}"
+        )
+    if not found.friction_deg < found.steep_deg < found.topples_deg:
+        why = (
+            "so the palm takes the object along when it leaves"
+            if found.steep_deg <= found.friction_deg
+            else "so the object topples off the palm"
+        )
+        yield (
+            f"palm.steep_deg: value is {found.steep_deg:g}, {why}; allowed: more than the friction "
+            f"angle, {found.friction_deg:.1f}, and less than {found.topples_deg:.1f}"
+        )
+    arm, name = scene.arm.of(found.robot), found.robot
+    if found.pivot_m < arm.lowest_pivot_m:
+        yield (
+            f"arm.lowest_pivot_m: value is {arm.lowest_pivot_m:g}, but the pivot of the {name} "
+            f"palm is only {millimetres(found.pivot_m)} above the floor; allowed: at most that"
+        )
+
+
+def warnings_of(found: LoneLift) -> Iterator[str]:
+    """What may end it."""
+    if found.partner_lean_deg is None and found.fall_m > found.most_fall_m:
+        yield (
+            f"the object falls by some {mm(found.fall_m)} when it slides down the steep palm, "
+            f"more than world.fall_m = {found.most_fall_m:g}"
+        )
+    if found.floor_friction < found.least_floor_friction:
+        yield (
+            f"floor.friction is {found.floor_friction:g}: the palm pushes the object away as it "
+            f"leaves; it does not at {rounded_up(found.least_floor_friction, 3):g} or more"
+        )
+
+
+def mm(value: float) -> str:
+    """A length in millimetres."""
+    return f"{1e3 * value:.2f} mm"
+
+
+def newtons(value: float) -> str:
+    """A force; infinite: any."""
+    return "any" if math.isinf(value) else f"{value:.2f} N"
+
+
+def number(value: float) -> str:
+    """A number, rounded down; infinite: any."""
+    return "any" if math.isinf(value) else f"{rounded_down(value, 3):g}"
