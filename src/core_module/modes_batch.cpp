@@ -15,7 +15,7 @@ using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device:
 using BitsArray = nb::ndarray<nb::numpy, std::uint16_t, nb::ndim<1>>;
 
 BitsArray feasible_of(const std::vector<Numbers>& columns, std::size_t n) {
-  StateColumns<double> states{};
+  StateColumns states{};
   if (columns.size() != states.size()) throw std::invalid_argument("feasible_modes: 13 columns");
   for (std::size_t k = 0; k < states.size(); ++k) {
     const std::size_t size = columns[k].size();
