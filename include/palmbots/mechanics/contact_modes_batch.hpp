@@ -80,14 +80,10 @@ template <class V>
   };
   const auto l_under = held & (l.low <= r.high);
   const auto r_under = held & (r.low <= l.high);
-  const MaskOf<V> modes[] = {l_under & r_under,
-                             l_under & (r.high <= l.high),
-                             r_under & (l.low <= r.low),
-                             r_under & (l.high <= r.high),
-                             meet(l.high, r.high),
-                             meet(l.high, r.low),
-                             l_under & (r.low <= l.low),
-                             meet(l.low, r.high),
+  const MaskOf<V> modes[] = {l_under & r_under,          l_under & (r.high <= l.high),
+                             r_under & (l.low <= r.low), r_under & (l.high <= r.high),
+                             meet(l.high, r.high),       meet(l.high, r.low),
+                             l_under & (r.low <= l.low), meet(l.low, r.high),
                              meet(l.low, r.low)};
   PlainModes<V> found{{}, (plain | (at.dx != at.dx)).bits()};
   typename V::In::Int bit = 1;
@@ -117,7 +113,8 @@ inline void feasible_modes(const StateColumns& columns, std::size_t n, std::uint
   const auto several = [&](std::size_t which, std::size_t first) {
     const Column& column = columns[which];
     V numbers(*column.data);
-    if (column.each) numbers.raw = typename V::Raw{column.data[first], column.data[std::min(first + 1, n - 1)]};
+    if (column.each)
+      numbers.raw = typename V::Raw{column.data[first], column.data[std::min(first + 1, n - 1)]};
     return numbers;
   };
   // States often differ only in the contact coordinates.
@@ -135,8 +132,8 @@ inline void feasible_modes(const StateColumns& columns, std::size_t n, std::uint
       on_both_sides([&](std::size_t side) {
         palms[side] = PalmAngle<V>::at(number(state::angle + side));
         offset[side] = number(state::offset + side);
-        at.cones[side] = friction_cone<V>({palms[side].sin, palms[side].cos},
-                                          number(state::friction + side));
+        at.cones[side] =
+            friction_cone<V>({palms[side].sin, palms[side].cos}, number(state::friction + side));
       });
     }
     const PerSide<V> contacts{several(state::contact, first), several(state::contact + 1, first)};

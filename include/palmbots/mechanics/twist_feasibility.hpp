@@ -54,9 +54,11 @@ struct TwistSpace {
   // Adds an equation. Returns false if it contradicts the earlier ones.
   bool restrict(const Condition& to) {
     const double missing = to.value - dot(to.row, origin);
+    std::array<double, 3> along{};
     Triple within{};
     for (std::size_t k = 0; k < dimension; ++k) {
-      within = within + basis[k] * dot(to.row, basis[k]);
+      along[k] = dot(to.row, basis[k]);
+      within = within + basis[k] * along[k];
     }
     const double part = size(within);
     if (!(part > wrench_tolerance)) {
@@ -70,25 +72,17 @@ struct TwistSpace {
     origin = origin + unit * (missing / part);
     // Equations that nearly depend on each other magnify rounding.
     error = (error + 4.0 * std::numeric_limits<double>::epsilon()) / part;
-    leave_out(unit);
-    return true;
-  }
-
- private:
-  // Removes a unit vector's direction from the space, by Gram–Schmidt on the longest remainders.
-  void leave_out(Triple unit) {
-    std::array<Triple, 3> rest = basis;
-    std::array<Triple, 3> found{};
-    for (std::size_t n = 0; n + 1 < dimension; ++n) {
-      Triple longest{};
-      for (std::size_t k = 0; k < dimension; ++k) {
-        rest[k] = rest[k] - unit * dot(rest[k], unit);
-        if (dot(rest[k], rest[k]) > dot(longest, longest)) longest = rest[k];
-      }
-      unit = found[n] = longest * (1.0 / size(longest));
+    // What remains is at right angles to `unit`.
+    if (dimension == 3) {
+      const Triple beside =
+          magnitude(unit.x) < 0.7 ? Triple{0.0, unit.z, -unit.y} : Triple{-unit.z, 0.0, unit.x};
+      basis[0] = beside * (1.0 / size(beside));
+      basis[1] = cross(unit, basis[0]);
+    } else if (dimension == 2) {
+      basis[0] = (basis[0] * along[1] - basis[1] * along[0]) * (1.0 / part);
     }
-    basis = found;
     --dimension;
+    return true;
   }
 };
 
@@ -132,14 +126,17 @@ class HalfSpaces {
   }
 
   static bool contradict(const Side& a, const Side& b) {
-    if (!(size(a.row + b.row) <= wrench_tolerance)) return false;
+    const Triple sum = a.row + b.row;
+    if (!(dot(sum, sum) <= wrench_tolerance * wrench_tolerance)) return false;
     return nothing_left(a.value + b.value, magnitude(a.value) + magnitude(b.value), 2.0);
   }
 
   // Three inequalities in a plane: by Lami's theorem each share is the sine of the angle between
   // the other two.
   static bool contradict(const Side& a, const Side& b, const Side& c) {
-    const double p = size(cross(b.row, c.row));
+    const Triple bc = cross(b.row, c.row);
+    if (magnitude(dot(a.row, bc)) > 3.0 * wrench_tolerance) return false;  // not in a plane
+    const double p = size(bc);
     const double q = size(cross(c.row, a.row));
     const double r = size(cross(a.row, b.row));
     const double total = p + q + r;

@@ -194,13 +194,21 @@ class ContactStep : ContactTrial {
 
   // Robots stall only if there is no motion in which both drive, and the object does not fall.
   DropReason choose_among(const ClosedPairs& closed, const Frames& frames, double done) {
-    // A tip that moves along an arc leaves it without a speed: that shows only a little later.
+    // A tip that moves along an arc leaves it without a speed, as may what touches a palm that turns:
+    // that shows only a little later.
     constexpr double later = 1e-3;  // of a step
-    for (const double ahead : {0.0, later}) {
-      const Frames then = ahead == 0.0 ? frames : palmbots::moved(frames, ahead);
-      const Found as_commanded = go_on_with(candidates_at(problem_, then, pose_, closed), done);
-      if (as_commanded.any) return as_commanded.reason;
+    const auto is_on_arc = [](const ClosedPair& c) { return c.pair.kind == PairKind::tip_on_arc; };
+    const bool looks_later =
+        travel_.turns() ||
+        std::any_of(closed.at.begin(), closed.at.begin() + closed.count, is_on_arc);
+    const RegimeSearch search(problem_, frames, pose_, closed);
+    Found as_commanded = go_on_with(search.candidates(frames), done);
+    if (!as_commanded.any && looks_later) {
+      const Frames then = palmbots::moved(frames, later);
+      const RegimeSearch moved(problem_, then, pose_, closed);
+      as_commanded = go_on_with(moved.candidates(then), done);
     }
+    if (as_commanded.any) return as_commanded.reason;
     const DropReason why = reason_of(problem_, closed);
     if (why != DropReason::none) return why;
     // What has run off its feature holds the object no more. What is at the end of its feature because
@@ -217,15 +225,16 @@ class ContactStep : ContactTrial {
           std::any_of(closed.at.begin(), closed.at.begin() + closed.count, lies_flush_with))
         rest.at[rest.count++] = c;
     }
-    const DropReason then = reason_of(problem_, rest);
+    const DropReason then = rest.count < closed.count ? reason_of(problem_, rest) : why;
     if (then != DropReason::none) return then;
-    const bool stalls = problem_.is_limited() && stall(closed, frames, done);
+    const bool stalls = problem_.is_limited() && stall(search, closed, frames, done);
     return stalls ? DropReason::none : DropReason::jammed;
   }
 
   // Chooses a regime in which a robot stalls: the weaker one; otherwise the stronger one; otherwise
   // both, the weaker one up to standing. False if there is none.
-  bool stall(const ClosedPairs& closed, const Frames& frames, double done) {
+  bool stall(const RegimeSearch& search, const ClosedPairs& closed, const Frames& frames,
+             double done) {
     constexpr auto ground = static_cast<std::size_t>(Carrier::ground);
     const PerSide<double>& limit = problem_.limit;
     std::size_t weaker = limit[left] < limit[right] ? left : right;
@@ -246,7 +255,7 @@ class ContactStep : ContactTrial {
         const auto goes_at = [&](double speed, Drive drive, bool at_limit = false) {
           drives[side] = drive;
           moving[side].velocity.x = speed;
-          RegimeCandidates found = candidates_at(problem_, moving, pose_, closed);
+          RegimeCandidates found = search.candidates(moving);
           std::size_t count = 0;
           for (std::size_t k = 0; k < found.count; ++k) {
             Regime& regime = found.at[k].regime;
@@ -342,12 +351,13 @@ class ContactStep : ContactTrial {
       regime_ = best[ambiguous_.pick(count)]->regime;
       return {true, DropReason::none};
     }
-    return {choose_later(found, done), DropReason::none};
+    const bool yields = found.count > 0 && found.at[0].regime.yields();
+    return {!yields && choose_later(found, done), DropReason::none};
   }
 
   // Where a mode is possible for an instant only, as on a palm that turns through level, or where a
   // slide reverses, the first order does not say which of its contacts slides or leaves then. One of
-  // the regimes that go on follows; as many contacts as possible stay.
+  // the regimes that go on follows; as many contacts as possible stay, and at most two change.
   bool choose_later(const RegimeCandidates& found, double done) {
     const auto is_instant = [&](const RegimeCandidate& one) {
       return (one.on_both || !problem_.on_both) && !lasts(done, one.regime);
@@ -355,21 +365,32 @@ class ContactStep : ContactTrial {
     const auto first = std::find_if(found.at.begin(), found.at.begin() + found.count, is_instant);
     if (first == found.at.begin() + found.count) return false;
     const Regime& instant = first->regime;
-    const std::size_t ways = std::size_t{1} << (2 * instant.count);
-    for (const double ahead : {1e-3, 1e-5}) {
-      const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
-      for (std::size_t leaving = 0; leaving < instant.count; ++leaving) {
-        for (std::size_t way = 1; way < ways; ++way) {
-          const Regime regime = varied(problem_, instant, way);
-          Place end = here();
-          if (regime.count + leaving != instant.count || !try_out(done, then, regime, end).goes_on)
-            continue;
-          regime_ = regime;
-          return true;
-        }
+    const double later = done + 1e-3 * look_;
+    const bool may_slide = !is_still(instant.drives);
+    for (std::size_t leaving = 0; leaving <= 2 && leaving < instant.count; ++leaving) {
+      for (std::size_t way = 1; way < std::size_t{1} << (2 * instant.count); ++way) {
+        const Changes changes = changes_in(way);
+        if (changes.leaving != leaving || changes.leaving + changes.sliding > 2 ||
+            (changes.sliding > 0 && !may_slide))
+          continue;
+        const Regime regime = varied(problem_, instant, way);
+        Place end = here();
+        if (regime.none() || !try_out(done, later < 1.0 ? later : 1.0, regime, end).goes_on)
+          continue;
+        regime_ = regime;
+        return true;
       }
     }
     return false;
+  }
+
+  // Whether no surface moves.
+  bool is_still(const PerSide<Drive>& drives) const {
+    for (const std::size_t side : {left, right}) {
+      const Vec by = travel_.palms[side].by;
+      if (by.y != 0.0 || (by.x != 0.0 && drives[side] != Drive::stands)) return false;
+    }
+    return !travel_.turns();
   }
 
   // The pairs that touch, those of the palm that leads first, and of each those of the regime.

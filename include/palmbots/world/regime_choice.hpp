@@ -165,66 +165,109 @@ inline DropReason reason_of(const ContactProblem& problem, const ClosedPairs& cl
   return depth_in(rays, problem.weight(false)) > least ? DropReason::none : DropReason::sliding;
 }
 
-// The regimes that the closed pairs allow, the best first.
-inline RegimeCandidates candidates_at(const ContactProblem& problem, const Frames& frames,
-                                      const Pose& pose, const ClosedPairs& closed) {
+// The search for the regimes that the closed pairs allow, while the surfaces move in one way or other.
+class RegimeSearch {
+ public:
+  RegimeSearch(const ContactProblem& problem, const Frames& frames, const Pose& pose,
+               const ClosedPairs& closed)
+      : problem_(problem), pose_(pose), closed_(closed) {
+    for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
+      const FeaturePair pair = closed.at[i].pair;
+      const FeatureContact c = problem.contact(frames, pose, pair);
+      supports_.at[supports_.count++] = {frames[problem.carrier(pair)].sense < 0.0 ? left : right,
+                                         c.point.x,
+                                         c.point.y,
+                                         c.normal.x,
+                                         c.normal.y,
+                                         problem.surface(pair).friction};
+    }
+    balancing_ = balancing_edges(supports_, problem.weight(true).x);
+    select();
+  }
+
+  // The best first.
+  RegimeCandidates candidates(const Frames& moving) const {
+    Velocities velocities{};
+    for (std::size_t i = 0; i < supports_.count; ++i) {
+      const Vec point{supports_.at[i].x, supports_.at[i].y};
+      velocities[i] = moving[problem_.carrier(closed_.at[i].pair)].velocity_at(pose_.at + point);
+    }
+    const Twists twists(supports_, velocities);
+    RegimeCandidates found;
+    const auto add_all = [&](const BalancingRays& balancing, bool pushed) {
+      twists.each(selections_, balancing, [&](const Motions& motions, std::size_t selection) {
+        detail::add_candidate(problem_, closed_, motions, pushed, selection, found);
+      });
+    };
+    add_all(balancing_, true);
+    if (found.count == 0 && problem_.push != 0.0)
+      add_all(balancing_edges(supports_, problem_.weight(false).x), false);
+    sort_few(found.at.data(), found.count, [](const RegimeCandidate& a, const RegimeCandidate& b) {
+      if (a.on_both != b.on_both) return a.on_both;
+      if (a.regime.count != b.regime.count) return a.regime.count > b.regime.count;
+      return a.alike != b.alike ? a.alike : a.selection < b.selection;
+    });
+    return found;
+  }
+
+ private:
   // Each selection of the closed pairs, as bits of those that are left out: of two at one point, the
   // first, the second or both take part.
-  Selections selections;
-  int doubled = 0;
-  for (std::size_t j = 0; j < closed.count; ++j) {
-    for (std::size_t i = 0; i < j && doubled < 3; ++i) {
-      const FeatureContact& a = closed.at[i].contact;
-      const FeatureContact& b = closed.at[j].contact;
-      if (!detail::at_one_point(a, b, problem.shapes.size)) continue;
-      ++doubled;
-      const Selections before = selections;
-      selections.count = 0;
-      for (const std::uint32_t out : {1U << j, 1U << i, 0U}) {
-        // Where both touch in one direction they are the same contact.
-        if (out == 0 && detail::in_one_direction(a, b)) continue;
-        for (std::size_t k = 0; k < before.count; ++k) selections.add(before.out[k] | out);
+  void select() {
+    int doubled = 0;
+    for (std::size_t j = 0; j < closed_.count; ++j) {
+      for (std::size_t i = 0; i < j && doubled < 3; ++i) {
+        const FeatureContact& a = closed_.at[i].contact;
+        const FeatureContact& b = closed_.at[j].contact;
+        if (!detail::at_one_point(a, b, problem_.shapes.size)) continue;
+        ++doubled;
+        const Selections before = selections_;
+        selections_.count = 0;
+        for (const std::uint32_t out : {1U << j, 1U << i, 0U}) {
+          // Where both touch in one direction they are the same contact.
+          if (out == 0 && detail::in_one_direction(a, b)) continue;
+          for (std::size_t k = 0; k < before.count; ++k) selections_.add(before.out[k] | out);
+        }
       }
     }
   }
-  Supports supports{};
-  Velocities velocities{};
-  for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
-    const FeaturePair pair = closed.at[i].pair;
-    const FeatureContact c = problem.contact(frames, pose, pair);
-    const Frame& frame = frames[problem.carrier(pair)];
-    velocities[i] = frame.velocity_at(pose.at + c.point);
-    supports.at[supports.count++] = {
-        frame.sense < 0.0 ? left : right, c.point.x, c.point.y, c.normal.x, c.normal.y,
-        problem.surface(pair).friction};
+
+  const ContactProblem& problem_;
+  const Pose& pose_;
+  const ClosedPairs& closed_;
+  Selections selections_;
+  Supports supports_{};
+  BalancingRays balancing_;
+};
+
+// What each contact of a regime may do next, as two bits of a `way`: it goes on, leaves or, if it
+// sticks, slides.
+inline constexpr std::array<Motion, 4> next_motion{Motion::stick, Motion::up, Motion::down,
+                                                   Motion::leave};
+
+// How many contacts do what in such a way.
+struct Changes {
+  std::size_t sliding = 0;
+  std::size_t leaving = 0;
+};
+constexpr Changes changes_in(std::size_t way) {
+  Changes changes;
+  for (; way != 0; way >>= 2) {
+    const Motion motion = next_motion[way & 3];
+    changes.leaving += motion == Motion::leave ? 1 : 0;
+    changes.sliding += motion == Motion::up || motion == Motion::down ? 1 : 0;
   }
-  const Twists twists(supports, velocities);
-  RegimeCandidates found;
-  for (const bool pushed : {true, false}) {
-    const auto balancing = balancing_edges(supports, problem.weight(pushed).x);
-    twists.each(selections, balancing, [&](const Motions& motions, std::size_t selection) {
-      detail::add_candidate(problem, closed, motions, pushed, selection, found);
-    });
-    if (found.count > 0 || problem.push == 0.0) break;
-  }
-  sort_few(found.at.data(), found.count, [](const RegimeCandidate& a, const RegimeCandidate& b) {
-    if (a.on_both != b.on_both) return a.on_both;
-    if (a.regime.count != b.regime.count) return a.regime.count > b.regime.count;
-    return a.alike != b.alike ? a.alike : a.selection < b.selection;
-  });
-  return found;
+  return changes;
 }
 
-// A regime in which each contact does what two bits of `way` say: it goes on, leaves or, if it
-// sticks, slides. The regime has no contacts if that is impossible.
+// The regime that follows. It has no contacts if that is impossible.
 inline Regime varied(const ContactProblem& problem, const Regime& instant, std::size_t way) {
-  constexpr std::array<Motion, 4> next{Motion::stick, Motion::up, Motion::down, Motion::leave};
   Regime regime = instant;
   regime.count = 0;
   PerSide<bool> touched{};
   for (std::size_t i = 0; i < instant.count; ++i, way >>= 2) {
     ActivePair contact = instant.active[i];
-    const Motion motion = next[way & 3];
+    const Motion motion = next_motion[way & 3];
     if (motion == Motion::leave) continue;
     if (contact.motion == Motion::stick) {
       contact.motion = motion;

@@ -75,7 +75,9 @@ void test_order_of_the_candidates() {
   const Held held;
   ClosedPairs closed;
   for (const std::size_t side : {left, right}) closed.at[closed.count++] = held.closed(side);
-  const RegimeCandidates found = candidates_at(held.problem, held.frames(0.001), held.pose, closed);
+  const Frames frames = held.frames(0.001);
+  const RegimeCandidates found =
+      RegimeSearch(held.problem, frames, held.pose, closed).candidates(frames);
   CHECK(found.count == 3);
   for (std::size_t k = 0; k < found.count; ++k) {
     const Regime& regime = found.at[k].regime;
