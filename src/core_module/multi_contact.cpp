@@ -147,15 +147,13 @@ void bind_multi_contact(nb::module_& m) {
   m.def("palm_velocities", &palm_velocities, nb::arg("supports"), nb::arg("pivots"),
         nb::arg("palms"), "Of the palms at the supports; a palm moves by (vx, vy, spin).");
   m.def(
-      "imbalance",
+      "balances",
       [](const std::vector<SupportTuple>& given, const std::vector<int>& motions, double slope) {
         const Supports supports = supports_of(given);
-        return imbalance(supports, motions_of(motions, supports.count), slope);
+        return balances(supports, motions_of(motions, supports.count), slope);
       },
       nb::arg("supports"), nb::arg("motions"), nb::arg("slope") = 0.0,
-      "What these contacts lack for balance, in weights; 0 but for rounding: they hold. A motion "
-      "is "
-      "0 stick, 1 up, -1 down, 2 leave.");
+      "Whether these contacts hold the object. A motion is 0 stick, 1 up, -1 down, 2 leave.");
   m.def("possible_motions", &possible, nb::arg("supports"), nb::arg("velocities"),
         "Every way in which a rigid body can move on palms with these velocities.");
   m.def("outcomes", &outcomes, nb::arg("supports"), nb::arg("velocities"), nb::arg("slope") = 0.0,

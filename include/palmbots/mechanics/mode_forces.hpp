@@ -76,11 +76,9 @@ class EdgeShares {
   }
 
   // The directions in which the polyhedron is endless.
-  std::vector<Shares> directions() const { return cancelling(independent, false); }
+  std::vector<Shares> directions() const { return cancelling(wrench_tolerance, false); }
 
  private:
-  static constexpr double independent = 1e-9;  // least distance of an edge from the span of others
-
   template <std::size_t n>
   using Edges = std::array<std::size_t, n>;
 
@@ -90,12 +88,14 @@ class EdgeShares {
     std::vector<Shares> found;
     const auto try_these = [&]<std::size_t n>(const Edges<n>& edges) {
       std::array<double, n> shares{};
-      if ((edges.back() == count_) != with_load || !null_of(edges, tolerance, shares)) return;
+      std::array<Triple, n> wrenches;
+      for (std::size_t k = 0; k < n; ++k) wrenches[k] = wrench_[edges[k]];
+      if ((edges.back() == count_) != with_load || !cancels(wrenches, tolerance, shares)) return;
       double size = 0.0;
       for (const double share : shares) size += share * share;
       size = std::sqrt(size);
       const double whole = with_load ? shares.back() : 0.0;
-      if (with_load && !(magnitude(whole) > independent * size)) return;
+      if (with_load && !(magnitude(whole) > wrench_tolerance * size)) return;
       double sum = 0.0;
       for (const double share : shares) sum += share;
       const double scale = with_load ? 1.0 / whole : (sum > 0.0 ? 1.0 : -1.0) / size;
@@ -116,37 +116,6 @@ class EdgeShares {
       }
     }
     return found;
-  }
-
-  // The shares with which edges of one dimension too many add up to nothing. False: they have other
-  // dimensions.
-  bool null_of(const Edges<2>& edges, double tolerance, std::array<double, 2>& shares) const {
-    const Triple& a = wrench_[edges[0]];
-    const Triple& b = wrench_[edges[1]];
-    shares = {size(b), dot(a, b) < 0.0 ? size(a) : -size(a)};
-    return size(cross(a, b)) <= tolerance * larger(size(a), size(b));
-  }
-  bool null_of(const Edges<3>& edges, double tolerance, std::array<double, 3>& shares) const {
-    const Triple bc = cross(wrench_[edges[1]], wrench_[edges[2]]);
-    const Triple ca = cross(wrench_[edges[2]], wrench_[edges[0]]);
-    const Triple ab = cross(wrench_[edges[0]], wrench_[edges[1]]);
-    const double bc_size = size(bc);
-    const double widest = larger(bc_size, larger(size(ca), size(ab)));
-    if (!(widest > independent)) return false;
-    if (magnitude(dot(wrench_[edges[0]], bc)) > tolerance * widest) return false;
-    const Triple& plane = bc_size == widest ? bc : size(ca) == widest ? ca : ab;
-    shares = {dot(bc, plane), dot(ca, plane), dot(ab, plane)};
-    return true;
-  }
-  bool null_of(const Edges<4>& edges, double, std::array<double, 4>& shares) const {
-    const Triple& a = wrench_[edges[0]];
-    const Triple& b = wrench_[edges[1]];
-    const Triple& c = wrench_[edges[2]];
-    const Triple& d = wrench_[edges[3]];
-    shares = {dot(b, cross(c, d)), -dot(a, cross(c, d)), dot(a, cross(b, d)), -dot(a, cross(b, c))};
-    double most = 0.0;
-    for (const double share : shares) most = larger(most, magnitude(share));
-    return most > independent;
   }
 
   std::array<Triple, 2 * max_supports + 1> wrench_{};  // per unit of normal force, and the load

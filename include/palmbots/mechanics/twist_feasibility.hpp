@@ -120,52 +120,26 @@ class HalfSpaces {
  private:
   using Side = Condition;
 
-  // True if Σ share h ≥ 0 up to rounding, for shares ≥ 0 that sum to `total`.
-  static constexpr bool nothing_left(double value, double sizes, double total) {
-    return value >= -wrench_tolerance * (total + sizes);
-  }
-
-  static bool contradict(const Side& a, const Side& b) {
-    const Triple sum = a.row + b.row;
-    if (!(dot(sum, sum) <= wrench_tolerance * wrench_tolerance)) return false;
-    return nothing_left(a.value + b.value, magnitude(a.value) + magnitude(b.value), 2.0);
-  }
-
-  // Three inequalities in a plane: by Lami's theorem each share is the sine of the angle between
-  // the other two.
-  static bool contradict(const Side& a, const Side& b, const Side& c) {
-    const Triple bc = cross(b.row, c.row);
-    if (magnitude(dot(a.row, bc)) > 3.0 * wrench_tolerance) return false;  // not in a plane
-    const double p = size(bc);
-    const double q = size(cross(c.row, a.row));
-    const double r = size(cross(a.row, b.row));
-    const double total = p + q + r;
-    const double least = wrench_tolerance * total;
-    if (!(p > least && q > least && r > least)) return false;
-    if (!(size((a.row * p + b.row * q) + c.row * r) <= least)) return false;
-    return nothing_left(p * a.value + q * b.value + r * c.value,
-                        p * magnitude(a.value) + q * magnitude(b.value) + r * magnitude(c.value),
-                        total);
-  }
-
-  // Four inequalities in space: each share is the volume spanned by the other three.
-  static bool contradict(const Side& a, const Side& b, const Side& c, const Side& d) {
-    const double shares[4] = {dot(b.row, cross(c.row, d.row)), -dot(a.row, cross(c.row, d.row)),
-                              dot(a.row, cross(b.row, d.row)), -dot(a.row, cross(b.row, c.row))};
-    const double values[4] = {a.value, b.value, c.value, d.value};
-    const double sign = shares[0] < 0.0 ? -1.0 : 1.0;
+  // Whether Σ share g = 0 and, up to rounding, Σ share h ≥ 0 for some shares > 0. If one share is
+  // (almost) zero, fewer inequalities decide.
+  template <class... Sides>
+  static bool contradict(const Sides&... sides) {
+    constexpr std::size_t n = sizeof...(Sides);
+    const std::array<double, n> values{sides.value...};
+    std::array<double, n> shares;
+    if (!cancels({sides.row...}, wrench_tolerance, shares)) return false;
     double total = 0.0;
-    for (const double share : shares) total = total + sign * share;
+    for (const double share : shares) total += share;
+    const double sign = total < 0.0 ? -1.0 : 1.0;
     double value = 0.0;
     double sizes = 0.0;
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < n; ++k) {
       const double share = sign * shares[k];
-      // If one share is (almost) zero, the other three inequalities decide.
-      if (!(share > wrench_tolerance * total) || !(share > 0.0)) return false;
-      value = value + share * values[k];
-      sizes = sizes + share * magnitude(values[k]);
+      if (!(share > 0.0 && share > wrench_tolerance * (sign * total))) return false;
+      value += share * values[k];
+      sizes += share * magnitude(values[k]);
     }
-    return nothing_left(value, sizes, total);
+    return value >= -wrench_tolerance * (sign * total + sizes);
   }
 
   std::array<Side, max_supports> sides_;  // up to `count_`

@@ -10,9 +10,9 @@
 //
 // No linear program is needed. By Carathéodory's theorem a wrench lies in a cone in three
 // dimensions iff it lies in the cone of at most three of its rays. The point of the cone nearest to
-// a wrench outside it lies on one ray or between two. So the distance from the cone is the least
-// over all pairs and single rays. Parallel, opposed and dependent rays need no special treatment: a
-// degenerate triple is covered by its pairs, and a degenerate pair by its single rays.
+// a wrench outside it lies on one ray or between two. Parallel, opposed and dependent rays need no
+// special treatment: a degenerate triple is covered by its pairs, and a degenerate pair by its single
+// rays.
 #pragma once
 
 #include <array>
@@ -83,6 +83,35 @@ inline double size(Triple p) { return square_root(dot(p, p)); }
 
 // Tolerance below which unit vectors, wrenches [weights] and rates count as equal.
 inline constexpr double wrench_tolerance = 1e-9;
+
+// The shares with which two, three or four vectors cancel, in any scale: Σ share v = 0. The vectors
+// have to span one dimension less than there are of them, up to a tolerance; false where they do not.
+inline bool cancels(const std::array<Triple, 2>& v, double tolerance,
+                    std::array<double, 2>& shares) {
+  shares = {size(v[1]), dot(v[0], v[1]) < 0.0 ? size(v[0]) : -size(v[0])};
+  return size(cross(v[0], v[1])) <= tolerance * larger(size(v[0]), size(v[1]));
+}
+inline bool cancels(const std::array<Triple, 3>& v, double tolerance,
+                    std::array<double, 3>& shares) {
+  const std::array<Triple, 3> across{cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])};
+  const std::array<double, 3> areas{dot(across[0], across[0]), dot(across[1], across[1]),
+                                    dot(across[2], across[2])};
+  std::size_t widest = areas[1] > areas[0] ? 1 : 0;
+  if (areas[2] > areas[widest]) widest = 2;
+  const double area = square_root(areas[widest]);
+  if (!(area > wrench_tolerance && magnitude(dot(v[0], across[0])) <= tolerance * area))
+    return false;
+  for (std::size_t k = 0; k < 3; ++k) shares[k] = dot(across[k], across[widest]);
+  return true;
+}
+inline bool cancels(const std::array<Triple, 4>& v, double, std::array<double, 4>& shares) {
+  const Triple ab = cross(v[0], v[1]);
+  const Triple cd = cross(v[2], v[3]);
+  shares = {dot(v[1], cd), -dot(v[0], cd), dot(ab, v[3]), -dot(ab, v[2])};
+  double most = 0.0;
+  for (const double share : shares) most = larger(most, magnitude(share));
+  return most > wrench_tolerance;
+}
 
 // The extreme rays of a wrench cone, with unit size.
 struct Rays {
@@ -227,28 +256,8 @@ inline double distance_from_pair(Triple a, Triple b, Triple wrench) {
 
 }  // namespace detail
 
-// Distance of the wrench from the cone of the rays; 0 inside.
-inline double distance_from_cone(const Rays& rays, Triple wrench) {
-  double nearest = size(wrench);
-  for (std::size_t i = 0; i < rays.count; ++i) {
-    for (std::size_t j = 0; j < rays.count; ++j) {
-      const double distance = detail::distance_from_pair(rays.ray[i], rays.ray[j], wrench);
-      if (distance < nearest) nearest = distance;
-    }
-  }
-  if (nearest <= wrench_tolerance) return nearest;
-  for (std::size_t i = 0; i < rays.count; ++i) {
-    for (std::size_t j = i + 1; j < rays.count; ++j) {
-      for (std::size_t k = j + 1; k < rays.count; ++k) {
-        if (detail::in_triple(rays.ray[i], rays.ray[j], rays.ray[k], wrench)) return 0.0;
-      }
-    }
-  }
-  return nearest;
-}
-
 // Which rays balance a wrench, for many selections of the same rays: all minimal sets of rays whose
-// cone contains the wrench. The answers agree with `distance_from_cone`.
+// cone contains the wrench, up to rounding.
 class BalancingRays {
  public:
   // No wrench: nothing has to balance it.
@@ -312,15 +321,10 @@ class BalancingRays {
   std::size_t count_ = 0;
 };
 
-// The least wrench [weights, moment / reach] that would have to be added for balance. It is 0 up to
-// rounding where the contacts in these motions hold the body.
-inline double imbalance(const Supports& supports, const Motions& motions, double slope) {
-  return distance_from_cone(rays_of(supports, motions), {slope, 1.0, 0.0});
-}
-
-// True if the contacts in these motions balance the body.
+// Whether the contacts in these motions balance the body, up to rounding.
 inline bool balances(const Supports& supports, const Motions& motions, double slope) {
-  return imbalance(supports, motions, slope) <= wrench_tolerance;
+  const BalancingRays balancing(rays_of(supports, motions), {slope, 1.0, 0.0});
+  return balancing.first_of(~std::uint32_t{0}) != balancing.none();
 }
 
 }  // namespace palmbots

@@ -129,8 +129,6 @@ class World {
   std::optional<std::size_t> pierced(double deep) const {
     return pierced_carrier(shapes(), pose(), here(), deep);
   }
-  // Whether the object rests on anything but its two contact vertices.
-  bool rests_elsewhere() const { return !rests_on_vertices(); }
 
   // Why the object is not held in its present position, or `none`.
   DropReason check() const { return ends_as(checked(), CarryPhase::placed); }

@@ -86,7 +86,7 @@ def consistent_modes(contacts: Iterable[SurfaceContact], *, slope: float = 0.0) 
     return ConsistentModes(
         contacts=chosen,
         slope=float(slope),
-        held=_core.imbalance(supports, still, slope) <= _core.wrench_tolerance,
+        held=_core.balances(supports, still, slope),
         modes=modes_of(supports, velocities, slope, [one.surface for one in chosen]),
     )
 

@@ -66,7 +66,7 @@ class Touching:
     def held(self) -> bool:
         """Whether friction can hold the object with every contact sticking."""
         still = [0] * len(self.supports)
-        return _core.imbalance(self.supports, still, self.slope) <= _core.wrench_tolerance
+        return _core.balances(self.supports, still, self.slope)
 
     def closing(self) -> tuple[Motions, ...]:
         """The possible motions when the palms are driven together: all that are kinematically

@@ -176,7 +176,7 @@ void test_object_on_the_floor(CarryPhase phase) {
       CHECK(std::abs(stalled - (jams && !ends ? 0.5 : 0.0)) < 1e-6);
     CHECK(std::abs(done.fraction - (step < 3 ? 1.0 : 0.5)) < 1e-6);
     CHECK(done.segments <= 2);
-    CHECK(!world.is_touched(left) && !world.is_touched(right) && world.rests_elsewhere());
+    CHECK(!world.is_touched(left) && !world.is_touched(right) && !world.regime().none());
   }
 }
 
@@ -215,7 +215,7 @@ void test_two_vertices_after_a_placement() {
                                held.world.configuration().palms[right].angle};
   world.put(pivots, angles, held.pose);
   CHECK(world.advance(-1e-4, angles).reason == DropReason::none);
-  CHECK(!world.rests_elsewhere() && world.is_touched(left) && world.is_touched(right));
+  CHECK(world.regime().none() && world.is_touched(left) && world.is_touched(right));
   // After a sudden shift no contacts are tied.
   CHECK(world.shift({0.001, 0.001}) == DropReason::none);
   CHECK(world.state().tied == 0.0);
