@@ -7,8 +7,8 @@
 The steps are control periods of the random scripts of tests/support/palm_scripts.py: rounded and
 sharp objects on palms with noses and heels, with and without surroundings. As many further scripts
 have up to six contacts: the object lies flush on level palms and touches their heels, or it stands
-between their noses or a wall, flush with both. Each step is made three times, from copies of the
-world, and the least time counts. It is timed as Python calls it: that adds about a microsecond. The
+between their noses or a wall, flush with both. A third family has robots with limited forces, which
+may stall. Each step is made three times, from copies of the world, and the least time counts. It is timed as Python calls it: that adds about a microsecond. The
 first step of a script has its own row, because it also makes the shapes. Writes
 benchmarks/results/contact_steps.csv.
 """
@@ -39,6 +39,8 @@ RESULTS = Path(__file__).parent / "results" / "contact_steps.csv"
 REPEATS = 3  # of each step
 FIRST = "first of a script"
 PERSIST, CHANGE = "contacts persist", "contacts or their modes change"
+LIMITED = ", robots with limits"
+LIMITS = (0.3, 0.6, 1.0, 2.0)  # of their forces [weights]
 HEAD = ("step", "most contacts", "steps", "median [us]", "p99 [us]", "longest [us]")
 
 
@@ -99,17 +101,20 @@ class FlushDrive:
         return self._ways, (left, right)
 
 
-def worlds(scripts: int) -> Iterator[tuple[_core.World, Drive | FlushDrive]]:
-    """The worlds of the scripts, and what moves their palms."""
+def worlds(scripts: int) -> Iterator[tuple[_core.World, Drive | FlushDrive, str]]:
+    """The worlds of the scripts, what moves their palms, and what to add to the names of rows."""
     for seed in range(scripts):
         rng = np.random.default_rng(seed)
         try:
             world, _, on_floor = world_of(rng)
         except SceneError:
             continue
-        yield world, Drive(rng, on_floor)
+        yield world, Drive(rng, on_floor), ""
         rng = np.random.default_rng([seed, 1])
-        yield flush_world(rng), FlushDrive(rng)
+        yield flush_world(rng), FlushDrive(rng), ""
+        rng = np.random.default_rng([seed, 2])
+        world, _, on_floor = world_of(rng, tuple(rng.choice(LIMITS, 2).tolist()))
+        yield world, Drive(rng, on_floor), LIMITED
 
 
 def timed(world: _core.World, motion: tuple[Any, tuple[float, float]]) -> float:
@@ -123,7 +128,7 @@ def timed(world: _core.World, motion: tuple[Any, tuple[float, float]]) -> float:
 def times(scripts: int) -> dict[tuple[str, int], list[float]]:
     """Times of steps [us], by what happens in them and by the most contacts before or after."""
     found: dict[tuple[str, int], list[float]] = defaultdict(list)
-    for world, drive in worlds(scripts):
+    for world, drive, family in worlds(scripts):
         before, moved = world.constraints, None
         for k in range(PERIODS):
             motion = drive.next(k, world.palms)
@@ -132,7 +137,7 @@ def times(scripts: int) -> dict[tuple[str, int], list[float]]:
             after = world.constraints
             persists = pieces == 1 and before == after and modes == moved
             kind = FIRST if k == 0 else PERSIST if persists else CHANGE
-            found[kind, max(2, len(before), len(after))].append(took)
+            found[kind + family, max(2, len(before), len(after))].append(took)
             before, moved = after, modes
             if reason:
                 break
@@ -144,7 +149,7 @@ def main() -> None:
     found = times(int(sys.argv[1]) if len(sys.argv) > 1 else 1000)
     table = Table(*HEAD, title=f"{processor()}; load {load():.1f}")
     rows = []
-    for kind in (FIRST, PERSIST, CHANGE):
+    for kind in [k + family for family in ("", LIMITED) for k in (FIRST, PERSIST, CHANGE)]:
         for contacts in sorted({n for k, n in found if k == kind}):
             took = np.array(found[kind, contacts])
             numbers = (np.median(took), np.quantile(took, 0.99), took.max())

@@ -73,6 +73,10 @@ class ContactStep : ContactTrial {
 
  private:
   static constexpr double shortest = 1e-6;  // piece of a step
+  // How long a regime is tried, in parts of a piece.
+  static constexpr double shortest_trial = 1e-7;
+  static constexpr double longest_trial = 0.099;
+  static constexpr double grown = 16.0;
 
   void go(double done, ContactStepResult& result) {
     look_around();
@@ -103,7 +107,12 @@ class ContactStep : ContactTrial {
         result.fraction = done;
         return;
       }
+      const Regime ended = regime_;
       if (!choose(done, result)) return;
+      // What goes on has to go on for longer each time, so that no condition that is only just met ends
+      // it again and again.
+      const bool again = regime_.is_like(ended) && regime_.drives == ended.drives;
+      trial_ = again ? smaller(grown * trial_, longest_trial) : shortest_trial;
     }
   }
 
@@ -321,10 +330,9 @@ class ContactStep : ContactTrial {
   // object elsewhere.
   Found go_on_with(const RegimeCandidates& found, double done) {
     constexpr double elsewhere = 1e-3;  // of the way of the surfaces
-    constexpr double grown = 16.0;
     constexpr double lost = -1e-3;  // far beyond what rounding does to a condition
     std::array<double, RegimeCandidates::most> missed{};  // what fails of each
-    for (double ahead = 1e-7; ahead < 0.1; ahead *= grown) {
+    for (double ahead = trial_; ahead < 0.1; ahead *= grown) {
       const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
       std::array<const RegimeCandidate*, RegimeCandidates::most> best;
       std::array<Pose, RegimeCandidates::most> ends;
@@ -412,6 +420,7 @@ class ContactStep : ContactTrial {
 
   AmbiguousEvents& ambiguous_;
   Noted noted_;
+  double trial_ = shortest_trial;  // the first one
 };
 
 }  // namespace palmbots
