@@ -9,6 +9,7 @@ import pytest
 import palmbots as pb
 import palmbots._core as _core
 from limited_robots import Stalls, run
+from palm_scripts import Drive, world_of
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 
@@ -30,6 +31,17 @@ def test_the_program_notices_limits_that_are_not_kept() -> None:
     for seed in range(4):
         run(seed, found, limits_of_judge=0.7)
     assert len(found.faults) > 10
+
+
+def test_a_force_that_hardly_exceeds_a_limit_is_one_event() -> None:
+    """The force that two stalled robots need grows by 1e-8 weights in a period."""
+    rng = np.random.default_rng([57, 2])
+    limits = rng.choice([0.3, 0.6, 1.0, 2.0], 2).tolist()
+    world, _, on_floor = world_of(rng, (limits[0], limits[1]))
+    drive = Drive(rng, on_floor)
+    for k in range(111):
+        reason, *_, pieces = world.move(*drive.next(k, world.palms))
+        assert reason == "" and pieces < 20
 
 
 @pytest.mark.parametrize("way", [-1, 1])
