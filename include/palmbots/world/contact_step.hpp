@@ -288,7 +288,7 @@ class ContactStep : ContactTrial {
         // on whether the robot is as fast as this, or slower.
         for (const double speed : {fastest, 0.0})
           if (goes_at(speed, Drive::yields, true)) return true;
-        if (goes_at(0.0, Drive::stands)) return true;
+        if ((!both || side == weaker) && goes_at(0.0, Drive::stands)) return true;
       }
     }
     return false;
@@ -359,13 +359,13 @@ class ContactStep : ContactTrial {
       regime_ = best[ambiguous_.pick(count)]->regime;
       return {true, DropReason::none};
     }
-    const bool yields = found.count > 0 && found.at[0].regime.yields();
-    return {!yields && choose_later(found, done), DropReason::none};
+    return {found.count > 0 && choose_later(found, done), DropReason::none};
   }
 
   // Where a mode is possible for an instant only, as on a palm that turns through level, or where a
   // slide reverses, the first order does not say which of its contacts slides or leaves then. One of
-  // the regimes that go on follows; as many contacts as possible stay, and at most two change.
+  // the regimes that go on follows; as many contacts as possible stay, and at most two change. Robots
+  // that stall take part if both stand.
   bool choose_later(const RegimeCandidates& found, double done) {
     const auto is_instant = [&](const RegimeCandidate& one) {
       return (one.on_both || !problem_.on_both) && !lasts(done, one.regime);
@@ -373,6 +373,7 @@ class ContactStep : ContactTrial {
     const auto first = std::find_if(found.at.begin(), found.at.begin() + found.count, is_instant);
     if (first == found.at.begin() + found.count) return false;
     const Regime& instant = first->regime;
+    if (instant.yields() || instant.drives[left] != instant.drives[right]) return false;
     const double later = done + 1e-3 * look_;
     const bool may_slide = !is_still(instant.drives);
     for (std::size_t leaving = 0; leaving <= 2 && leaving < instant.count; ++leaving) {
