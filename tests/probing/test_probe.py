@@ -64,16 +64,15 @@ def test_the_truth_stays_in_the_set(count: int) -> None:
         assert found.is_consistent
         assert found.observations <= 20
         assert found.time_s <= 60
+        assert found.contact_m is not None
         assert found.contact_m <= 0.010
         low, high = found.com_x_m
         half_mm.append(500 * (high - low))
-    good = sum(half <= 5 for half in half_mm)
     print(
         f"COM to ±{statistics.median(half_mm):.1f} mm in the median, to ±{max(half_mm):.1f} mm at "
-        f"worst; {good} of {count} to ±5 mm"
+        "worst"
     )
-    assert max(half_mm) < 6
-    assert good >= 0.95 * count
+    assert max(half_mm) <= 5
 
 
 @pytest.mark.parametrize("count", amounts(300, 20_000))
@@ -185,11 +184,39 @@ def test_contradictions_are_reported(here: Run, monkeypatch: pytest.MonkeyPatch)
 @pytest.mark.slow
 def test_another_object_may_explain_a_flipped_switch(monkeypatch: pytest.MonkeyPatch) -> None:
     """A limit: one false observation goes unnoticed, and the object is not in the set."""
-    monkeypatch.setattr(probe_command, "ProbeRun", partial(ProbeRun, flipped=frozenset({1})))
-    keys = {"object.com_m": [0.115, 0.04], "palm.left.friction": 0.2, "palm.right.friction": 0.5}
-    found = pb.probe("paper", overrides=keys)
+    monkeypatch.setattr(probe_command, "ProbeRun", partial(ProbeRun, flipped=frozenset({3})))
+    found = pb.probe("paper", overrides=hidden(3), seed=3)
     assert found.is_consistent
     assert not found.contains_truth
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", amounts(3, 100))
+def test_how_often_a_flipped_switch_goes_unnoticed(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One false observation among the first ten of each object. How often it is noticed is not
+    promised: the test measures the figures of docs/theory/probing.md. The report never leaves out
+    more than one, which is enough."""
+    noticed = right = 0
+    outside_mm: list[float] = []
+    for seed in range(count):
+        one = partial(ProbeRun, flipped=frozenset({seed % 10}))
+        monkeypatch.setattr(probe_command, "ProbeRun", one)
+        found = pb.probe("paper", overrides=hidden(seed), seed=seed)
+        assert found.dropped <= 1
+        x, (low, high) = hidden(seed)["object.com_m"][0], found.com_x_m
+        if not found.is_consistent:
+            noticed += 1
+            right += bool(found.contains_truth)
+        elif not found.contains_truth:
+            outside_mm.append(1000 * max(0.0, low - x, x - high))
+    print(
+        f"noticed for {noticed} of {count} objects, with the object in the set for {right}; "
+        f"unnoticed with the object outside the set for {len(outside_mm)}, the COM outside its "
+        f"interval by {statistics.median(outside_mm or [0]):.1f} mm in the median and by "
+        f"{max(outside_mm, default=0):.1f} mm at most"
+    )
 
 
 def test_files_and_lines(here: Run, tmp_path: Path) -> None:

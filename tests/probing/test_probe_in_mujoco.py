@@ -41,11 +41,11 @@ class Departures:
     def observe(self, run: ProbeRun, is_stroke: bool) -> None:
         """Compare what the robots believe with the world. Palms that turn depart further."""
         hands: Any = run.hands
-        world: MujocoWorld = hands._world
+        world: MujocoWorld = hands.stage.world
         for p, (low, high) in zip(world.contacts, run.bounds.contacts, strict=True):
             self.contact = max(self.contact, low - p, p - high)
         separation, angles = hands.read()
-        for palm, angle, error in zip(world._palms(), angles, hands._errors, strict=True):
+        for palm, angle, error in zip(world._palms(), angles, hands.stage.errors, strict=True):
             if is_stroke:
                 self.angle = max(self.angle, abs(palm - angle - error))
         left, right = world._distances()
@@ -93,6 +93,7 @@ def test_the_truth_stays_in_the_set_in_mujoco(count: int, departures: Departures
         assert not departures.false, seed
         assert found.observations <= 20
         assert found.time_s <= 60
+        assert found.contact_m is not None
         assert found.contact_m <= 0.010
         half_mm.append(500 * (found.com_x_m[1] - found.com_x_m[0]))
         spread = max(spread, max(departures.yields) - min(departures.yields))

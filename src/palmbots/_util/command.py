@@ -116,6 +116,7 @@ class command(_Declaration):  # used as a decorator
             status 1.
         results: what ``--json`` prints, as ``module:Class``, where the function does not return
             it.
+        takes_pairs: a pair file may be given in place of a scene.
         then: what to run next, with parameters in braces; empty: nothing in particular.
         options: the options, by parameter.
     """
@@ -131,11 +132,13 @@ class command(_Declaration):  # used as a decorator
         figure: str = "",
         failure: tuple[str, str] = ("", ""),
         results: tuple[str, ...] = (),
+        takes_pairs: bool = False,
         then: str = "",
         **options: Option,
     ) -> None:
         super().__init__(name, options)
         self.order, self.example, self.progress = order, example, progress
+        self.takes_pairs = takes_pairs
         self.figure, self.failure, self.results, self.then = figure, failure, results, then
 
 

@@ -100,7 +100,10 @@ def _run(
     for key, option in given.items():
         value = arguments.get(key)
         if option.kind.is_scene and value is not None:
-            arguments[key] = load(value, changes)
+            if one.declaration.takes_pairs and _is_pair(value):
+                arguments["overrides"] = changes
+            else:
+                arguments[key] = load(value, changes)
         elif option.kind.is_controller and value is not None:
             arguments[key] = _controllers(value, unproved=unproved, quiet=as_json)
     with _callbacks(one, as_json) as called:
@@ -122,6 +125,13 @@ def _run(
         file=figure,
     )
     return DONE if not failure or getattr(result, failure) else FAILED
+
+
+def _is_pair(value: str) -> bool:
+    """Whether the file that is given in place of a scene is a pair file."""
+    from palmbots.pair.pair_file import is_pair_file
+
+    return is_pair_file(value)
 
 
 def _then(one: Declared, arguments: dict[str, Any]) -> Iterator[Any]:

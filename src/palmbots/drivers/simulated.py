@@ -102,6 +102,15 @@ class SimulatedDriver:
             )
         return reading
 
+    def next_raw(self) -> RawReading | None:
+        """The next reading of the hardware, in lockstep: waits for one that was not read yet.
+
+        Raises:
+            PalmbotsError: as for `read_raw`.
+        """
+        self._newest = None
+        return self.read_raw()
+
     def _now_s(self) -> float:
         return self._time() * self._rate
 

@@ -9,6 +9,7 @@ import json
 import os
 import secrets
 import stat
+import tomllib
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,7 +18,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from palmbots._types import SIDES
+from palmbots._types import SIDES, Side
 from palmbots._util.arguments import one_of, show
 from palmbots._util.atomic_files import check_file, folder, open_regular, write_whole
 from palmbots._util.command import Option, command
@@ -35,6 +36,7 @@ from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import refuse_curved, to_spec
 from palmbots.wire import KEY_SIZE, Role
 
+_LONGEST = 1_000_000  # bytes
 PAIR_FILE = FileKind(
     "a pair file",
     "palmbots robot, station and doctor",
@@ -294,3 +296,19 @@ def init_pair(
 def station_address(pair: Pair) -> str:
     """Where the station of a pair listens for screens."""
     return f"unix:{pair.state_file('station').path.with_suffix('.socket')}"
+
+
+def probe_address(pair: Pair, side: Side) -> str:
+    """Where the program of a robot listens for `palmbots probe`."""
+    return f"unix:{pair.state_file(side).path.with_suffix('.probe')}"
+
+
+def is_pair_file(name: object) -> bool:
+    """Whether this names a ``pair.toml``. A file that cannot be read is left to its reader."""
+    if not isinstance(name, str | os.PathLike):
+        return False
+    try:
+        with open_regular(user_path(name)) as stream:
+            return "pair" in tomllib.loads(stream.read(_LONGEST).decode())
+    except (OSError, ValueError, RecursionError, PalmbotsError):
+        return False

@@ -31,6 +31,9 @@ _HIDDEN = 0.4
 """How much more of the set a probe has to remove that may drive a contact away from the middle."""
 _AT_REACH = 0.5
 """How much more a probe has to remove in which a contact rests that may not slide any farther."""
+_LEAVES = 0.02
+"""How much more a probe has to remove that drives a contact out of the middle, for each probe in a
+row that has removed nothing."""
 _LATE = 0.0005
 """How far a contact slides before the robots have stopped [m]."""
 SPARE_M = 0.0015
@@ -142,6 +145,8 @@ def _ranked(
                 score = np.where(leaves > 0, np.inf, score + _AT_REACH)
         else:
             continue
+        outward = [one for sign, one in zip(signs, share, strict=True) if sign * way >= 0]
+        score = score + _LEAVES * len(idle) * sum(outward)
         for one in idle:
             if one.way == way:
                 score = score + _IDLE * (np.abs(angles - one.angles).max(axis=1) < _ALIKE)

@@ -25,6 +25,8 @@ from palmbots.probing.slip_comparison import DOWN, UP, Booleans, Floats, Pose, b
 _SPLIT_BELOW = 1500
 _FINAL_BELOW = 24_000
 """Boxes that are fewer than this are bisected: during the probes, and after them."""
+_ENDS_BELOW, _ENDS_DEEPER = 8000, 40
+"""As many boxes at an end of the COM's interval are bisected, so many times, after the probes."""
 _SMALLEST = 2.0**-9
 """Boxes that are shorter than this part of the prior in every dimension are not bisected."""
 
@@ -150,6 +152,27 @@ class ObjectSet:
         self._cut(_FINAL_BELOW)
         self._relax(_FINAL_BELOW)
 
+    def narrow_ends(self) -> None:
+        """Bisect the boxes at both ends of the COM's interval again and again, in all dimensions.
+
+        Boxes overestimate the set. The interval of the COM does so less afterwards. From then on
+        the boxes differ in size, so the set takes no further observation.
+        """
+        for end in (0, 1):
+            for _ in range(_ENDS_DEEPER):
+                edge = self.boxes[:, 0, end]
+                is_last = edge == (edge.max() if end else edge.min())
+                parts = self.boxes[is_last]
+                if len(parts) > _ENDS_BELOW:
+                    break
+                for axis in range(3):
+                    parts = _halves(parts, axis)
+                parts, _ = self._judged(parts)
+                self.boxes = np.concatenate([self.boxes[~is_last], parts])
+                if not len(self.boxes):
+                    self._relax(_FINAL_BELOW)
+                    return
+
     def _relax(self, split_below: int) -> None:
         """While no box is left, permit one contradiction more."""
         while not len(self.boxes):
@@ -180,11 +203,14 @@ class ObjectSet:
 
     def _halved(self) -> Floats:
         """All boxes, each cut in two across the dimension that is the longest, over the prior's."""
-        axis = int(np.argmax(self._lengths()))
-        low, high = self.boxes.copy(), self.boxes.copy()
-        middle = self.boxes[:, axis].mean(axis=1)
-        low[:, axis, 1], high[:, axis, 0] = middle, middle
-        return np.concatenate([low, high])
+        return _halves(self.boxes, int(np.argmax(self._lengths())))
+
+
+def _halves(boxes: Floats, axis: int) -> Floats:
+    """All boxes, each cut in two across a dimension."""
+    low, high = boxes.copy(), boxes.copy()
+    low[:, axis, 1] = high[:, axis, 0] = boxes[:, axis].mean(axis=1)
+    return np.concatenate([low, high])
 
 
 def sample(boxes: Floats, most: int) -> Floats:

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``probe``: find an object's COM and friction by touch, in a simulated world."""
+"""The command ``probe``: find an object's COM and friction by touch, simulated or on robots."""
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
-import random
 import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -22,10 +22,12 @@ from palmbots._util.results import Result
 from palmbots._util.text import plural, rounded_down, rounded_up
 from palmbots._util.toml_writer import toml_text
 from palmbots.errors import PalmbotsError
+from palmbots.pair.pair_file import is_pair_file, load_pair
 from palmbots.probing.contact_tracking import PairGeometry
 from palmbots.probing.next_probe import Limits
 from palmbots.probing.object_set import ObjectSet, Prior
 from palmbots.probing.probe_run import Pace, ProbeRun
+from palmbots.probing.robot_hands import RobotHands, hands_of_pair
 from palmbots.probing.simulated_hands import SimulatedHands, give_of
 from palmbots.probing.slip_comparison import UP
 from palmbots.scene.command_text import command_text
@@ -33,6 +35,7 @@ from palmbots.scene.object_frame import object_frame
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import contact_radii, refuse_low_noses, refuse_pipe, to_spec
 from palmbots.simulation.imperfect_robot import zones_of
+from palmbots.simulation.probe_stage import palm_errors
 
 _REACH_M = 0.010
 _SPEED_M_S = 0.01
@@ -88,10 +91,12 @@ class Probe(Result):
     dropped: int
     """How many observations have to be dropped, at least."""
     time_s: float
-    contact_m: float
-    """The largest distance of a contact from the middle of its palm; the robots do not know it."""
-    contains_truth: bool
-    """Whether the simulated object is in the set; the robots do not know this."""
+    contact_m: float | None
+    """The largest distance of a contact from the middle of its palm; robots do not know it: None if
+    they are other programs."""
+    contains_truth: bool | None
+    """Whether the simulated object is in the set; robots do not know this: None if they are other
+    programs."""
     strokes: tuple[ProbeStroke, ...]
     scene: Scene
     found: ObjectSet = field(metadata=NOT_IN_JSON)
@@ -124,11 +129,7 @@ class Probe(Result):
                 ("  remains of the prior", f"{100 * self.volume:.2g} %"),
                 ("  observations", f"{self.observations} in {plural(len(self.strokes), 'stroke')}"),
                 ("  duration", f"{self.time_s:.1f} s"),
-                ("  contacts within", f"±{1000 * self.contact_m:.1f} mm"),
-                (
-                    "  the simulated object",
-                    "is in the set" if self.contains_truth else "is not in the set",
-                ),
+                *self._of_simulation(),
             ]
         )
         if self.contradicted:
@@ -144,6 +145,13 @@ class Probe(Result):
         if self.stop:
             yield Line(f"ended early: {self.stop}")
 
+    def _of_simulation(self) -> Iterator[tuple[str, str]]:
+        """What only a simulation in this program knows."""
+        if self.contact_m is not None:
+            yield "  contacts within", f"±{1000 * self.contact_m:.1f} mm"
+            where = "is in the set" if self.contains_truth else "is not in the set"
+            yield "  the simulated object", where
+
 
 def _ends(ends: Interval, factor: float, unit: str) -> str:
     gap = " " if unit and unit != "°" else ""
@@ -155,6 +163,7 @@ def _ends(ends: Interval, factor: float, unit: str) -> str:
     example="palmbots probe --set object.com_m=[0.11,0.04] --out box",
     progress="probing",
     failure=("is_consistent", "the observations contradict each other"),
+    takes_pairs=True,
     com_x_m=Option(),
     com_y_m=Option(),
     friction=Option(),
@@ -179,11 +188,11 @@ def probe(
     Simulated robots with the object on their palms close and open a little at chosen palm angles.
     They observe only which tactile switches change. The scene is the object as it really is. The
     robots know its outline and a prior: intervals that contain the COM and both friction
-    coefficients.
+    coefficients. With a pair file, the robots are other programs in lockstep with a world.
 
     Args:
-        scene: as in `palmbots.carry`.
-        world: ``quasistatic`` or ``mujoco``.
+        scene: as in `palmbots.carry`, or the path of a pair file.
+        world: ``quasistatic`` or ``mujoco``. With a pair file, whose departures are assumed.
         com_x_m: prior of the COM along the line of contacts, from the left contact; None: the
             middle ± 3 cm.
         com_y_m: prior of the COM's height above that line; None: as in the scene ± 1 cm.
@@ -197,10 +206,18 @@ def probe(
     Raises:
         SceneError: the scene cannot be read or is invalid, or the world refuses it.
         PalmbotsError: no probe runs in this world, an interval is out of range, the object is a
-            pipe or its contact vertices are rounded, or no probe is safe for every object of the
-            prior.
+            pipe or its contact vertices are rounded, no probe is safe for every object of the
+            prior, or the program of a robot does not run or is lost.
     """
-    chosen = load_scene(scene, overrides)
+    pair = None
+    if isinstance(scene, str | os.PathLike) and is_pair_file(scene):
+        pair = load_pair(scene, with_key=False)
+        if overrides or seed_of(seed):
+            raise PalmbotsError(
+                f"{pair.file}: is a pair file, with which --set and --seed have no effect; "
+                "allowed: to set keys in its scene, and palmbots world --seed"
+            )
+    chosen = load_scene(scene, overrides) if pair is None else pair.checked_scene()
     refuse_pipe(chosen)
     refuse_low_noses(chosen)
     spec = to_spec(chosen)
@@ -222,11 +239,6 @@ def probe(
     )
     give = give_of(world)
     error = math.radians(angle_error_deg)
-    draws = random.Random(seed_of(seed))
-    errors = draws.uniform(-error, error), draws.uniform(-error, error)
-    hands = SimulatedHands(chosen, errors, world)
-    if hands.end:
-        raise PalmbotsError(f"probe: the object is not held at the start: {hands.end}")
     palms = [chosen.palm_of(side) for side in SIDES]
     zones = [zones_of(chosen, side) for side in SIDES]
     geometry = PairGeometry(
@@ -244,14 +256,24 @@ def probe(
     )
     rate = math.radians(min(palm.rate_deg_s for palm in palms))
     found = ObjectSet(prior)
-    run = ProbeRun(hands, geometry, found, limits, Pace(rate, _SPEED_M_S, _MOST_PROBES, _MOST_S))
-    run.run(on_progress or (lambda part: None))
+    pace = Pace(rate, _SPEED_M_S, _MOST_PROBES, _MOST_S)
+    truth: tuple[float, tuple[float, float]] | None = None
+    with contextlib.ExitStack() as stack:
+        hands: RobotHands
+        if pair is None:
+            hands = SimulatedHands(chosen, palm_errors(seed, angle_error_deg), world)
+            truth = frame.com.from_left, (palms[0].friction, palms[1].friction)
+        else:
+            hands = stack.enter_context(hands_of_pair(pair, chosen))
+        if hands.end:
+            raise PalmbotsError(f"probe: the object is not held at the start: {hands.end}")
+        run = ProbeRun(hands, geometry, found, limits, pace)
+        run.run(on_progress or (lambda part: None))
     found.sharpen()
+    found.narrow_ends()
     if not run.strokes:
         raise PalmbotsError(f"probe: {run.stop}; allowed: a narrower prior")
-    return _result(
-        run, hands, chosen, (frame.com.from_left, (palms[0].friction, palms[1].friction))
-    )
+    return _result(run, chosen, truth)
 
 
 def _given(
@@ -261,9 +283,8 @@ def _given(
     return ordered_pair(name, ends, least, most)
 
 
-def _result(
-    run: ProbeRun, hands: SimulatedHands, scene: Scene, truth: tuple[float, tuple[float, float]]
-) -> Probe:
+def _result(run: ProbeRun, scene: Scene, truth: tuple[float, tuple[float, float]] | None) -> Probe:
+    hands = run.hands
     found = run.found
     hull = found.hull()
     com, left, right = ((float(low), float(high)) for low, high in hull)
@@ -283,8 +304,8 @@ def _result(
         contradicted=tuple(sorted(number + 1 for number in found.contradicted)),
         dropped=found.misfits,
         time_s=run.time_s,
-        contact_m=hands.farthest_m,
-        contains_truth=found.contains(*truth),
+        contact_m=hands.stage.farthest_m if isinstance(hands, SimulatedHands) else None,
+        contains_truth=None if truth is None else found.contains(*truth),
         strokes=tuple(
             ProbeStroke(
                 BySide(math.degrees(one.angles[0]), math.degrees(one.angles[1])),

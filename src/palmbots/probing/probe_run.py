@@ -28,8 +28,9 @@ from palmbots.probing.slip_comparison import Pose
 
 _ROUNDING = 1e-9
 _ANYWHERE = (-math.inf, math.inf)
-_WASTED = 60
-"""Probes in a row that do not cut the set, after which nothing more is to be learned."""
+_PATIENCE, _WASTED = 20, 60
+"""Probes in a row that do not cut the set, after which smaller cuts count, too, and after which
+nothing more is to be learned."""
 
 Switches = tuple[tuple[bool, ...], tuple[bool, ...]]
 
@@ -148,6 +149,8 @@ class ProbeRun:
                 if self.found.misfits:
                     self.bounds = self._sure
             idle = [] if is_new else [*idle, probe]
+            if len(idle) % _PATIENCE == _PATIENCE - 1:  # observations would be left over
+                self.found.least_cut /= 2
             self.strokes.append(
                 Stroke(probe.angles, probe.way, side, self.time_s, self.found.volume())
             )

@@ -24,13 +24,14 @@ from palmbots.simulation.carry_ends import reason_text
 from palmbots.simulation.entrance import Entrance
 from palmbots.simulation.imperfections import Imperfections
 from palmbots.simulation.unavoidable_drops import left_palm_unavoidably
-from palmbots.simulation.world_stage import ImperfectStage, Stage, perfect_stage
+from palmbots.simulation.world_stage import CommandForm, ImperfectStage, Stage, perfect_stage
 
 _ALONE_S = 3.0
 _REMEMBERED_S = 60.0
 _DELIVERED_SHARE = 0.95
 _RESTS_S = 3.0  # longer than robots stand within a carry
 _MOVES_M = 1e-3  # more than a world at rest trembles
+_ANSWER_WITHIN_S = 30.0  # in lockstep
 _COMES = {True: "is gone", False: "has come back"}
 
 
@@ -93,7 +94,7 @@ class EventLines:
 class Board:
     """The motor board of one robot."""
 
-    def __init__(self, stage: Stage, side: int, watchdog_ticks: int, rate: float) -> None:
+    def __init__(self, stage: CommandForm, side: int, watchdog_ticks: int, rate: float) -> None:
         self._stage, self._side, self._rate = stage, side, rate
         self._watchdog_ticks = watchdog_ticks
         self.driver: Connection | None = None
@@ -117,11 +118,22 @@ class Board:
         if self._silent > self._watchdog_ticks:
             self.command = self._stage.rest(self.command)
 
-    def send(self, reading: Any) -> None:
-        """Send a reading to the program; one that is frozen misses it."""
+    def await_command(self) -> None:
+        """Wait for the next command, in lockstep; without a program the wheels stop."""
+        try:
+            if self.driver is not None:
+                frame = self.driver.receive(_ANSWER_WITHIN_S)
+                self.command, self._silent = self._stage.command_in(frame), 0
+        except ConnectionLost:
+            self.unplug()
+        if self.driver is None:
+            self.command = self._stage.rest(self.command)
+
+    def send(self, reading: Any, *, waits: bool = False) -> None:
+        """Send a reading to the program; one that is frozen misses it, unless the board waits."""
         if self.driver is not None:
             try:
-                self.driver.offer(reading)
+                (self.driver.send if waits else self.driver.offer)(reading)
             except ConnectionLost:
                 self.unplug()
 
@@ -140,10 +152,13 @@ class LiveRobots:
         stage: to which the motor boards are connected.
         door: where the programs connect.
         rate: multiple of real time.
+        waits: each tick waits for a command of each robot that has a program, as in lockstep.
     """
 
-    def __init__(self, scene: Scene, stage: Stage, door: socket, rate: float) -> None:
-        self._stage, self.sides = stage, scene.working_sides
+    def __init__(
+        self, scene: Scene, stage: Stage, door: socket, rate: float, *, waits: bool = False
+    ) -> None:
+        self._stage, self._waits, self.sides = stage, waits, scene.working_sides
         watchdog_ticks = round(scene.control.watchdog_s / scene.control.period_s)
         self._boards: dict[str, Board] = {
             side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)
@@ -176,8 +191,12 @@ class LiveRobots:
         for side, program in self._entrance.admit([*{*self.sides} - {*self.missing()}]):
             self._plug(side, program)
         for board, frame in zip(self._boards.values(), self._stage.frames(), strict=True):
-            board.take()
-            board.send(frame)
+            if not self._waits:
+                board.take()
+            board.send(frame, waits=self._waits)
+        if self._waits:
+            for board in self._boards.values():
+                board.await_command()
         left, right = (board.command for board in self._boards.values())
         self._stage.step(left, right)
 

@@ -29,7 +29,27 @@ _NO_TIMEOUT = {"task.timeout_s": 90_000.0}
 _ENDLESS = _NO_TIMEOUT | {"task.distance_m": 10_000.0}
 
 
-class Stage(Protocol):
+class CommandForm(Protocol):
+    """What a motor board knows of the commands of a stage."""
+
+    def greeting(self, side: int) -> list[Any]:
+        """Further values of the frame for a program that has just connected; none: no frame."""
+        ...
+
+    def command_in(self, frame: Any) -> Any:
+        """The command in a frame.
+
+        Raises:
+            ConnectionLost: it is none.
+        """
+        ...
+
+    def rest(self, command: Any) -> Any:
+        """The command that stops the wheels and keeps the palm, after this one; None: at first."""
+        ...
+
+
+class Stage(CommandForm, Protocol):
     """A world with two robots, tick by tick."""
 
     @property
@@ -61,24 +81,8 @@ class Stage(Protocol):
         """Why the object was dropped; None: it was not."""
         ...
 
-    def greeting(self, side: int) -> list[Any]:
-        """Further values of the frame for a program that has just connected; none: no frame."""
-        ...
-
     def frames(self) -> tuple[Any, Any]:
         """The reading of each robot, as a frame."""
-        ...
-
-    def command_in(self, frame: Any) -> Any:
-        """The command in a frame.
-
-        Raises:
-            ConnectionLost: it is none.
-        """
-        ...
-
-    def rest(self, command: Any) -> Any:
-        """The command that stops the wheels and keeps the palm, after this one; None: at first."""
         ...
 
     def step(self, left: Any, right: Any) -> None:

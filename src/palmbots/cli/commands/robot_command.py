@@ -7,6 +7,7 @@ from palmbots._types import Side
 from palmbots._util.command import command
 from palmbots._util.exit_status import DONE
 from palmbots.cli._run import print_json
+from palmbots.errors import PalmbotsError
 
 
 @command(
@@ -21,15 +22,27 @@ def robot(
     rate: float = 1.0,
     log: Path | None = None,
     no_log: bool = False,
+    probe: bool = False,
     as_json: bool = False,
 ) -> int:
     """Run the program of one robot of a pair.
 
     Its driver moves the robot. The driver of a new pair is simulated and needs a palmbots world.
+
+    Args:
+        probe: serve palmbots probe, which commands the motors, in place of a carry; in lockstep.
     """
     from palmbots.pair.pair_file import load_pair
 
     pair_of = load_pair(pair).with_logs(log, is_off=no_log)
+    if probe:
+        if as_json or not lockstep:
+            other = ("with --json", "without") if as_json else ("without --lockstep", "with")
+            raise PalmbotsError(f"--probe: does not work {other[0]}; allowed: {other[1]} it")
+        from palmbots.robot.probe_robot import run_probe_robot
+
+        run_probe_robot(pair_of, side, _say)
+        return DONE
     if lockstep:
         from palmbots.robot.lockstep_robot import run_lockstep_robot
 

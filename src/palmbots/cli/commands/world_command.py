@@ -35,6 +35,7 @@ def world(
     overrides: list[str] | None = None,
     imperfect: list[str] | None = None,
     bench: bool = False,
+    probe: bool = False,
     as_json: bool = False,
     called: str = "",
 ) -> int:
@@ -47,6 +48,7 @@ def world(
         imperfect: a property of a robot that its program does not know, as in left.trim=0.02, or a
             file of them (repeatable).
         bench: a workbench without an object, for palmbots calibrate.
+        probe: robots whose motors are commanded, for palmbots probe; in lockstep.
         called: what the scene is called in the report.
     """
     from palmbots._util.arguments import seed_of
@@ -58,6 +60,13 @@ def world(
             other = "--lockstep" if lockstep else "--json"
             raise PalmbotsError(f"--bench: does not work with {other}; allowed: without it")
         return _bench(chosen, serve, seed, rate, imperfect)
+    if probe:
+        if not lockstep:
+            raise PalmbotsError("--probe: does not work without --lockstep; allowed: with it")
+        if as_json or imperfect:
+            other = "--json" if as_json else "--imperfect"
+            raise PalmbotsError(f"--probe: does not work with {other}; allowed: without it")
+        return _probe(chosen, serve, world, seed)
     entry = controller_of(controller, quiet=as_json)
     if not lockstep:
         return _live(chosen, serve, world, seed, rate, imperfect, as_json=as_json)
@@ -166,3 +175,23 @@ def _bench(scene: "Scene", serve: str, seed: int, rate: float, imperfect: list[s
     with listen(serve, "--serve") as door:
         run_bench(scene, door, imperfections, lines=lines, on_line=on_line, seed=seed, rate=rate)
     return DONE
+
+
+def _probe(scene: "Scene", serve: str, world: str, seed: int) -> int:
+    """Robots that probe, until their programs end or the object is dropped."""
+    from palmbots.cli._streams import say
+    from palmbots.links.local_connection import listen
+    from palmbots.simulation.probe_stage import run_probe_world
+
+    def on_line(line: str) -> None:
+        say(f"palmbots: world at {serve}: {line}")
+
+    with listen(serve, "--serve") as door:
+        stage = run_probe_world(scene, door, world=world, seed=seed, on_line=on_line)
+    left, right = (1000 * p for p in stage.contacts)
+    held = f"dropped: {stage.drop_reason()}" if stage.outcome == "dropped" else "held"
+    print(
+        f"the object is {held}, with its contacts at {left:+.1f} and {right:+.1f} mm, which were "
+        f"within ±{1000 * stage.farthest_m:.1f} mm"
+    )
+    return DONE if stage.outcome == "running" else FAILED

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A pair that probes as processes, in lockstep with a world."""
+
+import json
+import os
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import palmbots as pb
+from commands import Run
+from pair_programs import new_pair, running, started
+from waiting import wait_until
+
+SEED = 3
+KEYS = {"palm.friction": 0.39, "control.period_s": 0.05}  # few ticks: processes wait for each other
+OPTIONS = ["--friction", "0.3", "0.5", "--com-x-m", "0.115", "0.135"]
+
+
+Started = tuple[Path, dict[str, "subprocess.Popen[str]"]]
+
+
+@pytest.fixture
+def pair(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Started]:
+    """A pair file, and the processes of a world and both robots; the parameter: scene keys."""
+    scene = tmp_path / "scene.toml"
+    scene.write_text(pb.load_scene("paper", request.param).to_toml())
+    file = new_pair(tmp_path, scene="scene.toml")
+    serve = f"unix:{tmp_path / 'world'}"
+    commands = {
+        "world": ["world", str(scene), "--serve", serve, "--seed", str(SEED)],
+        "left": ["robot", str(file), "--side", "left"],
+        "right": ["robot", str(file), "--side", "right"],
+    }
+    lines = ([*one, "--probe", "--lockstep"] for one in commands.values())
+    with running(*lines, folder=tmp_path) as processes:
+        yield file, dict(zip(commands, processes, strict=True))
+
+
+@pytest.mark.parametrize("pair", [KEYS], indirect=True)
+def test_processes_find_what_one_program_finds(here: Run, pair: Started) -> None:
+    file, processes = pair
+    probe = started(["probe", str(file), *OPTIONS, "--json"], file.parent)
+    printed, errors = probe.communicate(timeout=180)
+    assert probe.returncode == 0, errors
+    found = json.loads(printed)
+    keys = [word for key, value in KEYS.items() for word in ("--set", f"{key}={value}")]
+    alone = json.loads(here("probe", *keys, "--seed", str(SEED), *OPTIONS, "--json").stdout)
+    assert (found.pop("contains_truth"), found.pop("contact_m")) == (None, None)
+    assert alone.pop("contains_truth")
+    farthest_mm = 1000 * alone.pop("contact_m")
+    assert found["strokes"] == alone["strokes"]
+    assert {key: found[key] for key in found if key != "scene"} == {
+        key: alone[key] for key in alone if key != "scene"
+    }
+    world, _ = processes["world"].communicate(timeout=30)
+    assert f"within ±{farthest_mm:.1f} mm" in world
+    assert "the object is held" in world
+    assert [processes[side].wait(30) for side in ("left", "right")] == [0, 0]
+
+
+@pytest.mark.parametrize("pair", [{"palm.friction": 0.39}], indirect=True)
+@pytest.mark.parametrize("lost", ["right", "probe"])
+def test_a_killed_program_stops_both_robots(lost: str, pair: Started) -> None:
+    """The object stays on the palms, and a line states what was lost."""
+    file, processes = pair
+    probe = started(["probe", str(file), *OPTIONS], file.parent)
+    processes["probe"] = probe
+    with probe:
+        wait_until(lambda: _cpu_s(probe.pid) > _STARTED_S or probe.poll() is not None)
+        assert probe.poll() is None, probe.communicate()
+        os.kill(processes[lost].pid, signal.SIGKILL)
+        world, _ = processes["world"].communicate(timeout=60)
+        assert "the object is held" in world
+        if lost == "probe":
+            for side in ("left", "right"):
+                _, said = processes[side].communicate(timeout=30)
+                assert f"{side}: palmbots probe is gone; the wheels stop" in said
+            return
+        _, errors = probe.communicate(timeout=30)
+        assert probe.returncode == 2
+        assert errors.splitlines()[-1].startswith("palmbots: probe: the right robot is lost (")
+        assert errors.endswith("the wheels of the other one stop, and its palm keeps its angle\n")
+
+
+_STARTED_S = 2.0
+"""Processor time of `palmbots probe` in the middle of its work: it starts in about 1 s."""
+
+
+def _cpu_s(number: int) -> float:
+    """Processor time of a process so far."""
+    try:
+        fields = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (["--seed", "2"], "is a pair file, with which --set and --seed have no effect; allowed: "),
+        (["--set", "palm.friction=0.4"], "is a pair file, with which --set and --seed have no"),
+    ],
+)
+def test_options_of_a_simulation_are_refused(
+    here: Run, tmp_path: Path, options: list[str], line: str
+) -> None:
+    file = new_pair(tmp_path)
+    result = here("probe", str(file), *options)
+    assert result.returncode == 2
+    assert result.stderr.count("\n") == 1
+    assert line in result.stderr
+
+
+def test_probes_in_real_time_are_refused(here: Run, tmp_path: Path) -> None:
+    result = here("robot", str(new_pair(tmp_path)), "--side", "left", "--probe")
+    assert result.returncode == 2
+    assert result.stderr.endswith("--probe: does not work without --lockstep; allowed: with it\n")
+
+
+def test_robots_that_do_not_run_are_named(
+    here: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("palmbots.probing.robot_hands._STARTS_WITHIN_S", 0.1)
+    file = new_pair(tmp_path)
+    result = here("probe", str(file))
+    assert result.returncode == 2
+    assert result.stderr.count("\n") == 1
+    assert f"palmbots robot {file} --side left --probe --lockstep" in result.stderr
