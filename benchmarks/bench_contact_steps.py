@@ -8,9 +8,9 @@ The steps are control periods of the random scripts of tests/support/palm_script
 sharp objects on palms with noses and heels, with and without surroundings. As many further scripts
 have up to six contacts: the object lies flush on level palms and touches their heels, or it stands
 between their noses or a wall, flush with both. A third family has robots with limited forces, which
-may stall. Each step is made three times, from copies of the world, and the least time counts. It is timed as Python calls it: that adds about a microsecond. The
-first step of a script has its own row, because it also makes the shapes. Writes
-benchmarks/results/contact_steps.csv.
+may stall. Each step is made three times, from copies of the world, and the least time counts. It is
+timed as Python calls it: that adds about a microsecond. The first step of a script has its own row,
+because it also makes the shapes. Writes benchmarks/results/contact_steps.csv.
 """
 
 import csv
