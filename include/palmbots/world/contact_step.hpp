@@ -330,7 +330,7 @@ class ContactStep : ContactTrial {
   // object elsewhere.
   Found go_on_with(const RegimeCandidates& found, double done) {
     constexpr double elsewhere = 1e-3;  // of the way of the surfaces
-    constexpr double lost = -1e-3;  // far beyond what rounding does to a condition
+    constexpr double lost = -1e-3;      // far beyond what rounding does to a condition
     std::array<double, RegimeCandidates::most> missed{};  // what fails of each
     for (double ahead = trial_; ahead < 0.1; ahead *= grown) {
       const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
