@@ -50,8 +50,8 @@ using StateColumns = std::array<Column, state::count>;
 
 namespace detail {
 
-// The bits of the modes that balance in several states, and where they are those of `feasible`. With
-// an empty interval no mode balances, whatever the other numbers are.
+// The bits of the contact modes that balance in several states, and where they are those of
+// `feasible`. With an empty interval none balances, whatever the other numbers are.
 template <class V>
 struct PlainModes {
   typename MaskOf<V>::Raw bits;
