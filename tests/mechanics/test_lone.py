@@ -10,7 +10,8 @@ import pytest
 from scipy.optimize import linprog
 from tests.conftest import is_soak
 
-from palmbots.mechanics.lone import LoneLift, lone_lift
+from palmbots.mechanics.lone import LoneLift
+from palmbots.mechanics.lone_refusals import lone_lift
 from palmbots.scene.scene import load_scene
 
 STATES = 10_000 if is_soak() else 200

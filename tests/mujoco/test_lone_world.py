@@ -10,7 +10,7 @@ import pytest
 from tests.conftest import is_soak
 
 import palmbots as pb
-from palmbots.mechanics.lone import lone_lift
+from palmbots.mechanics.lone_refusals import lone_lift
 from palmbots.scene.placement import floor_level, placements
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec

@@ -62,6 +62,7 @@ def test_other_built_in_scenes_differ_from_paper_in_few_keys():
         *(
             "around-wall",
             "figure8",
+            "handover",
             "lift",
             "lone",
             "paper",

@@ -27,7 +27,8 @@ from palmbots.mechanics.lifting_forces import (
     floor_friction_to_stay,
     least_partner_angle,
 )
-from palmbots.mechanics.lone import ON_ONE_PALM, lone_lift
+from palmbots.mechanics.lone import ON_ONE_PALM
+from palmbots.mechanics.lone_refusals import lone_lift
 from palmbots.mechanics.unlevel_pivots import PivotRises
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import as_given

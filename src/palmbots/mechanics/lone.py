@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import palmbots._core as _core
 from palmbots._types import SIDES, MaybeNaN, Side
 from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Line, Table, bold, verdict, warning
+from palmbots._util.text import rounded_down
 from palmbots.errors import SceneError
 from palmbots.mechanics.lifting_bodies import (
     Plate,
@@ -27,10 +28,8 @@ from palmbots.mechanics.lifting_bodies import (
     standing,
 )
 from palmbots.mechanics.lifting_forces import floor_friction_to_stay, least_partner_angle
-from palmbots.mechanics.lone_refusals import mm, newtons, number, refusals_of_lone, warnings_of
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import as_given
-from palmbots.scene.spec import to_spec
 
 _G = _core.standard_gravity
 _LEVEL = math.pi / 2
@@ -160,27 +159,14 @@ class LoneLift:
         )
 
 
-def lone_lift(scene: Scene) -> LoneLift | None:
-    """The analysis of a scene; None: two robots do its job, or it is a carry from palms to palms.
-
-    Raises:
-        SceneError: the path is curved, or the object does not stand on its contact vertices.
-    """
-    if scene.task.dock != "alone" or not (spec := to_spec(scene)).uses_floor:
-        return None
-    check_standing(spec)
-    found, tall = lift_with(scene, spec, 1 if spec.direction > 0 else 0), _height(spec)
-    refusals = [*refusals_of_lone(scene, spec, found, tall)]
-    return replace(found, refusals=tuple(refusals), warnings=tuple(warnings_of(found)))
-
-
 def check_standing(spec: _core.Spec) -> None:
     """Raise `SceneError` for an object that does not stand on its two contact vertices."""
     if refusal := _core.standing_refusal(spec):
         raise SceneError(refusal)
 
 
-def _height(spec: _core.Spec) -> float:
+def height_of(spec: _core.Spec) -> float:
+    """The height of the object [m]."""
     return max(y for _, y in spec.silhouette) - min(y for _, y in spec.silhouette)
 
 
@@ -193,7 +179,7 @@ def lift_with(scene: Scene, spec: _core.Spec, side: int) -> LoneLift:
     cotangent = 1 / math.tan(push) if push < _LEVEL else 0.0
     wall = _wall(scene)
     friction = None if wall is None else _friction_of_wall(scene, wall)
-    tall, by_partner = _height(spec), scene.task.dock == "hand-over"
+    tall, by_partner = height_of(spec), scene.task.dock == "hand-over"
     # The force of the nose meets the wall at this height. Above the far side, the object tilts.
     lean = low.nose_lean(radius)
     meets = radius * (1 - math.cos(lean)) + cotangent * (
@@ -289,3 +275,18 @@ def _wall(scene: Scene) -> float | None:
 def _friction_of_wall(scene: Scene, at: float) -> float:
     own = next(wall.friction for wall in scene.floor.walls if wall.at_m == at)
     return scene.floor.friction if own is None else own
+
+
+def mm(value: float) -> str:
+    """A length in millimetres."""
+    return f"{1e3 * value:.2f} mm"
+
+
+def newtons(value: float) -> str:
+    """A force; infinite: any."""
+    return "any" if math.isinf(value) else f"{value:.2f} N"
+
+
+def number(value: float) -> str:
+    """A number, rounded down; infinite: any."""
+    return "any" if math.isinf(value) else f"{rounded_down(value, 3):g}"

@@ -4,16 +4,35 @@ closed forms of `palmbots.mechanics.lone`."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import palmbots._core as _core
 from palmbots._util.text import millimetres, rounded_down, rounded_up
+from palmbots.mechanics.lone import (
+    LoneLift,
+    check_standing,
+    height_of,
+    lift_with,
+    mm,
+    newtons,
+)
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 
-if TYPE_CHECKING:
-    from palmbots.mechanics.lone import LoneLift
+
+def lone_lift(scene: Scene) -> LoneLift | None:
+    """The analysis of a scene; None: two robots do its job, or it is a carry from palms to palms.
+
+    Raises:
+        SceneError: the path is curved, or the object does not stand on its contact vertices.
+    """
+    if scene.task.dock != "alone" or not (spec := to_spec(scene)).uses_floor:
+        return None
+    check_standing(spec)
+    found, tall = lift_with(scene, spec, 1 if spec.direction > 0 else 0), height_of(spec)
+    refusals = [*refusals_of_lone(scene, spec, found, tall)]
+    return replace(found, refusals=tuple(refusals), warnings=tuple(warnings_of(found)))
 
 
 def refusals_of_lone(scene: Scene, spec: _core.Spec, found: LoneLift, tall: float) -> Iterator[str]:
@@ -123,18 +142,3 @@ def warnings_of(found: LoneLift) -> Iterator[str]:
             f"floor.friction is {found.floor_friction:g}: the palm pushes the object away as it "
             f"leaves; it does not at {rounded_up(found.least_floor_friction, 3):g} or more"
         )
-
-
-def mm(value: float) -> str:
-    """A length in millimetres."""
-    return f"{1e3 * value:.2f} mm"
-
-
-def newtons(value: float) -> str:
-    """A force; infinite: any."""
-    return "any" if math.isinf(value) else f"{value:.2f} N"
-
-
-def number(value: float) -> str:
-    """A number, rounded down; infinite: any."""
-    return "any" if math.isinf(value) else f"{rounded_down(value, 3):g}"

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import shlex
 from collections.abc import Callable, Iterator
 
 from palmbots._types import SIDES, Side
@@ -24,6 +25,7 @@ from palmbots.pair.pair_file import Pair as RobotPair
 from palmbots.pair.pair_file import probe_address
 from palmbots.probing.contact_tracking import Pair
 from palmbots.probing.probe_run import Switches
+from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
 
 _STARTS_WITHIN_S = 10.0
@@ -119,9 +121,10 @@ def hands_of_pair(pair: RobotPair, scene: Scene) -> Iterator[RobotHands]:
             try:
                 line = connect(probe_address(pair, side), f"{side} robot", _STARTS_WITHIN_S)
             except PalmbotsError as error:
-                raise PalmbotsError(
-                    f"{error}; start palmbots robot {pair.file} --side {side} --probe --lockstep"
-                ) from None
+                start = command_text(
+                    "robot", shlex.quote(str(pair.file)), side=side, probe=True, lockstep=True
+                )
+                raise PalmbotsError(f"{error}; start {start}") from None
             port = SimulatedDriver(
                 line, side, 0, scene.control.period_s, scene_number(scene), hardware=hardware[0]
             )

@@ -56,7 +56,7 @@ def run_probe_robot(pair: Pair, side: Side, on_line: Callable[[str], None]) -> N
                 board.plug(program)
             if time.monotonic() > give_up:
                 raise PalmbotsError(
-                    f"{side} robot: palmbots probe did not connect within {_PROBE_WITHIN_S:g} s"
+                    f"{side} robot: no program that probes connected within {_PROBE_WITHIN_S:g} s"
                 )
             time.sleep(_POLL_S)
         while not ended.is_set() and board.driver is not None:

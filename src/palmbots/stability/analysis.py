@@ -22,7 +22,8 @@ from palmbots.mechanics.hand_over import HandOver, hand_over
 from palmbots.mechanics.lift_margins import Lifting
 from palmbots.mechanics.lifting import lifting
 from palmbots.mechanics.load_limits import LoadLimit, LoadLimits, load_limits
-from palmbots.mechanics.lone import LoneLift, lone_lift
+from palmbots.mechanics.lone import LoneLift
+from palmbots.mechanics.lone_refusals import lone_lift
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
 from palmbots.stability.first_contact import FirstTouch, first_touch
