@@ -28,7 +28,7 @@ template <class TheTable>
 class PhaseProgram {
  public:
   using Table = TheTable;
-  using State = Table::State;
+  using State = typename Table::State;
   using Settings = PhaseSettings<Table>;
 
   // `epoch` is the number of this boot, `holds` what was stored before it.

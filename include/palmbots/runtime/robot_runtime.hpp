@@ -36,7 +36,7 @@ namespace palmbots::runtime {
 // One robot.
 template <class Program, class Phases = PhaseProgram<Lifting>>
 class RobotRuntime {
-  using Table = Phases::Table;
+  using Table = typename Phases::Table;
 
  public:
   // `fresh` begins a carry, `rebooted` goes on with one after a boot. With `carries` the program
