@@ -369,7 +369,8 @@ class TableRobot {
     if constexpr (has_clock) {
       met.timed_out = clock_.since_entered >= limit();
       met.leads = clock_.role.leads;
-      met.may_stop = clock_.role.may_stop && !clock_.in_place;
+      met.may_stop = clock_.role.may_stop;
+      if constexpr (mail == Mail::none) met.may_stop = met.may_stop && !clock_.in_place;
       clock_.own.meet(met, true, *this, clock_.age, !silence(), clock_.own_limits());
     }
     return met;
