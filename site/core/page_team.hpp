@@ -44,6 +44,7 @@ class PageTeam {
   int state(std::size_t side) const { return now_.states[side]; }
   MessageKind awaits(std::size_t side) const { return held_->awaits(side); }
   CorrectionActivity activity(std::size_t side) const { return held_->activity(side); }
+  void set_in_place(std::size_t side, bool in_place) { held_->set_in_place(side, in_place); }
   // The packets of this tick, if the team has a station.
   std::optional<StationPackets> packets(std::uint32_t tick) const { return held_->packets(tick); }
 
@@ -76,6 +77,7 @@ class PageTeam {
     virtual void fork(std::uint64_t seed) = 0;
     virtual MessageKind awaits(std::size_t side) const = 0;
     virtual CorrectionActivity activity(std::size_t side) const = 0;
+    virtual void set_in_place(std::size_t side, bool in_place) = 0;
     virtual std::optional<StationPackets> packets(std::uint32_t tick) const = 0;
   };
 
@@ -95,6 +97,9 @@ class PageTeam {
     void fork(std::uint64_t seed) override { team.fork(seed); }
     MessageKind awaits(std::size_t side) const override { return team.awaits(side); }
     CorrectionActivity activity(std::size_t side) const override { return team.activity(side); }
+    void set_in_place(std::size_t side, bool in_place) override {
+      palmbots::set_in_place(team, side, in_place);
+    }
     std::optional<StationPackets> packets(std::uint32_t tick) const override {
       if constexpr (requires { team.packets(tick); }) return team.packets(tick);
       return std::nullopt;

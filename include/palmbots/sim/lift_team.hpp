@@ -93,10 +93,7 @@ class LiftTeam {
     PerSide<RobotObservation> shown = sensed;
     for (const std::size_t side : {left, right}) {
       if (driver(side) == Driver::table) shown[side] = {Sign::zero, true};
-      if constexpr (requires { inner_.wake(side).set_in_place(true); }) {
-        const bool in_place = driver(side) != Driver::controller;
-        if (inner_.robot(side).is_in_place() != in_place) inner_.wake(side).set_in_place(in_place);
-      }
+      set_in_place(inner_, side, driver(side) != Driver::controller);
     }
     const PerSide<Command>& given = inner_.step(tick, shown, log);
     for (const std::size_t side : {left, right}) {

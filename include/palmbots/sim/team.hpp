@@ -80,4 +80,14 @@ inline CorrectionActivity activity_of(char name, std::size_t side) {
 // The command of a robot while its program does not run: its wheels stop, its palm stays.
 inline Command switched_off(const Command& before) { return {before.palm, Move::hold, true}; }
 
+// States whether a robot corrects where it stands, to controllers for which that makes a difference.
+template <class Team>
+void set_in_place(Team& team, std::size_t side, bool in_place) {
+  if constexpr (requires { team.set_in_place(side, in_place); }) {
+    team.set_in_place(side, in_place);
+  } else if constexpr (requires { team.wake(side).set_in_place(in_place); }) {
+    if (team.robot(side).is_in_place() != in_place) team.wake(side).set_in_place(in_place);
+  }
+}
+
 }  // namespace palmbots
