@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A pair that probes as processes, in lockstep with a world."""
+"""A pair that probes as processes, in lockstep with a world and in real time."""
 
 import json
 import os
@@ -13,6 +13,7 @@ import pytest
 import palmbots as pb
 from commands import Run
 from pair_programs import new_pair, running, started
+from palmbots._types import SIDES
 from waiting import wait_until
 
 SEED = 3
@@ -23,11 +24,17 @@ OPTIONS = ["--friction", "0.3", "0.5", "--com-x-m", "0.115", "0.135"]
 Started = tuple[Path, dict[str, "subprocess.Popen[str]"]]
 
 
+LOCKSTEP = ["--lockstep"]
+REAL_TIME: list[str] = []
+
+
 @pytest.fixture
 def pair(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Started]:
-    """A pair file, and the processes of a world and both robots; the parameter: scene keys."""
+    """A pair file, and the processes of a world and both robots; the parameter: scene keys, and
+    further options of the processes."""
     scene = tmp_path / "scene.toml"
-    scene.write_text(pb.load_scene("paper", request.param).to_toml())
+    keys, options = request.param
+    scene.write_text(pb.load_scene("paper", keys).to_toml())
     file = new_pair(tmp_path, scene="scene.toml")
     serve = f"unix:{tmp_path / 'world'}"
     commands = {
@@ -35,12 +42,12 @@ def pair(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Started]:
         "left": ["robot", str(file), "--side", "left"],
         "right": ["robot", str(file), "--side", "right"],
     }
-    lines = ([*one, "--probe", "--lockstep"] for one in commands.values())
+    lines = ([*one, "--probe", *options] for one in commands.values())
     with running(*lines, folder=tmp_path) as processes:
         yield file, dict(zip(commands, processes, strict=True))
 
 
-@pytest.mark.parametrize("pair", [KEYS], indirect=True)
+@pytest.mark.parametrize("pair", [(KEYS, LOCKSTEP)], indirect=True)
 def test_processes_find_what_one_program_finds(here: Run, pair: Started) -> None:
     file, processes = pair
     probe = started(["probe", str(file), *OPTIONS, "--json"], file.parent)
@@ -62,7 +69,28 @@ def test_processes_find_what_one_program_finds(here: Run, pair: Started) -> None
     assert [processes[side].wait(30) for side in ("left", "right")] == [0, 0]
 
 
-@pytest.mark.parametrize("pair", [{"palm.friction": 0.39}], indirect=True)
+@pytest.mark.parametrize("pair", [({"palm.friction": 0.39}, REAL_TIME)], indirect=True)
+def test_probes_in_real_time(pair: Started) -> None:
+    """The wheels stand while the next probe is computed, so contacts stay on the permitted part of
+    the palms. The object is in the set."""
+    file, processes = pair
+    probe = started(["probe", str(file), *OPTIONS, "--json"], file.parent)
+    printed, errors = probe.communicate(timeout=180)
+    assert probe.returncode == 0, errors
+    found = json.loads(printed)
+    low, high = found["com_x_m"]
+    assert low <= 0.125 <= high
+    assert high - low < 0.5 * (0.135 - 0.115)
+    assert all(low <= 0.39 <= high for low, high in found["friction"].values())
+    world, _ = processes["world"].communicate(timeout=30)
+    assert "the object is held" in world
+    assert float(world.rpartition("±")[2].split()[0]) <= 10.0
+    assert [processes[side].wait(30) for side in ("left", "right")] == [0, 0]
+
+
+@pytest.mark.parametrize(
+    "pair", [({"palm.friction": 0.39}, options) for options in (LOCKSTEP, REAL_TIME)], indirect=True
+)
 @pytest.mark.parametrize("lost", ["right", "probe"])
 def test_a_killed_program_stops_both_robots(lost: str, pair: Started) -> None:
     """The object stays on the palms, and a line states what was lost."""
@@ -116,10 +144,21 @@ def test_options_of_a_simulation_are_refused(
     assert line in result.stderr
 
 
-def test_probes_in_real_time_are_refused(here: Run, tmp_path: Path) -> None:
-    result = here("robot", str(new_pair(tmp_path)), "--side", "left", "--probe")
-    assert result.returncode == 2
-    assert result.stderr.endswith("--probe: does not work without --lockstep; allowed: with it\n")
+def test_robot_and_world_both_run_in_lockstep(tmp_path: Path) -> None:
+    file = new_pair(tmp_path)
+    world = ["world", "--serve", f"unix:{tmp_path / 'world'}", "--probe"]
+    sides = (["robot", str(file), "--side", side, "--probe", *LOCKSTEP] for side in SIDES)
+    with (
+        running(world, *sides, folder=tmp_path) as (_, left, right),
+        started(["probe", str(file)], tmp_path) as probe,
+    ):
+        for side, robot in zip(SIDES, (left, right), strict=True):
+            _, errors = robot.communicate(timeout=60)
+            assert robot.returncode == 2
+            assert errors.endswith(
+                f"{side} robot: its world runs in real time; allowed: without --lockstep\n"
+            )
+        assert probe.wait(60) == 2
 
 
 def test_robots_that_do_not_run_are_named(
@@ -130,4 +169,4 @@ def test_robots_that_do_not_run_are_named(
     result = here("probe", str(file))
     assert result.returncode == 2
     assert result.stderr.count("\n") == 1
-    assert f"palmbots robot {file} --side left --probe --lockstep" in result.stderr
+    assert f"palmbots robot {file} --side left --probe" in result.stderr

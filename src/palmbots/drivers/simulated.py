@@ -6,6 +6,7 @@ the watchdog.
 """
 
 import contextlib
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -71,7 +72,7 @@ class SimulatedDriver:
         self._has_arm = False
         self._servo_rad: float | None = None
         self._arm_rad: float | None = None
-        self._rate = 1.0  # multiple of real time at which the world runs
+        self._rate = 1.0  # multiple of real time at which the world runs; infinite in lockstep
         self._io = HardwareIo(hardware or HardwareParameters(), leads=leads)
         self.clock_rate = 1.0
         """How fast the clock of the robot's program runs. A simulated robot has one that is wrong;
@@ -110,6 +111,11 @@ class SimulatedDriver:
         """
         self._newest = None
         return self.read_raw()
+
+    @property
+    def is_in_lockstep(self) -> bool:
+        """Whether the world waits for this program, as it has stated with its first reading."""
+        return math.isinf(self._rate)
 
     def _now_s(self) -> float:
         return self._time() * self._rate

@@ -25,6 +25,8 @@ from palmbots.scene.robot_section import Zone
 Pair = tuple[float, float]
 
 _NARROWINGS = 3
+_BEHIND = 2  # control periods
+_LATE_M, _DELAY_S = 0.001, 0.1
 
 
 class Impossible(Exception):
@@ -53,6 +55,25 @@ class Give:
     """How far they have to go before a switch that changes shows that a contact has slid [m]."""
     settling_s: float = 0.0
     """How long the palms take to come to rest after a turn."""
+    late: float = 0.0005
+    """How far a contact slides before the robots have stopped [m]."""
+
+    def in_real_time(self, most: float) -> Give:
+        """With robots whose readings are of different instants, and which obey late.
+
+        A command holds for one control period, so a robot whose program is late stands. Its reading
+        is therefore behind by no more than what a robot moves in two control periods.
+
+        Args:
+            most: how far a robot moves in a control period [m].
+        """
+        return replace(
+            self,
+            loop=self.loop + _BEHIND * most,
+            turn=self.turn + _BEHIND * most,
+            settling_s=self.settling_s + _DELAY_S,
+            late=self.late + _LATE_M,
+        )
 
 
 @dataclass(frozen=True)

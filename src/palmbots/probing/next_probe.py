@@ -34,8 +34,6 @@ _AT_REACH = 0.5
 _LEAVES = 0.02
 """How much more a probe has to remove that drives a contact out of the middle, for each probe in a
 row that has removed nothing."""
-_LATE = 0.0005
-"""How far a contact slides before the robots have stopped [m]."""
 SPARE_M = 0.0015
 """How far before the end of its permitted part a contact is stopped."""
 _DRIFT = 0.003
@@ -213,8 +211,9 @@ def _poses(bounds: ContactBounds, probe: Probe, limits: Limits) -> Iterator[Pose
 
 def stroke_pose(bounds: ContactBounds, way: int, limits: Limits) -> Pose:
     """All poses of a stroke at these palm angles."""
+    give = bounds.geometry.give
     left, right = (
-        _stroke(ends, zones, way, limits.reach, _LATE + bounds.geometry.give.overshoot)
+        _stroke(ends, zones, way, limits.reach, give.late + give.overshoot)
         for ends, zones in zip(bounds.contacts, bounds.geometry.zones, strict=True)
     )
     return replace(bounds, contacts=(left, right)).pose()

@@ -238,17 +238,8 @@ def probe(
         (spec.slope, spec.slope),
     )
     give = give_of(world)
-    error = math.radians(angle_error_deg)
     palms = [chosen.palm_of(side) for side in SIDES]
     zones = [zones_of(chosen, side) for side in SIDES]
-    geometry = PairGeometry(
-        frame.width,
-        (palms[0].pivot_offset_m, palms[1].pivot_offset_m),
-        (zones[0], zones[1]),
-        error + give.angle,
-        _ODOMETRY,
-        give,
-    )
     limits = Limits(
         (math.radians(degrees[0]), math.radians(degrees[1])),
         min(_REACH_M, *(palm.reach_m for palm in palms)),
@@ -267,6 +258,18 @@ def probe(
             hands = stack.enter_context(hands_of_pair(pair, chosen))
         if hands.end:
             raise PalmbotsError(f"probe: the object is not held at the start: {hands.end}")
+        if not hands.is_in_lockstep:
+            # The robots compensate for palms that turn: each for half of both.
+            farthest = limits.reach + max(abs(palm.pivot_offset_m) for palm in palms)
+            give = give.in_real_time(hands.period_s * max(rate * farthest, 0.5 * _SPEED_M_S))
+        geometry = PairGeometry(
+            frame.width,
+            (palms[0].pivot_offset_m, palms[1].pivot_offset_m),
+            (zones[0], zones[1]),
+            math.radians(angle_error_deg) + give.angle,
+            _ODOMETRY,
+            give,
+        )
         run = ProbeRun(hands, geometry, found, limits, pace)
         run.run(on_progress or (lambda part: None))
     found.sharpen()

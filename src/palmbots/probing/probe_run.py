@@ -39,6 +39,8 @@ class Hands(Protocol):
     """Two robots under an object, one control period at a time."""
 
     period_s: float
+    time_s: float
+    """Since the start."""
 
     @property
     def end(self) -> str:
@@ -191,7 +193,8 @@ class ProbeRun:
         self.bounds = self._sure if is_sure else self.bounds.loosened(self._give.turn)
         while self._commanded != target and self._may_go_on():
             angles = turned_towards(self._commanded, target, most)
-            self._at_edge.update(self._step(_compensation(self.bounds, angles), angles, 0))
+            change = _compensation(self.bounds, self._commanded, angles)
+            self._at_edge.update(self._step(change, angles, 0))
         for _ in range(round(self._give.settling_s / self.hands.period_s)):
             if self._may_go_on():
                 self._at_edge.update(self._step(0.0, target, 0))
@@ -250,13 +253,13 @@ class ProbeRun:
         """One control period; returns the palms whose switches have changed."""
         self.hands.step(change, angles)
         self._commanded = angles
-        self.time_s += self.hands.period_s
+        passed_s, self.time_s = self.hands.time_s - self.time_s, self.hands.time_s
         if self.hands.end:
             self.stop = f"the object was lost: {self.hands.end}"
             return []
         before, self._switches = self._switches, self.hands.switches()
         last, (self._separation, angles) = self._separation, self.hands.read()
-        change, crept = self._separation - last, self._give.creep * self.hands.period_s
+        change, crept = self._separation - last, self._give.creep * passed_s
         way = way if change * way <= 0 else 0
         try:
             moved = self._sure.moved(change, angles, way).loosened(crept)
@@ -282,8 +285,9 @@ def _slid(
     ]
 
 
-def _compensation(bounds: ContactBounds, angles: Pair) -> float:
-    """The change of the separation that leaves the contacts where they probably are."""
+def _compensation(bounds: ContactBounds, before: Pair, after: Pair) -> float:
+    """The change of the separation that leaves the contacts where they probably are. Both angles
+    are commanded ones: those that the encoders show lag behind."""
     middles = [0.5 * (low + high) for low, high in bounds.contacts]
     offset, w = bounds.geometry.offset, bounds.geometry.width
 
@@ -297,4 +301,4 @@ def _compensation(bounds: ContactBounds, angles: Pair) -> float:
             for p, t, o in zip(middles, turned, offset, strict=True)
         )
 
-    return separation(angles) - separation(bounds.angles)
+    return separation(after) - separation(before)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import shlex
+import time
 from collections.abc import Callable, Iterator
 
 from palmbots._types import SIDES, Side
@@ -45,6 +46,7 @@ class RobotHands:
         exchange: gives both robots their commands for one control period, and returns what they
             read after it; None: the world of simulated robots has ended.
         first: what they read before.
+        lockstep: a step takes one control period; otherwise time passes by itself.
     """
 
     def __init__(
@@ -53,10 +55,16 @@ class RobotHands:
         period_s: float,
         exchange: Callable[[Commands], Readings | None],
         first: Readings,
+        *,
+        lockstep: bool = True,
     ) -> None:
         self.period_s = period_s
         self.end = ""
         """Why the object is no longer held; empty if it is."""
+        self.is_in_lockstep = lockstep
+        self.time_s = 0.0
+        """Since the start."""
+        self._start_s = time.monotonic()
         self._hardware, self._exchange, self._seen = hardware, exchange, first
         self._driven_s = 0.0
         self._commanded: Pair | None = None
@@ -80,6 +88,10 @@ class RobotHands:
             self.end = "the world has ended"
         else:
             self._seen = seen
+        if self.is_in_lockstep:
+            self.time_s += self.period_s
+        else:
+            self.time_s = time.monotonic() - self._start_s
 
     def _command(self, hardware: HardwareParameters, forward: float, angle: float) -> RawCommand:
         turns = self._driven_s > _STILL_S
@@ -106,7 +118,7 @@ class RobotHands:
 
 @contextlib.contextmanager
 def hands_of_pair(pair: RobotPair, scene: Scene) -> Iterator[RobotHands]:
-    """Connect to the programs of both robots (`palmbots robot --probe --lockstep`).
+    """Connect to the programs of both robots (`palmbots robot --probe`).
 
     If one of them is lost, the wheels of the other one stop and its palm keeps its angle.
 
@@ -121,9 +133,7 @@ def hands_of_pair(pair: RobotPair, scene: Scene) -> Iterator[RobotHands]:
             try:
                 line = connect(probe_address(pair, side), f"{side} robot", _STARTS_WITHIN_S)
             except PalmbotsError as error:
-                start = command_text(
-                    "robot", shlex.quote(str(pair.file)), side=side, probe=True, lockstep=True
-                )
+                start = command_text("robot", shlex.quote(str(pair.file)), side=side, probe=True)
                 raise PalmbotsError(f"{error}; start {start}") from None
             port = SimulatedDriver(
                 line, side, 0, scene.control.period_s, scene_number(scene), hardware=hardware[0]
@@ -133,23 +143,31 @@ def hands_of_pair(pair: RobotPair, scene: Scene) -> Iterator[RobotHands]:
         def exchange(commands: Commands | None) -> Readings | None:
             if commands is not None:
                 for side, command in zip(SIDES, commands, strict=True):
+                    # What has arrived while the next probe was computed is older than the command.
+                    if _read(ports, side, ports[side].read_raw) is None:
+                        return None
                     ports[side].write_raw(command)
-            seen = [_read(ports, side) for side in SIDES]
+            seen = [_read(ports, side, ports[side].next_raw) for side in SIDES]
             left, right = seen
             return None if left is None or right is None else (left, right)
 
         first = exchange(None)
         if first is None:
             raise PalmbotsError("probe: the world has ended")
+        lockstep = all(port.is_in_lockstep for port in ports.values())
         for side, one in zip(SIDES, first, strict=True):
             if one.wheel_counts is None:
                 raise PalmbotsError(f"probe: the {side} robot has no encoders, which probes need")
-        yield RobotHands((hardware[0], hardware[1]), scene.control.period_s, exchange, first)
+        period_s = scene.control.period_s
+        yield RobotHands((hardware[0], hardware[1]), period_s, exchange, first, lockstep=lockstep)
 
 
-def _read(ports: dict[Side, SimulatedDriver], side: Side) -> RawReading | None:
+def _read(
+    ports: dict[Side, SimulatedDriver], side: Side, read: Callable[[], RawReading | None]
+) -> RawReading | None:
+    """What a robot reads; None: the world has ended. If the robot is lost, the other one stops."""
     try:
-        return ports[side].next_raw()
+        return read()
     except PalmbotsError as error:
         for other, port in ports.items():
             if other != side:

@@ -6,6 +6,7 @@ world sends a reading to each, takes the newest command of each, and moves the r
 has written nothing for ``control.watchdog_s``, the wheels of its robot stop, as on a motor board.
 """
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -92,7 +93,14 @@ class EventLines:
 
 
 class Board:
-    """The motor board of one robot."""
+    """The motor board of one robot.
+
+    Args:
+        stage: to which it is connected.
+        side: of the robot.
+        watchdog_ticks: without a command for more ticks than this, the wheels stop.
+        rate: multiple of real time; infinite in lockstep.
+    """
 
     def __init__(self, stage: CommandForm, side: int, watchdog_ticks: int, rate: float) -> None:
         self._stage, self._side, self._rate = stage, side, rate
@@ -153,15 +161,25 @@ class LiveRobots:
         door: where the programs connect.
         rate: multiple of real time.
         waits: each tick waits for a command of each robot that has a program, as in lockstep.
+        watchdog_s: without a command for longer than this, wheels stop; None: as in the scene.
     """
 
     def __init__(
-        self, scene: Scene, stage: Stage, door: socket, rate: float, *, waits: bool = False
+        self,
+        scene: Scene,
+        stage: Stage,
+        door: socket,
+        rate: float,
+        *,
+        waits: bool = False,
+        watchdog_s: float | None = None,
     ) -> None:
         self._stage, self._waits, self.sides = stage, waits, scene.working_sides
-        watchdog_ticks = round(scene.control.watchdog_s / scene.control.period_s)
+        held_s = scene.control.watchdog_s if watchdog_s is None else watchdog_s
+        watchdog_ticks = round(held_s / scene.control.period_s)
         self._boards: dict[str, Board] = {
-            side: Board(stage, k, watchdog_ticks, rate) for k, side in enumerate(SIDES)
+            side: Board(stage, k, watchdog_ticks, math.inf if waits else rate)
+            for k, side in enumerate(SIDES)
         }
         self._entrance = Entrance(door, self.sides, scene_number(scene))
 

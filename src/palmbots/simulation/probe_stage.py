@@ -11,6 +11,7 @@ from typing import Any
 
 from palmbots._types import SIDES
 from palmbots._util.arguments import seed_of
+from palmbots.clocks.control_clock import control_clock
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.drivers.hardware import HardwareParameters, palm_angle, servo_angle
 from palmbots.scene.scene import Scene
@@ -123,25 +124,30 @@ def run_probe_world(
     *,
     world: str = "quasistatic",
     seed: int = 0,
+    lockstep: bool = False,
     on_line: Callable[[str], None] = lambda line: None,
 ) -> ProbeStage:
-    """Run a world for robots that probe, in lockstep, until the programs of both have gone or the
-    object is dropped.
+    """Run a world for robots that probe until the programs of both have gone or the object is
+    dropped.
 
     Args:
         scene: the robots, and the object as it really is.
         door: where the programs connect.
         world: name of the world.
         seed: of the errors of the palm angles.
+        lockstep: each tick waits for the programs; otherwise the world runs in real time.
         on_line: called with a line that names the programs still missing after some seconds.
 
     Raises:
         PalmbotsError: a program does not connect in time, or is not a robot.
     """
     stage = ProbeStage(scene, world, palm_errors(seed))
-    robots = LiveRobots(scene, stage, door, 1.0, waits=True)
+    robots = LiveRobots(scene, stage, door, 1.0, waits=lockstep, watchdog_s=0.0)
     robots.wait(on_line)
+    clock = control_clock("world", scene.control.period_s)
     while stage.outcome == "running" and len(robots.missing()) < len(SIDES):
+        if not lockstep:
+            clock.wait()
         robots.tick()
     robots.end()
     return stage

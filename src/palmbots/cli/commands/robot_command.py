@@ -30,18 +30,17 @@ def robot(
     Its driver moves the robot. The driver of a new pair is simulated and needs a palmbots world.
 
     Args:
-        probe: serve palmbots probe, which commands the motors, in place of a carry; in lockstep.
+        probe: serve palmbots probe, which commands the motors, in place of a carry.
     """
     from palmbots.pair.pair_file import load_pair
 
     pair_of = load_pair(pair).with_logs(log, is_off=no_log)
     if probe:
-        if as_json or not lockstep:
-            other = ("with --json", "without") if as_json else ("without --lockstep", "with")
-            raise PalmbotsError(f"--probe: does not work {other[0]}; allowed: {other[1]} it")
+        if as_json:
+            raise PalmbotsError("--probe: does not work with --json; allowed: without it")
         from palmbots.robot.probe_robot import run_probe_robot
 
-        run_probe_robot(pair_of, side, _say)
+        run_probe_robot(pair_of, side, _say, lockstep=lockstep)
         return DONE
     if lockstep:
         from palmbots.robot.lockstep_robot import run_lockstep_robot

@@ -48,7 +48,7 @@ def world(
         imperfect: a property of a robot that its program does not know, as in left.trim=0.02, or a
             file of them (repeatable).
         bench: a workbench without an object, for palmbots calibrate.
-        probe: robots whose motors are commanded, for palmbots probe; in lockstep.
+        probe: robots whose motors are commanded, for palmbots probe.
         called: what the scene is called in the report.
     """
     from palmbots._util.arguments import seed_of
@@ -61,12 +61,10 @@ def world(
             raise PalmbotsError(f"--bench: does not work with {other}; allowed: without it")
         return _bench(chosen, serve, seed, rate, imperfect)
     if probe:
-        if not lockstep:
-            raise PalmbotsError("--probe: does not work without --lockstep; allowed: with it")
         if as_json or imperfect:
             other = "--json" if as_json else "--imperfect"
             raise PalmbotsError(f"--probe: does not work with {other}; allowed: without it")
-        return _probe(chosen, serve, world, seed)
+        return _probe(chosen, serve, world, seed, lockstep)
     entry = controller_of(controller, quiet=as_json)
     if not lockstep:
         return _live(chosen, serve, world, seed, rate, imperfect, as_json=as_json)
@@ -177,7 +175,7 @@ def _bench(scene: "Scene", serve: str, seed: int, rate: float, imperfect: list[s
     return DONE
 
 
-def _probe(scene: "Scene", serve: str, world: str, seed: int) -> int:
+def _probe(scene: "Scene", serve: str, world: str, seed: int, lockstep: bool) -> int:
     """Robots that probe, until their programs end or the object is dropped."""
     from palmbots.cli._streams import say
     from palmbots.links.local_connection import listen
@@ -187,7 +185,9 @@ def _probe(scene: "Scene", serve: str, world: str, seed: int) -> int:
         say(f"palmbots: world at {serve}: {line}")
 
     with listen(serve, "--serve") as door:
-        stage = run_probe_world(scene, door, world=world, seed=seed, on_line=on_line)
+        stage = run_probe_world(
+            scene, door, world=world, seed=seed, lockstep=lockstep, on_line=on_line
+        )
     left, right = (1000 * p for p in stage.contacts)
     held = f"dropped: {stage.drop_reason()}" if stage.outcome == "dropped" else "held"
     print(
