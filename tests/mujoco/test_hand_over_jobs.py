@@ -45,3 +45,8 @@ def test_the_object_ends_flat_on_the_floor_and_alone(carried: Carry) -> None:
         assert min(place.outline[row, :, 1]) == pytest.approx(floor, abs=3e-4)
         assert place.turn[row] == pytest.approx(0, abs=1e-3)
     assert (carried.trace.force.isel(time=last) == 0).all()
+
+
+@pytest.mark.parametrize("seed", (4, 8))
+def test_switches_that_open_while_the_object_slides_off_do_not_stop_the_giver(seed: int) -> None:
+    assert pb.carry("handover", "shared-sign", world="mujoco", seed=seed).outcome == "delivered"

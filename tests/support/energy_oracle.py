@@ -8,6 +8,7 @@ after), not from velocities. Only if the poses belong to one motion with such fo
 vanish, up to the curvature of the motion; one in which it does not is made again in halves.
 """
 
+import cmath
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -17,7 +18,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 import palmbots._core as _core
-from motion_oracle import BENT, OUT, TOUCHES, Moment, Oracle
+from motion_oracle import BENT, OUT, TOUCHES, Moment, Oracle, cross, dot
 from palm_scripts import PERIODS, Drive, world_of
 from palmbots.errors import SceneError
 
@@ -73,7 +74,7 @@ class EnergyOracle:
         """Contacts and geometry; those of the end of a motion are those of the next one's start."""
         if self._last is None or self._last[0] != at:
             o = self.oracle
-            self._last = at, (o.touches(at), *o._placed(at), o._faces(at), o._tips(at))
+            self._last = at, (o.touches(at), *o.placed(at), o.faces(at), o.tips(at))
         return self._last[1]
 
     @staticmethod
@@ -87,21 +88,18 @@ class EnergyOracle:
             turn = at.pose[2]
             if face.carrier < 2:
                 turn -= OUT[face.carrier] * at.palms[face.carrier]
-            right = np.array([face.normal[1], -face.normal[0]])
-            return float((centre - face.start) @ right) + radius * turn
-        tip = tips[surface][1]
+            return dot(centre - face.start, -1j * face.normal) + radius * turn
+        tip = tips[surface].place
         if kind == "tip":
-            start, _, out = edges[feature]
-            return float((start - tip) @ np.array([-out[1], out[0]]))
+            return dot(edges[feature].start - tip, 1j * edges[feature].out)
         centre, radius = circles[feature]
-        x, y = tip - centre
-        return radius * (at.pose[2] - math.atan2(y, x))
+        return radius * (at.pose[2] - cmath.phase(tip - centre))
 
     def of(self, before: Moment, after: Moment) -> Energy | None:
         """None: no contact persists."""
         at = before.between(after)
         first, last = self._seen(before), self._seen(after)
-        com, size = np.array(at.pose[:2]), self.oracle.size
+        com, size = complex(*at.pose[:2]), self.oracle.size
         rays: list[list[float]] = []
         parts = []  # of each ray: its size, work and heat per share
         for name, touch in self.oracle.touches(at, BENT).items():
@@ -112,21 +110,20 @@ class EnergyOracle:
             if name[0] == "arc":  # angles
                 round_ = 2 * math.pi * self.oracle.corners[name[2]][1]
                 slip -= round_ * round(slip / round_)
-            way = np.zeros(2)
+            way = 0j
             if (side := touch.carrier) < 2:
                 # The point of the palm that is there halfway.
-                turn = OUT[side] * (after.palms[side] - before.palms[side])
-                x, y = touch.point - np.array(at.pivots[side])
-                way = np.subtract(after.pivots[side], before.pivots[side])
-                way = way + 2 * math.sin(0.5 * turn) * np.array([-y, x])
-            right, r = np.array([touch.normal[1], -touch.normal[0]]), touch.point - com
+                spin = OUT[side] * (after.palms[side] - before.palms[side])
+                way = complex(*np.subtract(after.pivots[side], before.pivots[side]))
+                way += 2j * math.sin(0.5 * spin) * (touch.point - complex(*at.pivots[side]))
+            right, r = -1j * touch.normal, touch.point - com
             for sign in (-1.0, 1.0):
                 if sign * slip > STICKS:
                     continue  # friction opposes slip
                 force = touch.normal + sign * touch.friction * right
-                rays.append([*force, (r[0] * force[1] - r[1] * force[0]) / size])
+                rays.append([force.real, force.imag, cross(r, force) / size])
                 heat = touch.friction * abs(slip) if abs(slip) > STICKS else 0.0
-                parts.append((float(np.hypot(*force)), float(force @ way), heat))
+                parts.append((abs(force), dot(force, way), heat))
         if not rays:
             return None
         shares, _ = nnls(np.array(rays).T, np.array([self.oracle.slope, 1.0, 0.0]))

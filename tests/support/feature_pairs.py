@@ -7,7 +7,7 @@ Plain geometry for the slow world (slow_world.py), over the shapes of its oracle
 import math
 from typing import Any, NamedTuple
 
-from motion_oracle import Moment, Oracle
+from motion_oracle import STILL, Oracle
 
 FLUSH = 1e-3  # an edge is flush with a face up to this angle [rad]
 BEYOND = 1e-8  # how far past the end of an edge or a face a contact may be [m]
@@ -128,10 +128,9 @@ Pair = CornerOnFace | TipOnEdge | TipOnArc
 def pairs_of(oracle: Oracle) -> list[Pair]:
     """All pairs of features, each in the frame of its carrier and of the object."""
 
-    def vector(v: Any) -> Vector:
-        return float(v[0]), float(v[1])
+    def vector(v: complex) -> Vector:
+        return v.real, v.imag
 
-    still = Moment(((0.0, 0.0), (0.0, 0.0)), (0.0, 0.0), (0.0, 0.0, 0.0))
     outs = [vector(out) for *_, out in oracle.edges]
     corners = [
         (vector(c), float(r), Sector(outs[k - 1], outs[k]) if outs else Sector(None, None))
@@ -139,17 +138,17 @@ def pairs_of(oracle: Oracle) -> list[Pair]:
     ]
     found: list[Pair] = []
     ends: list[tuple[int, Vector, Vector]] = []
-    for carrier, start, along, length, normal, friction, *_ in oracle._faces(still):
+    for carrier, start, along, length, normal, friction, *_ in oracle.faces(STILL):
         face = vector(start), vector(along), float(length), vector(normal)
         found += [CornerOnFace(carrier, friction, *face, *corner) for corner in corners]
         ends += [(carrier, vector(start), vector(-along))]
         ends += [(carrier, vector(start + length * along), vector(along))]
-    for carrier, point, friction in oracle._tips(still):
+    for carrier, point, friction in oracle.tips(STILL):
         place = vector(point)
         there = [way for c, end, way in ends if c == carrier and math.dist(end, place) < 1e-9]
         tip = Tip(place, tuple(there))
         for a, b, out in oracle.edges:
-            long = math.dist(a, b)
+            long = abs(b - a)
             if long > 0:
                 along = vector((b - a) / long)
                 edge = vector(a), along, long, vector(out)

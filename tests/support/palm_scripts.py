@@ -232,6 +232,7 @@ def run(seed: int, found: Found) -> None:
     drive, judge = Drive(rng, on_floor), Judge(seed, oracle, found)
     end = "completed"
     here = Moment.of(world)
+    moments: list[Moment] = []  # after each period
     mode: Any = None
     follows = False
     for k in range(PERIODS):
@@ -239,11 +240,7 @@ def run(seed: int, found: Found) -> None:
         by, palms = drive.next(k, world.palms)
         reason, _, *motion, pieces = world.move(by, palms)
         before, here = here, Moment.of(world)
-        found.moved += 1
-        depth = oracle.deepest(here)
-        found.worst_depth_m = max(found.worst_depth_m, depth)
-        if depth > SUNK:
-            found.faults.append(f"seed {seed}, period {k}: sunk {1e6 * depth:.3g} um")
+        moments.append(here)
         last, mode = mode, (world.constraints, motion)
         if pieces > 1:
             judge.events(k, twin, by, palms)
@@ -254,4 +251,9 @@ def run(seed: int, found: Found) -> None:
             gave_up = reason == "jammed" and pieces > MOST_PIECES
             end = "gave up" if gave_up else reason
             break
+    found.moved += len(moments)
+    depths = oracle.deepest(moments)
+    found.worst_depth_m = max(found.worst_depth_m, float(depths.max()))
+    for k in np.flatnonzero(depths > SUNK):
+        found.faults.append(f"seed {seed}, period {k}: sunk {1e6 * depths[k]:.3g} um")
     found.ends[end] += 1

@@ -70,7 +70,7 @@ class SlowWorld:
                 half, usable = 0.5 * palm.length, 0.5 * min(palm.usable, palm.length)
                 self._reach.append((half, math.inf) if palm.stops else (usable, usable))
         own = (0, spec.contact_right if oracle.edges else 0)
-        faces = [f[0] for f in oracle._faces(at)]
+        faces = [face.carrier for face in oracle.faces(at)]
         self._own = [faces.index(side) * len(oracle.corners) + own[side] for side in (0, 1)]
 
     # --- Geometry ---------------------------------------------------------------------------------

@@ -85,7 +85,7 @@ struct HandOver : LiftRules<HandOver> {
     switch (limit) {
       case Limit::scoop: return timing.reach * 12;
       case Limit::ease: return timing.reach / 4;
-      case Limit::leave: return timing.reach * 8;
+      case Limit::leave: return timing.reach * 2.5;
       case Limit::seat:
       case Limit::back: break;
     }
@@ -174,10 +174,11 @@ struct HandOver : LiftRules<HandOver> {
       {S::haul,         P::any,  any_message, If::reached,                  S::set_down},
       {S::set_down,     P::any,  any_message, If::reached,                  S::tip_out},
       {S::tip_out,      P::any,  any_message, If::turned,                   S::leave_steep},
-      {S::leave_steep,  P::any,  any_message, {If::is_empty, If::follows},  S::brace},
-      {S::leave_steep,  P::any,  any_message, {If::timed_out, If::follows}, S::failed},
-      {S::leave_steep,  P::any,  any_message, If::is_empty,                 S::retreat},
-      {S::leave_steep,  P::any,  any_message, If::timed_out,                S::retreat},
+      // Switches open for a moment while the object slides off: an open switch shows that
+      // the palm is free only when the time is over.
+      {S::leave_steep,  P::any,  any_message, {If::timed_out, If::leads},   S::retreat},
+      {S::leave_steep,  P::any,  any_message, {If::timed_out, If::touches}, S::failed},
+      {S::leave_steep,  P::any,  any_message, If::timed_out,                S::brace},
       // hand over
       {S::there,        P::any,  M::empty,    {},                           S::scoop},
       {S::brace,        P::any,  has_taken,   {},                           S::retreat},
