@@ -7,6 +7,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "given_team.hpp"
@@ -34,7 +35,7 @@ Run run_team(const Spec& spec, std::uint64_t seed, bool record, Team team,
   return run;
 }
 
-template <class Table = Lifting, class Team>
+template <class Table, class Team>
 Run run_lift(const Spec& spec, std::uint64_t seed, bool record, Team team) {
   LiftCarry<Team, TraceRecorder, Table> carry(spec, seed, std::move(team), record);
   carry.run();
@@ -65,36 +66,29 @@ Run run(const Spec& spec, const nb::object& controller, std::uint64_t seed,
   if (uses_floor(spec)) {
     if (single || !forks.empty())
       throw std::invalid_argument("a job on the floor is in double precision, without forks");
-    if (is_alone(spec)) {
-      if (nb::isinstance<RemoteControllers>(controller)) {
-        return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed,
-                                [&]<class Team>(Team team) {
-                                  return run_lift<Lone>(spec, seed, record, std::move(team));
-                                });
-      }
-      const nb::gil_scoped_release release;
-      return run_lift<Lone>(spec, seed, record, NoController{});
-    }
-    if (hands_over(spec)) {
-      const nb::gil_scoped_release release;
-      return run_lift<HandOver>(spec, seed, record, NoController{});
-    }
     const auto lift_with = [&]<class Team>(Team team) {
-      if constexpr (calls_python<Team>) return run_lift(spec, seed, record, std::move(team));
-      const nb::gil_scoped_release release;
-      return run_lift(spec, seed, record, std::move(team));
+      std::optional<nb::gil_scoped_release> release;
+      if constexpr (!calls_python<Team>) release.emplace();
+      return with_job_table(spec, [&]<class Table>(Table) {
+        return run_lift<Table>(spec, seed, record, team_of_job(std::move(team)));
+      });
     };
+    if (on_one_palm(spec) && !nb::isinstance<RemoteControllers>(controller))
+      return lift_with(NoController{});
     if (nb::isinstance<RowPolicy>(controller)) return lift_with(row_team());
     return with_given_team(controller, spec, seed, lift_with);
   }
   const auto run_with = [&]<class Team>(Team team) {
-    const auto carried = [&] {
-      return single ? run_team<float>(spec, seed, record, std::move(team), at_ticks)
-                    : run_team<double>(spec, seed, record, std::move(team), at_ticks);
-    };
-    if constexpr (calls_python<Team>) return carried();
-    const nb::gil_scoped_release release;
-    return carried();
+    std::optional<nb::gil_scoped_release> release;
+    if constexpr (!calls_python<Team>) release.emplace();
+    if (!single) return run_team<double>(spec, seed, record, std::move(team), at_ticks);
+    if constexpr (requires(World<float>& world, Robots<float>& robots) {
+                    team.look(world, robots);
+                  }) {
+      return run_team<float>(spec, seed, record, std::move(team), at_ticks);
+    } else {
+      return run_team<float>(spec, seed, record, AnyTeam(std::move(team)), at_ticks);
+    }
   };
   if (nb::isinstance<RowPolicy>(controller)) return run_with(row_team());
   if (nb::isinstance<OptimalController>(controller)) {

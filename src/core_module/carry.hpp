@@ -97,8 +97,7 @@ Run run_of(const Carry& carry) {
 template <class Job>
 Run run_of_lift(Job& job) {
   Run run = run_of(job);
-  if (is_alone(job.spec()) || hands_over(job.spec()))
-    run.distance = job.travelled()[leader_of(job.spec())];
+  if (on_one_palm(job.spec())) run.distance = job.travelled()[leader_of(job.spec())];
   run.hash = job.recorder().hash();
   run.rows = job.recorder().take_rows();
   run.sent_messages = job.recorder().take_sent_messages();

@@ -77,26 +77,19 @@ class CoSimulationOf : public AnyCoSimulation {
 std::unique_ptr<AnyCoSimulation> cosimulation_with(const Spec& spec, const nb::object& controller,
                                                    std::uint64_t seed, double slack,
                                                    const WorldObservation& first) {
-  if (is_alone(spec)) {
-    const auto lone = [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
-      return std::make_unique<CoSimulationOf<LiftCoSimulation<Team, Lone>>>(
-          spec, seed, std::move(team), slack, first);
-    };
-    if (nb::isinstance<RemoteControllers>(controller))
-      return with_remote_team(nb::cast<const RemoteControllers&>(controller), spec, seed, lone);
-    return lone(NoController{});
-  }
-  if (hands_over(spec))
-    return std::make_unique<CoSimulationOf<LiftCoSimulation<NoController, HandOver>>>(
-        spec, seed, NoController{}, slack, first);
-  return with_given_team(controller, spec, seed,
-                         [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
-                           if (uses_floor(spec))
-                             return std::make_unique<CoSimulationOf<LiftCoSimulation<Team>>>(
-                                 spec, seed, std::move(team), slack, first);
-                           return std::make_unique<CoSimulationOf<CoSimulation<Team>>>(
-                               spec, seed, std::move(team), slack, first);
-                         });
+  const auto with = [&]<class Team>(Team team) -> std::unique_ptr<AnyCoSimulation> {
+    if (!uses_floor(spec))
+      return std::make_unique<CoSimulationOf<CoSimulation<AnyTeam>>>(
+          spec, seed, AnyTeam(std::move(team)), slack, first);
+    auto own = team_of_job(std::move(team));
+    return with_job_table(spec, [&]<class Table>(Table) -> std::unique_ptr<AnyCoSimulation> {
+      return std::make_unique<CoSimulationOf<LiftCoSimulation<decltype(own), Table>>>(
+          spec, seed, std::move(own), slack, first);
+    });
+  };
+  if (on_one_palm(spec) && !nb::isinstance<RemoteControllers>(controller))
+    return with(NoController{});
+  return with_given_team(controller, spec, seed, with);
 }
 
 template <class T>

@@ -11,6 +11,7 @@
 
 #include "carry.hpp"
 #include "machines.hpp"
+#include "palmbots/sim/any_team.hpp"
 #include "palmbots/sim/team_registry.hpp"
 #include "remote.hpp"
 
@@ -23,6 +24,22 @@ template <>
 inline constexpr bool calls_python<RobotTeam<PythonController>> = true;
 template <bool has_station>
 inline constexpr bool calls_python<RemoteTeam<PythonExchange, has_station>> = true;
+
+template <class Team>
+inline constexpr bool is_remote = false;
+template <bool has_station>
+inline constexpr bool is_remote<RemoteTeam<PythonExchange, has_station>> = true;
+
+// The team of a job on the floor. Programs that run elsewhere also run its table
+// (sim/remote_team.hpp).
+template <class Team>
+auto team_of_job(Team team) {
+  if constexpr (is_remote<Team>) {
+    return team;
+  } else {
+    return AnyTeam(std::move(team));
+  }
+}
 
 // Throws std::invalid_argument unless there is a controller of this name.
 inline void check_name(const std::string& name) {

@@ -12,6 +12,7 @@
 #include "palmbots/control/hand_over.hpp"
 #include "palmbots/control/lifting.hpp"
 #include "palmbots/control/lone.hpp"
+#include "palmbots/sim/standing_start.hpp"
 #include "palmbots/sim/table_team.hpp"
 
 namespace palmbots {
@@ -56,6 +57,14 @@ constexpr CorrectionActivity obeyed(const CorrectionActivity& activity, bool by_
   return is_obeyed ? activity : CorrectionActivity{};
 }
 
+// Calls use(table) with the table of a job.
+template <class Use>
+auto with_job_table(const Spec& spec, Use&& use) {
+  if (is_alone(spec)) return use(Lone{});
+  if (hands_over(spec)) return use(HandOver{});
+  return use(Lifting{});
+}
+
 template <class Inner, class TheTable = Lifting>
 class LiftTeam {
  public:
@@ -70,7 +79,7 @@ class LiftTeam {
       : half_moves(inner.half_moves),
         expects_turns(inner.expects_turns),
         inner_(std::move(inner)),
-        phases_(phases_of(spec, seed)) {
+        phases_(phases_of(spec, seed, measures_time(inner_))) {
     for (const std::size_t side : {left, right}) {
       phases_.wake(side).enter(
           Table::first(spec.begins_on != StandsOn::palms, stands_by(spec, side)));
@@ -129,15 +138,14 @@ class LiftTeam {
   using Phases = RobotTeam<Robot>;
 
   // Robots whose controllers measure no time have the clock of the carry.
-  static PerSide<double> drift_of(const Spec& spec) {
-    if constexpr (requires { requires Inner::has_clock; })
-      return {spec.robots[left].clock_drift, spec.robots[right].clock_drift};
-    return {0, 0};
+  static PerSide<double> drift_of(const Spec& spec, bool measures_time) {
+    if (!measures_time) return {0, 0};
+    return {spec.robots[left].clock_drift, spec.robots[right].clock_drift};
   }
 
-  static Phases phases_of(const Spec& spec, std::uint64_t seed) {
+  static Phases phases_of(const Spec& spec, std::uint64_t seed, bool measures_time) {
     return {{Robot(table_robot_of<Table>(spec, left)), Robot(table_robot_of<Table>(spec, right))},
-            drift_of(spec),
+            drift_of(spec, measures_time),
             channel_of(spec),
             seed_of_phases(seed),
             leader_of(spec),

@@ -20,10 +20,10 @@
 namespace palmbots {
 
 // Base of `Carry` and `CoSimulation`. Real is the precision of the robots' motion.
-template <class Real, Team AnyTeam>
+template <class Real, Team TheTeam>
 class RobotPair {
  public:
-  RobotPair(const Spec& spec, std::uint64_t seed, AnyTeam team)
+  RobotPair(const Spec& spec, std::uint64_t seed, TheTeam team)
       : spec_(spec), seed_(seed), faults_(Faults::of(spec, seed)), team_(std::move(team)) {
     robots_ = robots_of<Real>(spec, seed);
     for (const std::size_t side : {left, right}) {
@@ -38,7 +38,7 @@ class RobotPair {
   bool done() const { return metrics_.outcome != Outcome::running; }
   std::uint32_t ticks() const { return tick_; }
   const Spec& spec() const { return spec_; }
-  const AnyTeam& team() const { return team_; }
+  const TheTeam& team() const { return team_; }
   const Metrics& metrics() const { return metrics_; }
   Real midpoint() const { return robots_.midpoint; }
   const PerSide<Real>& speeds() const { return robots_.speeds; }
@@ -225,7 +225,7 @@ class RobotPair {
   Spec spec_;
   std::uint64_t seed_;
   Faults faults_;
-  AnyTeam team_;
+  TheTeam team_;
   Robots<Real> robots_{};
   PerSide<ErrorReplay> replays_{};
   TactileSensor<Real> tactile_;

@@ -26,6 +26,9 @@ inline bool hands_over(const Spec& spec) {
   return uses_floor(spec) && spec.docking == Docking::hand_over;
 }
 
+// Whether one palm at a time carries the object, so that controllers have nothing to do.
+inline bool on_one_palm(const Spec& spec) { return is_alone(spec) || hands_over(spec); }
+
 // The angle of a palm where a job begins [rad]. A robot that picks up alone docks with a shallow palm.
 inline double first_angle(const Spec& spec, std::size_t side) {
   const PalmSpec& palm = spec.palms[side];

@@ -80,6 +80,13 @@ inline CorrectionActivity activity_of(char name, std::size_t side) {
 // The command of a robot while its program does not run: its wheels stop, its palm stays.
 inline Command switched_off(const Command& before) { return {before.palm, Move::hold, true}; }
 
+// True if the controllers of a team measure time.
+template <class Team>
+bool measures_time(const Team& team) {
+  if constexpr (requires { team.has_clock; }) return team.has_clock;
+  return false;
+}
+
 // States whether a robot corrects where it stands, to controllers for which that makes a difference.
 template <class Team>
 void set_in_place(Team& team, std::size_t side, bool in_place) {
