@@ -17,12 +17,12 @@ from scipy.stats import binom
 import palmbots as pb
 from commands import Run, unwrapped
 from palmbots.fitting import straight_stretches
+from palmbots.fitting.clock_alignment import align
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
 from palmbots.fitting.motion_likelihood import Stretch
 from palmbots.fitting.straight_stretches import (
     COMMANDS,
     POSITIONS,
-    align,
     stretches_of,
 )
 from palmbots.scene.recorded_tables import read_recording
@@ -216,6 +216,18 @@ def test_the_gain_of_real_robots_depends_on_their_command() -> None:
     assert all_of_them.std() == pytest.approx(0.033, abs=0.002)
     assert without_turns.mean() == pytest.approx(1.008, abs=0.003)
     assert without_turns.std() == pytest.approx(0.012, abs=0.002)
+
+
+def test_a_clock_that_jumps_from_one_speed_to_the_next_is_refused(tmp_path: Path) -> None:
+    """Two speeds in turns, so driving and standing agree on both sides of the jump."""
+    times = np.arange(0, 300, 0.02)
+    wanted = np.where(times % 5 < 1, 0.0, np.where(times % 10 < 5, 0.05, 0.08))
+    way = np.concatenate([[0.0], np.cumsum(0.02 * wanted)[:-1]])
+    files = tmp_path / "commands.csv", tmp_path / "positions.csv"
+    np.savetxt(files[0], np.column_stack([times, wanted]), "%.6f", ",")
+    np.savetxt(files[1], np.column_stack([times + 5 * (times > 150), way]), "%.6f", ",")
+    with pytest.raises(pb.PalmbotsError, match=r"has no positions for 5\.02 s"):
+        pb.fit(files, motion=True)
 
 
 def test_options_of_python(found: MotionFit, run: tuple[Path, Path]) -> None:

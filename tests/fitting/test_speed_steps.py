@@ -8,10 +8,11 @@ import pytest
 from scipy.stats import binom
 
 from palmbots.drivers.hardware import HardwareParameters, wheel_scales
+from palmbots.fitting.clock_alignment import align
 from palmbots.fitting.fitted_values import Estimate
 from palmbots.fitting.motion_fit import fit_motion
 from palmbots.fitting.speed_steps import Step, step_estimates, steps_in
-from palmbots.fitting.straight_stretches import COMMANDS, POSITIONS, align, straight, way_of
+from palmbots.fitting.straight_stretches import COMMANDS, POSITIONS, straight, way_of
 from palmbots.scene.recorded_tables import read_recording
 from recordings import HIDDEN, LAG_S, recorded
 

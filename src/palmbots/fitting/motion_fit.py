@@ -16,6 +16,7 @@ from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
+from palmbots.fitting.clock_alignment import Alignment, align, check_units
 from palmbots.fitting.fitted_values import (
     LEAST_RUNS,
     Estimate,
@@ -32,9 +33,6 @@ from palmbots.fitting.straight_stretches import (
     LEAST_S,
     POSITIONS,
     SETTLED_S,
-    Alignment,
-    align,
-    check_units,
     straight,
     stretches_of,
     way_of,
