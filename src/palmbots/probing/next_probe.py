@@ -34,6 +34,10 @@ _AT_REACH = 0.5
 _LEAVES = 0.02
 """How much more a probe has to remove that drives a contact out of the middle, for each probe in a
 row that has removed nothing."""
+_APART, _KNOWN_M = 0.5, 0.003
+"""How much more a probe has to remove after which the contacts may be off to opposite sides, while
+one of them is known less exactly than this [m] in a world that is not quasistatic: either way, the
+next one could then drive a contact too far."""
 SPARE_M = 0.0015
 """How far before the end of its permitted part a contact is stopped."""
 _DRIFT = 0.003
@@ -115,7 +119,7 @@ def _ranked(
     boxes = sample(found.boxes, _SAMPLE)
     middle = np.repeat(boxes.mean(axis=-1, keepdims=True), 2, axis=-1)
     angles = np.array(pairs)
-    error = bounds.geometry.angle_error
+    error, give = bounds.geometry.angle_error, bounds.geometry.give
     rises = [_pose_at(bounds, pair).tangent for pair in pairs]
     tangent = np.array([r[0] for r in rises]), np.array([r[1] for r in rises])
 
@@ -134,6 +138,11 @@ def _ranked(
         shows = [sign * way <= 0 for sign in signs]
         if all(shows):
             score = rest.max(axis=0)
+            if give.loop and _widest(bounds) > _KNOWN_M:
+                off = [sign * way < 0 for sign in signs]
+                score = score + _APART * sum(
+                    s for s, o in zip(share, reversed(off), strict=True) if o
+                )
         elif any(shows):
             # The other contact shows nothing, and leaves the middle.
             leaves = share[1 if shows[0] else 0]
@@ -151,6 +160,10 @@ def _ranked(
         probes += [Probe(pair, way, float(s)) for pair, s in zip(pairs, score, strict=True)]
     probes = [one for one in probes if one.remains < math.inf]
     return sorted(probes, key=lambda one: (round(one.remains, 3), _turn(bounds, one)))
+
+
+def _widest(bounds: ContactBounds) -> float:
+    return max(high - low for low, high in bounds.contacts)
 
 
 def _remains(kept: np.ndarray, boxes: Floats) -> Floats:
