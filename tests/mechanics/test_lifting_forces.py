@@ -191,7 +191,8 @@ def holding(state: State, side: int, at_heel: bool) -> tuple[list[Contact], list
             out, inward, foot = state.half - p, -along, centres[other]
         return out - r, foot - r * inward, math.atan2(inward[0], inward[1])
 
-    p = -state.half
+    # On the palm, but not below the floor.
+    p = max(-state.half, (r - r * math.cos(theta) - pivot) / math.sin(theta))
     if at_heel:
         low, high = state.half - 6 * state.r - heel, state.half
         for _ in range(60):

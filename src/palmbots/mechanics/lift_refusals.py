@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from palmbots._types import SIDES, Side
 from palmbots._util.text import millimetres, rounded_down, rounded_up
 from palmbots.mechanics.lift_margins import Lifting, newtons, numbers_of
-from palmbots.mechanics.unlevel_pivots import PROPERTIES
 from palmbots.scene.scene import Scene
 
 
@@ -184,7 +183,12 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
                 "palm that leaves last and is steeper than the friction angle, and may fall; it "
                 f"does not at {rounded_up(needed, 3):g} or more"
             )
-    if found.in_air == PROPERTIES and found.arms_differ_m > found.permitted_rise_m:
+    if found.permitted_rise_m == 0:
+        yield (
+            "in the air the properties do not hold, not even with contacts on the inner half of "
+            "the palms: a correction may lose the object"
+        )
+    elif found.arms_differ_m > found.permitted_rise_m:
         yield (
             f"the heights of the arms may differ by {millimetres(found.arms_differ_m)} while they "
             f"move, but the properties hold only up to {millimetres(found.permitted_rise_m)} "

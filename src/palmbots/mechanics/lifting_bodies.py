@@ -207,6 +207,10 @@ class Plate:
         """Of an arc on the surface at the contact coordinate p."""
         return self.pivot + p * math.sin(self.angle) + (self.offset + radius) * math.cos(self.angle)
 
+    def first_height(self, radius: float) -> float:
+        """The least height of the centre of an arc whose contact has got onto the surface."""
+        return max(radius, self.centre_height(-self.half, radius))
+
 
 def plate_on_floor(palm: _core.PalmSpec, angle: float) -> Plate:
     """A palm of a scene at this angle, its inner end on the floor."""

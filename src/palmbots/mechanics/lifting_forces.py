@@ -159,7 +159,8 @@ def raised_by(body: Standing, plate: Plate, side: int, at_heel: bool) -> Standin
     low, r = body.radii[1 - side], body.radii[side]
     raised, wall = body, 0.0
     for _ in range(12):  # the place at the heel depends a little on the tilt that it causes
-        high = plate.centre_height(plate.at_heel(r, wall) if at_heel else -plate.half, r)
+        # A palm steeper than ψ touches the arc with its surface before its nose is under it.
+        high = plate.centre_height(plate.at_heel(r, wall), r) if at_heel else plate.first_height(r)
         if abs(high - low) >= body.width:
             return None
         raised = replace(body, heights=(high, low) if side == 0 else (low, high))
