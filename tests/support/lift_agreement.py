@@ -2,9 +2,10 @@
 """Random jobs on the floor in both worlds: do they end alike where the end is certain?
 
 A start has *margin* if in the quasistatic world the job ends alike (success, or what was not
-achieved) under `NEARBY` combinations of small changes: COM ± 2 mm, friction angles of palms and
-floor ± 1°, plate ± 0.2 mm, force limits ± 10 %, each with the noise of another seed, so that either
-robot may be the first one, and with motions drawn where contacts permit several. The motors of both
+achieved) under each of these changes alone, in both directions, and under `NEARBY` random
+combinations of all of them: COM ± 2 mm, friction angles of palms and floor ± 1°, plate ± 0.2 mm,
+force limits ± 10 %. The combinations have the noise of another seed, so that either robot may be
+the first one, and motions are drawn where contacts permit several. The motors of both
 worlds have the same force limit; in MuJoCo the wheels also slip. Jobs that the product refuses, or
 would if the robots pushed with 0.9 of their force, are no starts. Nor are those for which it warns
 that corrections may never centre both contacts on the floor (property 1): they end by chance.
@@ -12,6 +13,7 @@ that corrections may never centre both contacts on the floor (property 1): they 
 
 import math
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -33,6 +35,7 @@ from random_lifts import random_lift
 CONTROLLER = "shared-sign"
 MOST_YAW_DEG = 2.0
 NEARBY = 6
+_CHANGES = ("com", "palm", "floor", "plate", "force")
 _SHARE = 0.9  # of the force limits
 _FIXED = {
     "robot.motor_force_n": 10.0,
@@ -108,20 +111,27 @@ def keys_of(seed: int) -> dict[str, Any]:
 
 
 def nearby(keys: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
-    """The start with each of the small changes, at random in one direction or the other."""
-    names = ("com", "palm", "floor", "plate", "force")
-    one = {name: float(rng.choice((-1.0, 1.0))) for name in names}
-    x, y = keys["object.com_m"]
-    nose = max(0.0, keys["palm.nose_m"] + 0.0002 * one["plate"])
-    return keys | {
-        "object.com_m": [x + 0.002 * one["com"], y],
-        "palm.friction": turned(keys["palm.friction"], one["palm"]),
-        "floor.friction": turned(keys["floor.friction"], one["floor"]),
-        "robot.motor_force_n": keys["robot.motor_force_n"] * (1.0 + 0.1 * one["force"]),
-        "world.ambiguity": "drawn",
-        "palm.nose_m": nose,
-        "palm.thickness_m": max(nose, keys["palm.thickness_m"] + 0.0002 * one["plate"]),
-    }
+    """The start with all small changes, each at random in one direction or the other."""
+    found = keys | {"world.ambiguity": "drawn"}
+    for name in _CHANGES:
+        found |= changed(keys, name, float(rng.choice((-1.0, 1.0))))
+    return found
+
+
+def changed(keys: dict[str, Any], name: str, way: float) -> dict[str, Any]:
+    """The keys that one of the small changes sets, in the direction `way` (1 or −1)."""
+    if name == "com":
+        x, y = keys["object.com_m"]
+        return {"object.com_m": [x + 0.002 * way, y]}
+    if name == "plate":
+        nose = max(0.0, keys["palm.nose_m"] + 0.0002 * way)
+        return {
+            "palm.nose_m": nose,
+            "palm.thickness_m": max(nose, keys["palm.thickness_m"] + 0.0002 * way),
+        }
+    if name == "force":
+        return {"robot.motor_force_n": keys["robot.motor_force_n"] * (1.0 + 0.1 * way)}
+    return {f"{name}.friction": turned(keys[f"{name}.friction"], way)}
 
 
 def turned(friction: float, by_deg: float) -> float:
@@ -138,6 +148,9 @@ def start_of(seed: int) -> tuple[dict[str, Any], str] | None:
         end = exact_end(keys, seed)
         for other in range(seed + 1, seed + 1 + NEARBY):
             if exact_end(nearby(keys, rng), other) != end:
+                return None
+        for name, way in product(_CHANGES, (-1.0, 1.0)):
+            if exact_end(keys | changed(keys, name, way), seed) != end:
                 return None
     except SceneError:  # the object does not stand, or a change leads out of a range
         return None
