@@ -40,8 +40,6 @@ one of them is known less exactly than this [m] in a world that is not quasistat
 next one could then drive a contact too far."""
 SPARE_M = 0.0015
 """How far before the end of its permitted part a contact is stopped."""
-_DRIFT = 0.003
-"""How far contacts may slide while the palms turn [m]."""
 _ALIKE = math.radians(2.5)
 """Probes whose palm angles differ by less show the same."""
 _IDLE = 0.5
@@ -69,6 +67,8 @@ class Limits:
     """How far from p = 0 a contact may be [m]."""
     outline: tuple[tuple[float, float, float], ...]
     """Points of the object: from the left contact, from the right one, height [m]."""
+    drift: float = 0.003
+    """How far contacts may slide while the palms turn [m]."""
 
 
 def next_probe(
@@ -209,9 +209,9 @@ def is_safe(found: ObjectSet, bounds: ContactBounds, probe: Probe, limits: Limit
 
 
 def _poses(bounds: ContactBounds, probe: Probe, limits: Limits) -> Iterator[Pose]:
-    reach = limits.reach
+    reach, drift = limits.reach, limits.drift
     yield stroke_pose(replace(bounds, angles=probe.angles), probe.way, limits)
-    wide = [(max(low - _DRIFT, -reach), min(high + _DRIFT, reach)) for low, high in bounds.contacts]
+    wide = [(max(low - drift, -reach), min(high + drift, reach)) for low, high in bounds.contacts]
     free = replace(bounds, contacts=(wide[0], wide[1]))
     steps = max(1, math.ceil(_turn(bounds, probe) / _STRIDE))
     poses = [

@@ -28,6 +28,8 @@ from palmbots.probing.slip_comparison import Pose
 
 _ROUNDING = 1e-9
 _ANYWHERE = (-math.inf, math.inf)
+_LEAST_DRIFT = 0.001
+"""How far contacts slide while the palms turn and the robots compensate for it [m]."""
 _PATIENCE, _WASTED = 20, 60
 """Probes in a row that do not cut the set, after which smaller cuts count, too, and after which
 nothing more is to be learned."""
@@ -159,9 +161,10 @@ class ProbeRun:
 
     def _next(self, idle: list[Probe]) -> Probe | None:
         """The best probe. Large boxes overestimate the set: if no probe is safe for them, one may
-        be for smaller ones."""
-        for _ in range(2):
-            probe = next_probe(self.found, self.bounds, self._signs(), self.limits, idle)
+        be for smaller ones. The palms could otherwise not leave angles that have become unsafe, so
+        less is then assumed about how far contacts slide while they turn."""
+        for limits in (self.limits, self.limits, replace(self.limits, drift=_LEAST_DRIFT)):
+            probe = next_probe(self.found, self.bounds, self._signs(), limits, idle)
             if probe is not None:
                 return probe
             self.found.sharpen()
