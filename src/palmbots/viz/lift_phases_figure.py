@@ -3,7 +3,7 @@
 scale.
 
 The moments are those of the carry; a phase in which the robots never were together is left out.
-Arrows show how wheels and arms move.
+Arrows show how wheels are commanded to move, and how arms move.
 """
 
 from __future__ import annotations
@@ -72,11 +72,11 @@ MOMENTS = (
     _alone("lower", "set_down"),
     _alone("tip out", "tip_out", 1.0),
     _alone("leave", "leave_steep"),
-    _alone("retreat", "retreat"),
+    _alone("retreat", "retreat", 0.2),
     _handing("the taker is the wall", "scoop", "prop"),
     _handing("the object lies flush", "seat", "prop", 1.0),
     _handing("raise", "lift", "prop"),
-    _handing("the taker gets out of the way", "hold_up", "clear"),
+    _handing("the taker gets out of the way", "hold_up", "clear", 0.2),
     _handing("carry", "haul", "there"),
     _handing("tip out", "tip_out", "there", 1.0),
     _handing("leave", "leave_steep", "there"),
@@ -133,7 +133,7 @@ def draw_lift_phases(carry: Carry) -> Figure:
             panel.set(xlim=(middle - wide, middle + wide), ylim=(floor - 0.045, top))
             panel.set_aspect("equal")
             _draw_moment(panel, carry, place, k, int(rows[k]), floor)
-        _draw_legend(figure)
+        _draw_legend(figure, {phase.robot for phase in carry.floor_job.phases})
     return figure
 
 
@@ -186,7 +186,7 @@ def _draw_moment(
         p, gap = float(at["contact"].sel(side=side)), float(at["vertex_height"].sel(side=side))
         if abs(p) <= half and gap < _TOUCHES_M:
             panel.plot(*place.contact[k, s], "D", ms=5, mfc=ZERO, mec=INK, mew=0.7, zorder=6)
-        speed = float(at["speed"].sel(side=side))
+        speed = float(at["commanded"].sel(side=side))  # the noise moves robots that stand
         if inside and abs(speed) > _MOVES_M_S:
             _arrow(panel, (x, floor - 0.025), (math.copysign(_ARROW_M, speed), 0.0), side)
         height = [float(one["pivot_height"].sel(side=side)) for one in (before, after)]
@@ -209,10 +209,10 @@ def _arrow(panel: Axes, start: tuple[float, float], by: tuple[float, float], sid
     panel.annotate("", head, tail, arrowprops=look | {"shrinkB": 0, "mutation_scale": 8})
 
 
-def _draw_legend(figure: Figure) -> None:
+def _draw_legend(figure: Figure, robots: set[str]) -> None:
     mark: dict[str, Any] = {"ls": "", "mec": INK}
     handles = [
-        *(Line2D([], [], color=HUE[s], lw=2, label=f"{s} palm") for s in SIDES),
+        *(Line2D([], [], color=HUE[s], lw=2, label=f"{s} palm") for s in SIDES if s in robots),
         Line2D([], [], marker="D", mfc=ZERO, ms=5, label="contact on a palm", **mark),
         Line2D([], [], marker="s", mfc=BACKGROUND, ms=4.5, label="on floor or stand", **mark),
         Line2D([], [], marker="o", mfc=BACKGROUND, ms=3.5, label="pivot", **mark),
