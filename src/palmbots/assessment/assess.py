@@ -225,7 +225,7 @@ class Assessment(Result):
 
 @command(
     order=15,
-    example="palmbots assess crate.toml --out crate.html",
+    example="palmbots assess scene.toml --out report.html",
     progress="assessing",
     friction=Option(),
     turn_radius_m=Option(least=0.0, most=100.0),

@@ -181,7 +181,7 @@ def _row(one: CurveTrial, name: str) -> tuple[str, ...]:
 @command(
     "curve",
     order=75,
-    example="palmbots curve crate.toml -c shared-sign --turn-radius-m 0.6",
+    example="palmbots curve scene.toml -c shared-sign --turn-radius-m 0.6",
     progress="carrying along the curve",
     turn_radius_m=Option(least=0.01, most=100.0),
     turn_angle_deg=Option(least=7.0, most=360.0),

@@ -97,7 +97,7 @@ def _first(body: Standing, plates: tuple[Plate, Plate], side: int) -> _State:
         (pivots[0], pivots[1]),
         (plates[0].angle, plates[1].angle),
         _forces(body, climb, side, lean, foot_lean, QUIET),
-        _note(climb, f"grey: of the floor and the {SIDES[other]} robot together"),
+        _note(climb, f"grey: force of the floor and the {SIDES[other]} robot together"),
         not math.isfinite(climb.squeeze),
         body.touching(side, lean),
     )
