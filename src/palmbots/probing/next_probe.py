@@ -34,10 +34,13 @@ _AT_REACH = 0.5
 _LEAVES = 0.02
 """How much more a probe has to remove that drives a contact out of the middle, for each probe in a
 row that has removed nothing."""
-_APART, _KNOWN_M = 0.5, 0.003
+_APART, _KNOWN_M = 2.0, 0.003
 """How much more a probe has to remove after which the contacts may be off to opposite sides, while
 one of them is known less exactly than this [m] in a world that is not quasistatic: either way, the
 next one could then drive a contact too far."""
+_EARLY = 0.3
+"""How much more a probe has to remove that may end before it shows which contact slides, in a world
+that is not quasistatic."""
 SPARE_M = 0.0015
 """How far before the end of its permitted part a contact is stopped."""
 _ALIKE = math.radians(2.5)
@@ -148,6 +151,8 @@ def _ranked(
             leaves = share[1 if shows[0] else 0]
             is_apart = -1 in signs and 1 in signs
             score = 1 + leaves if is_apart else rest.max(axis=0) + _HIDDEN
+            if give.loop and _ends_early(bounds, shows.index(True), way, limits):
+                score = np.maximum(score, 1.0) + _EARLY
             if is_at_reach(bounds, way, limits):
                 score = np.where(leaves > 0, np.inf, score + _AT_REACH)
         else:
@@ -160,6 +165,15 @@ def _ranked(
         probes += [Probe(pair, way, float(s)) for pair, s in zip(pairs, score, strict=True)]
     probes = [one for one in probes if one.remains < math.inf]
     return sorted(probes, key=lambda one: (round(one.remains, 3), _turn(bounds, one)))
+
+
+def _ends_early(bounds: ContactBounds, seen: int, way: int, limits: Limits) -> bool:
+    """Whether one contact may be as far as allowed before the other one is sure to have passed its
+    edge: the stroke may then show nothing."""
+    ends, zones = bounds.contacts, bounds.geometry.zones
+    low, high = _stroke(ends[seen], zones[seen], way, limits.reach, 0.0)
+    farthest = max(way * end for end in ends[1 - seen])
+    return high - low > limits.reach - SPARE_M - farthest
 
 
 def _widest(bounds: ContactBounds) -> float:
