@@ -83,6 +83,13 @@ def test_the_object_falls_as_far_as_the_closed_form_says(carried: Carry) -> None
     assert [fall.height_m for fall in falls] == [pytest.approx(closed.fall_m, rel=0.15)]
 
 
+def test_a_slide_at_the_friction_angle_counts_for_nearly_nothing() -> None:
+    """The object slides down by 2.4 mm, slowly, however little of a fall is permitted."""
+    carry = pb.carry("lone", "shared-sign", overrides={"world.fall_m": 2e-4})
+    assert carry.outcome == "delivered"
+    assert max(fall.height_m for fall in job(carry).falls) > 2e-3
+
+
 def test_a_restart_with_the_object_in_the_air_ends_on_the_floor() -> None:
     fault = {"robot": "right", "kind": "reboot", "at_s": 20.0, "duration_s": 0.1}
     carry = pb.carry("lone", "shared-sign", overrides={"faults.script": [fault]})

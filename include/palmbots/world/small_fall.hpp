@@ -7,6 +7,10 @@
 // further. It follows that direction, always slowly, until the closed contacts hold it. So the
 // places are those of a fall without momentum; its time is zero.
 //
+// The momentum that is left out limits a fall: the height of a contact vertex counts times the share
+// of the potential energy that friction does not take up. An object that slides down a palm which is
+// hardly steeper than the friction angle falls by nearly nothing, and off an edge by the whole height.
+//
 // M needs the radius of gyration, which no scene states: `gyration` of the object's size, about that
 // of a box. It decides between directions only where several of them are possible.
 #pragma once
@@ -19,7 +23,7 @@ namespace palmbots {
 
 class SmallFall {
  public:
-  // A fall of a contact vertex by at most `most` [m].
+  // A fall of a contact vertex by at most `most` [m], as far as friction does not slow it.
   SmallFall(const ContactProblem& problem, const Frames& frames, double most)
       : problem_(problem),
         frames_(frames),
@@ -31,6 +35,8 @@ class SmallFall {
   // the object has farther to fall.
   std::optional<double> run(Pose& pose) const {
     const PerSide<double> from = heights(pose);
+    PerSide<double> before = from;
+    PerSide<double> free{};
     Neighbourhood around;
     const std::size_t first = leading_side(pose);
     for (int i = 0; i < most_steps; ++i) {
@@ -45,7 +51,11 @@ class SmallFall {
       if (!way.found) return std::nullopt;
       follow(way, closed, near, pose);
       const PerSide<double> now = heights(pose);
-      if (from[left] - now[left] > most_ || from[right] - now[right] > most_) return std::nullopt;
+      for (const std::size_t side : {left, right}) {
+        free[side] += way.unslowed * (before[side] - now[side]);
+        if (free[side] > most_) return std::nullopt;
+      }
+      before = now;
     }
     return std::nullopt;
   }
@@ -70,7 +80,8 @@ class SmallFall {
   // A direction in which the object begins to move.
   struct Way {
     bool found = false;
-    Triple by{};  // x, y, turn × size
+    Triple by{};            // x, y, turn × size
+    double unslowed = 1.0;  // the share of the potential energy that becomes kinetic
     std::array<Bond, 2> bonds{};
     std::size_t count = 0;
   };
@@ -79,6 +90,9 @@ class SmallFall {
   Triple moved_by(Triple wrench) const {
     return {wrench.x, wrench.y, wrench.z / (gyration * gyration)};
   }
+
+  // M times an acceleration.
+  Triple inertia_of(Triple by) const { return {by.x, by.y, by.z * (gyration * gyration)}; }
 
   PerSide<double> heights(const Pose& pose) const {
     PerSide<double> found{};
@@ -144,9 +158,10 @@ class SmallFall {
     if (!solve(fixed, forces, rows,
                {-dot(fixed[0], moved_by(weight)), -dot(fixed[1], moved_by(weight))}, sizes))
       return {};
-    Way way{true, moved_by(weight), bonds, count};
+    Way way{true, moved_by(weight), 1.0, bonds, count};
     for (std::size_t r = 0; r < rows; ++r) way.by = way.by + moved_by(forces[r]) * sizes[r];
     std::array<bool, ClosedPairs::most> bound{};
+    double heat = 0.0;  // of friction that the direction leaves out
     for (std::size_t k = 0; k < count; ++k) {
       const auto& [pair, c] = closed.at[bonds[k].closed];
       bound[bonds[k].closed] = true;
@@ -158,6 +173,7 @@ class SmallFall {
       if (sizes[k] < 0.0) return {};
       const double slips = dot(problem_.row(c, c.tangent), way.by);
       if (rough && double(static_cast<int>(bonds[k].motion)) * slips < 0.0) return {};
+      if (!rough) heat += problem_.surface(pair).friction * sizes[k] * magnitude(slips);
     }
     for (std::size_t i = 0; i < closed.count; ++i) {
       if (bound[i]) continue;
@@ -165,7 +181,9 @@ class SmallFall {
       if (dot(problem_.row(c, c.normal), way.by) < -slack) return {};
     }
     // It goes down, or it does not fall.
-    way.found = dot(way.by, weight) > slack;
+    const double potential = dot(way.by, weight);
+    way.found = potential > slack;
+    way.unslowed = larger(dot(way.by, inertia_of(way.by)) - heat, 0.0) / potential;
     return way;
   }
 

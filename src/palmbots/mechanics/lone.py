@@ -35,8 +35,10 @@ _G = _core.standard_gravity
 _LEVEL = math.pi / 2
 _STEEP = math.radians(60)  # of the partner's palm; its least lean does not depend on its angle
 
-ON_ONE_PALM = ("alone", "hand-over")
-"""Values of `task.dock` with which one palm at a time holds the object."""
+
+def on_one_palm(scene: Scene) -> bool:
+    """Whether one palm at a time holds the object of a scene."""
+    return scene.task.dock in ("alone", "hand-over") and scene.task.ends != ("palms", "palms")
 
 
 @dataclass(frozen=True)
@@ -86,9 +88,7 @@ class LoneLift:
     acceleration_m_s2: float
     """Of the robot."""
     fall_m: float
-    """About how far the far vertex falls when the object slides down the palm."""
-    most_fall_m: float
-    """`world.fall_m`."""
+    """About how far the far vertex slides down with the palm at the friction angle."""
     floor_friction: float
     least_floor_friction: MaybeNaN
     """From which on the object is not pushed away while the palm leaves."""
@@ -115,48 +115,89 @@ class LoneLift:
     def lines(self) -> Iterator[Item]:
         """The margins, and what limits."""
         heads = ("value", "limit")
-        rows = [
-            ("nose above the floor", mm(self.nose_height_m), f"below {mm(self.thickest_m)}"),
+        rows = [(f"  {name}", value, limit) for name, value, limit, _ in self._margins()]
+        yield Table(rows, ("", *heads), right=heads)
+        yield from map(warning, self.warnings)
+
+    @property
+    def tightest(self) -> tuple[float, str]:
+        """The margin that is the least multiple of what the scene uses up of it: the multiple, and
+        the margin in words."""
+        name, value, limit, times = min(self._margins(), key=lambda row: row[-1])
+        return times, f"{name} {value} ({limit})"
+
+    def _margins(self) -> list[tuple[str, str, str, float]]:
+        """What limits, its value, its limit, and how many times the value the limit is, or the
+        other way round."""
+        return [
+            (
+                "nose above the floor",
+                mm(self.nose_height_m),
+                f"below {mm(self.thickest_m)}",
+                _ratio(self.thickest_m, self.nose_height_m),
+            ),
             self._wall_row(),
-            ("squeeze, at most", newtons(self.squeeze_n), f"up to {newtons(self.push_n)}"),
-            ("width of the object", mm(self.width_m), f"up to {mm(self.room_m)}"),
-            ("shallow palm", f"{self.shallow_deg:g}°", f"below φ = {self.friction_deg:.1f}°"),
+            (
+                "squeeze, at most",
+                newtons(self.squeeze_n),
+                f"up to {newtons(self.push_n)}",
+                _ratio(self.push_n, self.squeeze_n),
+            ),
+            (
+                "width of the object",
+                mm(self.width_m),
+                f"up to {mm(self.room_m)}",
+                _ratio(self.room_m, self.width_m),
+            ),
+            (
+                "shallow palm",
+                f"{self.shallow_deg:g}°",
+                f"below φ = {self.friction_deg:.1f}°",
+                _ratio(self.friction_deg, self.shallow_deg),
+            ),
             (
                 "acceleration",
                 f"{self.acceleration_m_s2:g} m/s²",
                 f"up to {self.most_acceleration_m_s2:.2f} m/s²",
+                _ratio(self.most_acceleration_m_s2, self.acceleration_m_s2),
             ),
             (
                 "steep palm",
                 f"{self.steep_deg:g}°",
                 f"{self.friction_deg:.1f} to {self.topples_deg:.1f}°",
+                min(
+                    _ratio(self.steep_deg, self.friction_deg),
+                    _ratio(self.topples_deg, self.steep_deg),
+                ),
             ),
-            *self._fall_rows(),
             (
                 "friction of the floor",
                 f"{self.floor_friction:g}",
                 f"at least {number(self.least_floor_friction)}",
+                _ratio(self.floor_friction, self.least_floor_friction),
             ),
         ]
-        yield Table([(f"  {name}", *row) for name, *row in rows], ("", *heads), right=heads)
-        yield from map(warning, self.warnings)
 
-    def _fall_rows(self) -> list[tuple[str, str, str]]:
-        if self.partner_lean_deg is not None:  # its far vertex is at the nose then
-            return []
-        return [("fall at the end", mm(self.fall_m), f"up to {mm(self.most_fall_m)}")]
-
-    def _wall_row(self) -> tuple[str, str, str]:
+    def _wall_row(self) -> tuple[str, str, str, float]:
         if self.partner_lean_deg is not None:
             assert self.least_partner_lean_deg is not None
-            least = f"at least {self.least_partner_lean_deg:.1f}°"
-            return "lean on the partner's palm", f"{self.partner_lean_deg:.1f}°", least
+            return (
+                "lean on the partner's palm",
+                f"{self.partner_lean_deg:.1f}°",
+                f"at least {self.least_partner_lean_deg:.1f}°",
+                _ratio(self.partner_lean_deg, self.least_partner_lean_deg),
+            )
         limit = f"below {number(self.most_wall_friction)}"
         return (
             "friction of the wall",
             "no wall" if self.wall_friction is None else f"{self.wall_friction:g}",
             "any" if math.isinf(self.most_wall_friction) else limit,
+            _ratio(self.most_wall_friction, self.wall_friction or 0.0),
         )
+
+
+def _ratio(most: float, least: float) -> float:
+    return most / least if least > 0 else math.inf
 
 
 def check_standing(spec: _core.Spec) -> None:
@@ -234,7 +275,6 @@ def lift_with(scene: Scene, spec: _core.Spec, side: int) -> LoneLift:
         most_acceleration_m_s2=_G * math.tan(max(0.0, low.friction - palm.shallow)),
         acceleration_m_s2=scene.robot_of(SIDES[side]).acceleration_m_s2,
         fall_m=along * math.sin(low.friction),
-        most_fall_m=scene.world.fall_m,
         floor_friction=scene.floor.friction,
         least_floor_friction=floor_friction_to_stay(body, (high, high), side),
         pivot_m=low.pivot,

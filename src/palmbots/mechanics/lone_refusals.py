@@ -132,11 +132,6 @@ def refusals_of_palm(scene: Scene, found: LoneLift) -> Iterator[str]:
 
 def warnings_of(found: LoneLift) -> Iterator[str]:
     """What may end it."""
-    if found.partner_lean_deg is None and found.fall_m > found.most_fall_m:
-        yield (
-            f"the object falls by some {mm(found.fall_m)} when it slides down the steep palm, "
-            f"more than world.fall_m = {found.most_fall_m:g}"
-        )
     if found.floor_friction < found.least_floor_friction:
         yield (
             f"floor.friction is {found.floor_friction:g}: the palm pushes the object away as it "

@@ -108,7 +108,8 @@ class World(Section):
     probability; the seed determines which."""
     fall_m: float = key("world.fall_m")
     """How far a contact vertex may fall in a job on the floor, for example off the inner end of a
-    palm."""
+    palm. Where it slides, the height counts times the share of the energy that friction does not
+    take up."""
 
 
 class _Ends(Section):

@@ -70,7 +70,8 @@ class Fall:
     time."""
 
     height_m: float
-    """How far a contact vertex fell at most; `world.fall_m` limits it."""
+    """How far a contact vertex fell at most. `world.fall_m` limits the part that friction does not
+    slow."""
     energy_j: float
     """Weight times the height through which the centre of mass fell."""
 
