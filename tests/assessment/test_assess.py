@@ -27,6 +27,7 @@ from palmbots.assessment.change_trial import ChangeTrial, NoChange
 from palmbots.assessment.changes import _plans, try_changes
 from palmbots.assessment.friction import try_friction
 from palmbots.assessment.load import try_load
+from palmbots.assessment.one_palm import friction_range
 from palmbots.assessment.page import write_page
 from palmbots.assessment.radio import try_losses
 from palmbots.assessment.raised_noise import FRESH, count_failures, revealing_noise
@@ -34,6 +35,8 @@ from palmbots.assessment.side_effects import known_warnings, new_warnings
 from palmbots.assessment.verdicts import on_controllers
 from palmbots.assessment.what_if import on_angles, on_change, on_radio
 from palmbots.cli.main import run
+from palmbots.errors import SceneError
+from palmbots.mechanics.lifting import check_lift
 from palmbots.mujoco.curve_trial import CurveTrial
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import count_outcomes
@@ -182,8 +185,25 @@ def test_why_no_pair_of_angles_is_tried() -> None:
     assert isinstance(found, NoPair) and found.why.startswith("carries take too long")
 
 
+@pytest.mark.parametrize("scene", ["lone", "handover"])
+def test_jobs_on_one_palm(scene: str) -> None:
+    """Controllers have nothing to do, so one is counted. The friction may be what closed forms
+    permit."""
+    found = pb.assess(scene, overrides={"task.distance_m": 0.2})
+    answers, (counts,) = found.answers, found.counts
+    assert answers.carried.verdict == "yes" and "tightest margin" in answers.carried.text
+    assert counts.failure_rate == 0 and answers.drops.verdict == "yes"
+    assert answers.controllers.text.startswith("any")
+    assert answers.curve.verdict == answers.angles.verdict == "open"
+    assert answers.radio.verdict == "yes"
+    for end, inward in zip(friction_range(found.scene), (1.001, 0.999), strict=True):
+        check_lift(pb.load_scene(scene, {"palm.friction": end * inward}))
+        with pytest.raises(SceneError):
+            check_lift(pb.load_scene(scene, {"palm.friction": end / inward}))
+
+
 def test_turn_is_tried_in_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("palmbots.assessment.assess.CURVE_CARRIES", 1)
+    monkeypatch.setattr("palmbots.assessment.counted.CURVE_CARRIES", 1)
     found = pb.assess(turn_radius_m=1.0, turn_angle_deg=45, overrides={"task.distance_m": 0.2})
     assert found.curve is not None and found.curve.counts is not None
     assert found.curve.changes["task.distance_m"] == 1.24  # the whole turn

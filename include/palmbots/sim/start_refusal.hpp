@@ -11,6 +11,7 @@
 #include "palmbots/base/number_text.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/problem_text.hpp"
+#include "palmbots/sim/standing_start.hpp"
 #include "palmbots/world/quasistatic_world.hpp"
 
 namespace palmbots {
@@ -65,8 +66,10 @@ inline std::optional<BuriedCorner> buried_corner_of(const Spec& spec) {
   return deepest;
 }
 
-// Why no carry can begin with these palms; empty: it can. No world models that they touch each other.
+// Why no carry can begin with these palms; empty: it can. No world models that they touch each other,
+// which they do not where one palm at a time holds the object.
 inline std::string palm_refusal(const Spec& spec) {
+  if (is_alone(spec) || hands_over(spec)) return "";
   if (const auto buried = buried_corner_of(spec)) {
     return sentence(
         "object.contacts: at the start, the {} palm would lie in the object, by {} at the corner "

@@ -16,7 +16,8 @@ from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table
 from palmbots._util.results import Result
 from palmbots._util.time_left import TimeLeft
-from palmbots.assessment.angles import PAIRS, AngleTrial, NoPair, try_angles
+from palmbots.assessment import counted
+from palmbots.assessment.angles import AngleTrial, NoPair, try_angles
 from palmbots.assessment.answer import (
     WORDS,
     Answer,
@@ -26,7 +27,8 @@ from palmbots.assessment.answer import (
 )
 from palmbots.assessment.assumptions import assumptions_table, deciding_keys, on_assumptions
 from palmbots.assessment.change_trial import ChangeTrial, NoChange
-from palmbots.assessment.changes import FACTORS, try_changes, with_drift
+from palmbots.assessment.changes import try_changes, with_drift
+from palmbots.assessment.counted import carries_of_curve, count_each
 from palmbots.assessment.friction import (
     FrictionTrial,
     hardest_to_hold,
@@ -34,7 +36,8 @@ from palmbots.assessment.friction import (
     try_friction,
 )
 from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
-from palmbots.assessment.radio import LOSSES, RadioTrial, try_losses
+from palmbots.assessment.one_palm import one_palm_answers
+from palmbots.assessment.radio import RadioTrial, try_losses
 from palmbots.assessment.raised_noise import revealing_noise
 from palmbots.assessment.side_effects import least_sound, near_pivots
 from palmbots.assessment.verdicts import (
@@ -56,10 +59,10 @@ from palmbots.assessment.what_if import (
 )
 from palmbots.control.registry import shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED
-from palmbots.errors import SceneError
+from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mechanics.load_limits import load_limits
+from palmbots.mechanics.lone import on_one_palm
 from palmbots.mujoco.curve_trial import (
-    FORECASTS,
     CurveTrial,
     tried_turn,
     try_curve,
@@ -69,16 +72,11 @@ from palmbots.scene.command_text import command_text, respelled
 from palmbots.scene.path_section import Path
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.scene.spec import to_spec
-from palmbots.simulation.batch import available_cores
-from palmbots.simulation.outcome_counts import OutcomeCounts, count_outcomes, default_carries
+from palmbots.simulation.outcome_counts import OutcomeCounts, default_carries
 from palmbots.simulation.prepare import check_palms, prepare
 from palmbots.stability.analysis import Analysis, analyze
 from palmbots.stability.holding import Holding, holding
 
-FEWEST = 400
-"""Fewest carries of each controller; if none of 400 fails, the interval ends below 1 %."""
-CURVE_CARRIES = 10
-"""Carries of a curve in the MuJoCo world."""
 QUESTIONS = (
     "carried", "load", "drops", "controllers", "angles", "friction", "radio", "curve", "change",
     "assumed",
@@ -86,8 +84,6 @@ QUESTIONS = (
 """Fields of `Answers`, in the order of the page."""
 _PARTS = ("counts", "friction", "load", "angles", "radio", "curve", "change")
 _USUAL_TURN = {"turn_radius_m": 1.0, "turn_angle_deg": 90.0}
-MUJOCO_PACE = 15.0
-"""How many times faster than the robots the MuJoCo world is taken to run, before it has run."""
 _LONG_S = 60.0
 _OF_CARRIES = ("drops", "controllers", "angles", "radio", "curve")
 
@@ -263,6 +259,12 @@ def assess(
         PalmbotsError: another argument is not allowed.
     """
     chosen = load_scene(scene, overrides)
+    is_on_one = on_one_palm(chosen)
+    if is_on_one and friction is not None:
+        raise PalmbotsError(
+            "friction: an interval is tried with two palms, and one palm at a time holds this "
+            "object; allowed: none, or palm.friction set to either end"
+        )
     if chosen.task.route.is_set:
         raise SceneError(
             "task.route: takes several carries, and each answer is on a single one; allowed: no "
@@ -285,12 +287,14 @@ def assess(
     answers: dict[str, Answer] = {}
 
     def known(name: str, answer: Answer) -> None:
-        answers[name] = answer
+        answer = answers[name] = special.get(name, answer)
         if on_line is not None and left.total_s > _LONG_S:
             on_line(f"{answer.question} {answer.word}")
 
-    counts = _counted(straight, left)
+    names = (RECOMMENDED,) if is_on_one else shipped_names()
+    counts = count_each(straight, names, left)
     best = best_of(counts)
+    special = one_palm_answers(straight, planar) if is_on_one else {}
     known("carried", on_mechanics(worst, near_pivots(worst.scene, best), best, planar, worst_mu))
     known("controllers", on_controllers(counts, planar, straight))
     rough, loaded = None, chosen
@@ -306,22 +310,23 @@ def assess(
     report = left.begin("load")
     if best is not None:
         load = try_load(_straightened(loaded), best, LOAD_CARRIES, report)
-        left.expect(curve=left.spent_s() / LOAD_CARRIES * _carries_of_curve())
+        left.expect(curve=left.spent_s() / LOAD_CARRIES * carries_of_curve())
     known("load", on_load(load_limits(loaded), best, load, name, rough))
     known("drops", on_drops(counts, load, planar))
     report = left.begin("angles")
-    if best is not None:
+    if best is not None and not is_on_one:
         count = default_carries(prepare(straight, best.controller))
         noise = revealing_noise(straight, best.controller, count) if count else None
         angles = try_angles(
             straight, best.controller, report, noise=noise or 1.0, friction=interval
         )
     known("angles", on_angles(angles, planar, straight, best, interval))
-    radio = tuple(try_losses(straight, counts, left.begin("radio")))
+    report = left.begin("radio")
+    radio = () if "radio" in special else tuple(try_losses(straight, counts, report))
     known("radio", on_radio(radio, counts, planar, straight))
     report = left.begin("curve")
-    if best is not None and turn_radius_m > 0:
-        curve = try_curve(chosen, best.controller, path, report, carries=CURVE_CARRIES)
+    if best is not None and turn_radius_m > 0 and not is_on_one:
+        curve = try_curve(chosen, best.controller, path, report, carries=counted.CURVE_CARRIES)
     known("curve", on_curve(curve, best, chosen))
     report = left.begin("change")
     if best is not None or load_limits(straight).refusal():
@@ -369,31 +374,3 @@ def _refused(scene: Scene) -> dict[str, str]:
 
 def _straightened(scene: Scene) -> Scene:
     return scene.model_copy(update={"task": scene.task.model_copy(update={"path": Path()})})
-
-
-def _counted(scene: Scene, left: TimeLeft) -> tuple[OutcomeCounts, ...]:
-    """Each shipped controller that accepts the scene; then it is known how long the rest takes."""
-    report = left.begin("counts")
-    names, found = shipped_names(), []
-    for k, name in enumerate(names, 1):
-        try:
-            usual = default_carries(prepare(scene, name)) or 0
-            found.append(count_outcomes(scene, name, seeds=max(usual, FEWEST)))
-        except SceneError:  # of this controller only: `analyze` has accepted the scene
-            continue
-        carry_s = left.spent_s() / sum(one.carries for one in found)
-        mujoco_s = 0.5 * scene.timeout_s / MUJOCO_PACE
-        left.expect(
-            load=LOAD_CARRIES * mujoco_s,
-            angles=len(PAIRS) * (usual or FEWEST) * carry_s,
-            radio=(len(LOSSES) + 1) * len(names) * found[0].carries * carry_s,
-            change=2 * len(FACTORS) * (usual or FEWEST) * carry_s,
-            curve=_carries_of_curve() * mujoco_s,
-        )
-        report(k / len(names))
-    return tuple(found)
-
-
-def _carries_of_curve() -> float:
-    """What a curve costs, in carries in the MuJoCo world one after the other."""
-    return FORECASTS + CURVE_CARRIES / available_cores()

@@ -33,6 +33,7 @@ from palmbots.assessment.side_effects import known_warnings, new_warnings
 from palmbots.control.dead_band import overrun_m, zero_zone_m
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.load_limits import DECISIVE, MEANINGS, LoadLimits, load_limits
+from palmbots.mechanics.lone import on_one_palm
 from palmbots.mujoco.curve_trial import CurveTrial, forecast_curve
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.sides import multiplied, value_of
@@ -59,6 +60,8 @@ FACTORS: Mapping[str, tuple[float, ...]] = {
 }
 """Factors by which keys are multiplied; the cheapest changes come first. The noise is not among
 them, because less noise is an obvious improvement."""
+_ON_ONE_PALM = {"palm.shallow_deg": (0.7, 1.3), "palm.steep_deg": (0.8, 1.2)}
+"""The same where one palm at a time holds the object."""
 STRONGER = (1.25, 1.5, 2.0, 3.0, 5.0, 10.0)
 """Factors by which the strength of a robot is multiplied if it cannot hold the object."""
 MOST_IN_MUJOCO = 8
@@ -284,7 +287,7 @@ def _plans(scene: Scene, angles: Keys) -> Iterator[Keys]:
     starts = {f"start.{side}_m": value_of(scene, f"start.{side}_m") for side in SIDES}
     if any(starts.values()):
         yield dict.fromkeys(starts, 0.0)
-    for key, factors in FACTORS.items():
+    for key, factors in {**FACTORS, **(_ON_ONE_PALM if on_one_palm(scene) else {})}.items():
         if key != "palm.length_m" or not any(scene.palm_of(side).usable_m for side in SIDES):
             plans = [_multiplied(scene, key, factor) for factor in factors]
             yield from (plan for plan in plans if any(plan.values()))

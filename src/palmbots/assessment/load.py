@@ -14,6 +14,7 @@ from typing import Literal
 
 from palmbots.errors import PalmbotsError
 from palmbots.mechanics.load_limits import load_limits
+from palmbots.mechanics.lone import on_one_palm
 from palmbots.mujoco.carry_runner import traction_warnings
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.simulation.outcome_counts import OutcomeCounts, reason_counts
@@ -106,7 +107,8 @@ def _trial(
     remarks = [
         text
         for one, slip in pairs
-        if one.outcome != "dropped"  # a fall shakes the robots
+        # A fall shakes the robots; and one that picks up alone stalls at the wall, on purpose.
+        if one.outcome != "dropped" and not on_one_palm(scene)
         for text in traction_warnings(scene, one, slip)
     ]
     return LoadTrial(

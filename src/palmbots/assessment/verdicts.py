@@ -25,6 +25,7 @@ from palmbots.control.dead_band import overrun_m, zero_zone_m
 from palmbots.control.registry import WIDE_ZONE, describe
 from palmbots.control.tolerated_noise import RECOMMENDED
 from palmbots.mechanics.load_limits import LoadLimits
+from palmbots.mechanics.lone import on_one_palm
 from palmbots.mujoco.engine import without_mujoco
 from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
@@ -69,10 +70,9 @@ def _held(
     for job in (analysis.lifting, analysis.lone, analysis.hand_over):
         if job is not None and not job.works:
             return "no", job.refusals[0], False
-    if analysis.lone is not None:
-        return "yes", f"the {analysis.lone.robot} robot holds it alone", False
-    if analysis.hand_over is not None:
-        return "yes", "one palm at a time holds it", False
+    if (job := analysis.lone or analysis.hand_over) is not None:
+        text = f"one palm at a time holds it; tightest margin: {job.tightest[1]}"
+        return "partly" if job.warnings else "yes", "; ".join([text, *job.warnings]), False
     doubt = _doubt(analysis)
     if doubt is None:
         tightest = _tightest(analysis)
@@ -206,6 +206,8 @@ def on_controllers(counts: Sequence[OutcomeCounts], name: str, scene: Scene) -> 
 
 def needs_table(counts: Sequence[OutcomeCounts], scene: Scene) -> Table | None:
     """What each controller that suffices needs, and whether the zero zone is wide enough."""
+    if on_one_palm(scene):  # controllers have nothing to do
+        return None
     needs = {
         one.controller: describe(one.controller).requirements for one in counts if suffices(one)
     }

@@ -44,6 +44,13 @@ class HandOver:
         for refusal in self.refusals:
             yield Line(refusal, indent=2)
 
+    @property
+    def tightest(self) -> tuple[float, str]:
+        """As of `LoneLift`, of the robot whose margin is tighter."""
+        robots = (self.giver, self.taker)
+        times, text, name = min((*robot.tightest, robot.robot) for robot in robots)
+        return times, f"{name} robot: {text}"
+
     def lines(self) -> Iterator[Item]:
         """The margins of both robots, and what limits."""
         for robot in (self.giver, self.taker):

@@ -27,7 +27,7 @@ from palmbots.mechanics.lifting_forces import (
     floor_friction_to_stay,
     least_partner_angle,
 )
-from palmbots.mechanics.lone import ON_ONE_PALM
+from palmbots.mechanics.lone import on_one_palm
 from palmbots.mechanics.lone_refusals import lone_lift
 from palmbots.mechanics.unlevel_pivots import PivotRises
 from palmbots.scene.scene import Scene
@@ -50,7 +50,7 @@ def lifting(scene: Scene) -> Lifting | None:
         SceneError: the path is curved, or the object does not stand on its contact vertices.
     """
     spec = to_spec(scene, unrolled=True)
-    if not spec.uses_floor or scene.task.dock in ON_ONE_PALM:
+    if not spec.uses_floor or on_one_palm(scene):
         return None
     check_stands(spec)
     tops = _tops(scene, spec)

@@ -18,7 +18,6 @@ from palmbots.control.resilient_timing import Bounds, bounds_of
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.mechanics.lifting import check_lift
 from palmbots.mechanics.load_limits import check_load
-from palmbots.mechanics.lone import ON_ONE_PALM
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import refuse_floor, refuse_pipe, to_spec
 from palmbots.scene.surroundings import refuse_surroundings
@@ -64,10 +63,8 @@ def prepare(
     spec = to_spec(scene, unrolled=place.supports_curved)
     check_load(scene)
     refuse_surroundings(scene, spec)
-    on_one_palm = spec.uses_floor and scene.task.dock in ON_ONE_PALM
     lifts = check_lift(scene) if spec.uses_floor else ()
-    if not on_one_palm:
-        check_palms(spec)
+    check_palms(spec)
     if spec.uses_floor:
         refuse_reference(entry, "a job on the floor")
     if not place.supports_references:
