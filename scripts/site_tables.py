@@ -29,14 +29,16 @@ from palmbots.errors import SceneError
 from palmbots.mechanics.consistent_modes import CODE_OF
 from palmbots.mechanics.contact_mode_words import MOTION_MEANINGS, SENTENCES
 from palmbots.mechanics.contact_modes import CONTACT_MODES
-from palmbots.mechanics.lifting import lifting
+from palmbots.mechanics.lifting import check_lift
+from palmbots.mechanics.lone import on_one_palm
 from palmbots.scene.fields import KINDS, PROBLEMS
 from palmbots.scene.key_reference import built_in_meanings, scene_keys
 from palmbots.scene.object_library import object_names
 from palmbots.scene.overrides import SUPERSEDES
 from palmbots.scene.robot_dimensions import PIVOT_HEIGHT
-from palmbots.scene.scene import load_scene
+from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.scene_schema import worded_schema
+from palmbots.scene.spec import to_spec
 from palmbots.simulation.carry_ends import ends
 from palmbots.simulation.floor_job import MEANINGS, MISSED, RETRIES, STAGES
 from palmbots.simulation.single import carry
@@ -50,8 +52,8 @@ sys.path.insert(0, str(ROOT / "verify"))
 
 from model_check import Run, claims_of, runs  # noqa: E402
 
-# The page does not have the analysis of jobs on the floor (palmbots.mechanics.lifting). It has what
-# the analysis finds with these heels, and changes other keys only if it does not read them.
+# The page does not have the analysis of jobs on the floor (`check_lift`). It has what the analysis
+# finds with these heels, and changes other keys only if it does not read them.
 HEELS_M = (0.0, 0.002, 0.012)
 FREE_IN_JOBS = (
     "robot.noise_m_s", "radio.loss", "radio.outages", "faults.script", "bumps.pushes", "task.dock",
@@ -232,13 +234,11 @@ def required_mode(number: int) -> str:
 
 def tables() -> dict[str, Any]:
     """Everything."""
-    # Jobs of which the page knows nothing: onto stands, along routes, and on one palm.
+    # A route takes several carries.
     scenes = {
         name: meaning
         for name, meaning in built_in_meanings("scenes").items()
-        if "stand" not in (task := load_scene(name).task).ends
-        and not task.route.is_set
-        and task.dock not in ("alone", "hand-over")
+        if not load_scene(name).task.route.is_set
     }
     objects = built_in_meanings("objects")
     return {
@@ -304,28 +304,37 @@ def tables() -> dict[str, Any]:
         "robot": robot(),
         "lifting": lifting_states(),
         "jobs": {
-            "free": FREE_IN_JOBS,
+            "free": {name: free_in_job(load_scene(name)) for name in scenes},
             "heels": HEELS_M,
             "checked": checked_jobs(scenes),
         },
     }  # fmt: skip
 
 
-def lifting_states() -> list[dict[str, Any]]:
-    """The phases of jobs on the floor in the order of the core, and what a job missed that ends
+def lifting_states() -> dict[int, dict[str, Any]]:
+    """The phases of jobs on the floor by their numbers in the core, and what a job missed that ends
     there."""
     order = list(MISSED)
-    return [
-        {
+    return {
+        number: {
             "name": name,
-            "meaning": meaning,
+            "meaning": MEANINGS[name],
             "stage": STAGES[name],
             "missed": MISSED[name],
             "rank": order.index(name),
             "isRetry": name in RETRIES,
         }
-        for name, meaning in MEANINGS.items()
-    ]
+        for number, name in _core.lift_state_numbers.items()
+    }
+
+
+def free_in_job(scene: Scene) -> list[str]:
+    """The keys of `FREE_IN_JOBS` that the analysis of this scene's job does not read."""
+    is_read = {
+        "task.dock": on_one_palm(scene),
+        "task.distance_m": "stand" in scene.task.ends,
+    }
+    return [key for key in FREE_IN_JOBS if not is_read.get(key)]
 
 
 def checked_jobs(scenes: Iterable[str]) -> list[dict[str, Any]]:
@@ -338,14 +347,12 @@ def checked_jobs(scenes: Iterable[str]) -> list[dict[str, Any]]:
         refusal = ""
         warnings: tuple[str, ...] = ()
         try:
-            job = lifting(load_scene(name, changes))
+            scene = load_scene(name, changes)
+            if not to_spec(scene).uses_floor:
+                continue
+            warnings = check_lift(scene)
         except SceneError as error:
             refusal = str(error)
-        else:
-            if job is None:
-                continue
-            refusal = job.refusals[0] if job.refusals else ""
-            warnings = () if refusal else job.warnings
         found.append({"scene": name, "changes": changes, "refusal": refusal, "warnings": warnings})
     return found
 

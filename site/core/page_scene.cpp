@@ -13,7 +13,6 @@
 #include "palmbots/sim/scene_values.hpp"
 #include "palmbots/sim/scene_warnings.hpp"
 #include "palmbots/sim/spec_of_scene.hpp"
-#include "palmbots/sim/standing_start.hpp"
 #include "palmbots/sim/start_refusal.hpp"
 
 namespace palmbots::page {
@@ -55,12 +54,7 @@ PageScene read_scene(std::string_view lines, NumberStream in) {
     scene.object.insert(scene.object.end(), {vertex.x, vertex.y});
   }
   if (scene.problems.empty()) {
-    if (is_alone(scene.spec) || hands_over(scene.spec))
-      scene.refusal =
-          std::string("task.dock: value is ") + (is_alone(scene.spec) ? "alone" : "hand-over") +
-          ", and this page carries with two palms; allowed: together or one-first, or the command "
-          "palmbots carry";
-    if (scene.refusal.empty()) scene.refusal = load_refusal(values, scene.spec, false);
+    scene.refusal = load_refusal(values, scene.spec, false);
     if (scene.refusal.empty()) scene.refusal = palm_refusal(scene.spec);
     scene.warnings = value_warnings(values);
     scene.of_limits = limit_warnings(values, scene.spec);

@@ -36,7 +36,7 @@ struct RecordedCarry {
   Numbers corrections;
   // Rows of 4: side, kind, start, end.
   Numbers contact_events;
-  // Of a job on the floor, rows of 3: side, phase (Lifting::State), start.
+  // Of a job on the floor, rows of 3: side, phase (phase_number), start.
   Numbers phases;
   // Outcome, drop reason, time, distance, contact rms and peak, messages sent and lost, waiting
   // times, number of corrections, of bumps, the trace hash (high and low word), how far the object
@@ -47,7 +47,10 @@ struct RecordedCarry {
 
 // The team that the controllers are.
 inline const PageTeam& controllers_of(const PageTeam& team) { return team; }
-inline const PageTeam& controllers_of(const LiftTeam<PageTeam>& team) { return team.inner(); }
+template <class Table>
+const PageTeam& controllers_of(const LiftTeam<PageTeam, Table>& team) {
+  return team.inner();
+}
 
 // A TraceRecorder that also stores the packets of a team with a station, of which one goes over each
 // link in each tick. One that stores nothing takes no time: many carries are only counted.
@@ -123,7 +126,8 @@ class PageRecorder : public TraceRecorder {
 };
 
 using PageCarry = Carry<double, PageTeam, PageRecorder>;
-using PageJob = LiftCarry<PageTeam, PageRecorder>;
+template <class Table>
+using PageJob = LiftCarry<PageTeam, PageRecorder, Table>;
 
 namespace detail {
 

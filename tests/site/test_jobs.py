@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Jobs on the floor: the page carries them as at home, or refuses them as at home."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -10,12 +11,14 @@ from playwright.sync_api import expect
 import palmbots as pb
 from palmbots.control.registry import shipped_names
 from palmbots.errors import SceneError
-from palmbots.mechanics.lifting import lifting
+from palmbots.mechanics.lifting import check_lift
 from palmbots.simulation.floor_job import MEANINGS, STAGES
 from site_pages import ROOT, Open, assert_reproduced, go, hash_of
 
 sys.path.insert(0, str(ROOT / "scripts"))
-from site_tables import FREE_IN_JOBS, HEELS_M
+from site_tables import FREE_IN_JOBS, HEELS_M, free_in_job
+
+JOBS = ("lift", "stand", "lone", "handover")
 
 # A value of each key on which the analysis does not depend.
 FREE: dict[str, object] = {
@@ -53,14 +56,49 @@ def test_rows_of_ones_own(
     assert_reproduced(page, capsys)
 
 
-def test_the_analysis_does_not_depend_on_what_is_free() -> None:
-    usual = lifting(pb.load_scene("lift"))
-    assert usual is not None
+@pytest.mark.parametrize("scene", JOBS)
+def test_the_analysis_does_not_depend_on_what_is_free(scene: str) -> None:
+    usual = pb.load_scene(scene)
     assert set(FREE_IN_JOBS) == set(FREE)
-    for key, value in FREE.items():
-        found = lifting(pb.load_scene("lift", {key: value}))
-        assert found is not None
-        assert (found.refusals, found.warnings) == (usual.refusals, usual.warnings), key
+    for key in free_in_job(usual):
+        assert check_lift(pb.load_scene(scene, {key: FREE[key]})) == check_lift(usual), key
+
+
+@pytest.mark.parametrize("scene", JOBS[1:])
+def test_jobs_on_stands_and_on_one_palm(open_page: Open, scene: str) -> None:
+    """The same bits; the status names the phases of both robots, or that one stands aside."""
+    for k, changes in enumerate(({}, {"robot.noise_m_s": 0.03}, {"palm.heel_m": 0.002})):
+        carried = pb.carry(scene, "shared-sign", seed=k, overrides=changes)
+        place = hash_of(
+            "carry", {"scene": scene, "controller": "shared-sign", "seed": k}, **changes
+        )
+        page = open_page(place)
+        expect(page.locator("#hash")).to_have_text(carried.trace_hash)
+        assert carried.floor_job is not None
+        page.locator("#scrub").fill("10")
+        for side in ("left", "right"):
+            at = [p for p in carried.floor_job.phases if p.robot == side and p.start_s <= 10]
+            words = MEANINGS[at[-1].phase] if at else "stands aside"
+            expect(page.locator(f".status .{side}-text")).to_contain_text(words)
+            expect(page.locator(f"#push-{side}")).to_have_count(1 if at else 0)
+
+
+@pytest.mark.parametrize("scene", JOBS)
+def test_the_page_offers_what_it_can_check(open_page: Open, scene: str) -> None:
+    page = open_page(hash_of("carry", {"scene": scene}))
+    expect(page.locator("#hash")).to_be_visible()
+    for key in FREE_IN_JOBS:
+        shown = page.locator(f"[data-key='{key}']").count()
+        assert shown == 0 or key in free_in_job(pb.load_scene(scene))
+    assert page.locator("[data-key='robot.noise_m_s']").count() == 1
+
+
+def test_stages_of_a_job_in_their_order(open_page: Open) -> None:
+    page = open_page(hash_of("carry", {"scene": "handover", "t": 5}))
+    stages = ["dock", "raise", "carry", "lower", "leave"]
+    expect(page.locator(".stages li button")).to_have_text(
+        [re.compile(f"^{one}") for one in stages]
+    )
 
 
 def test_refused_as_at_home(open_page: Open) -> None:
@@ -84,6 +122,8 @@ def test_refused_as_at_home(open_page: Open) -> None:
     [
         ("lift", {"object__mass_kg": 20}, "object.mass_kg: 20 may make the job"),
         ("paper", {"task__from": "floor"}, 'task.from: "floor" may make the job'),
+        ("lone", {"task__dock": "together"}, 'task.dock: "together" may make the job'),
+        ("stand", {"task__distance_m": 1}, "task.distance_m: 1 may make the job"),
     ],
 )
 def test_what_the_page_cannot_check(

@@ -107,7 +107,7 @@ export interface Correction {
 // What a robot does in a job on the floor, until its next phase.
 export interface Phase {
   side: number;
-  state: number; // of tables.lifting
+  state: number; // its number in tables.lifting
   start: number;
 }
 

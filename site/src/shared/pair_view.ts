@@ -25,6 +25,16 @@ export function lowestPoint(places: Float64Array): number {
   return low;
 }
 
+// The places of a job that one robot does alone: the other one counts as being at the object.
+export function withoutRobot(places: Float64Array, side: number): Float64Array {
+  const found = places.slice();
+  const corners = (PLACES.outline - PLACES.plate) / 4;
+  const points = [PLACES.pivot, PLACES.inner, PLACES.outer, PLACES.contact].map((start) => start + 2 * side);
+  for (let k = 0; k < corners; ++k) points.push(PLACES.plate + 2 * (side * corners + k));
+  for (const at of points) found.set(places.subarray(PLACES.com, PLACES.com + 2), at);
+  return found;
+}
+
 // A view that shows the whole pair, centred on it, on a floor with this tilt and height.
 export function viewOf(
   surface: Surface, places: Float64Array, tilt = 0, robots = true, level = lowestPoint(places),

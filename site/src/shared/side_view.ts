@@ -2,6 +2,7 @@
 // Draws the pair from the side: robots, palms, object, contacts, friction cones, a message in flight.
 //
 // The core places every point; pair_view.ts maps them to the screen.
+import { type Block, drawBlocks } from "./blocks";
 import { PLACES } from "./core";
 import { type View, onFloor } from "./pair_view";
 import { write } from "./strokes";
@@ -31,6 +32,9 @@ interface SidePicture {
   flights?: Flight[];
   cones?: { x: number; y: number; height: number }[][];
   gravity?: boolean;
+  blocks?: Block[]; // walls and stands
+  start?: number; // of the COM [m]
+  absent?: number; // the robot that takes no part
   labels?: boolean;
   floor?: boolean;
   dropped?: boolean;
@@ -339,15 +343,17 @@ function drawFlights(
 export function drawSide(
   surface: Surface, view: View, p: Palette, picture: SidePicture, level: number, robots = true,
 ): void {
+  const sides = [0, 1].filter((side) => side !== picture.absent);
   onFloor(surface, view, () => {
     if (robots) drawFloor(surface, view, p, level);
-    if (robots) for (const side of [0, 1]) drawRobot(surface, view, p, picture, side, level);
+    drawBlocks(surface.context, view, p, picture.blocks ?? [], [picture.start ?? 0, level]);
+    if (robots) for (const side of sides) drawRobot(surface, view, p, picture, side, level);
     drawObject(surface, view, p, picture);
     drawCones(surface, view, p, picture);
   });
   if (picture.gravity) drawGravity(surface, view, p, picture.places);
   onFloor(surface, view, () => {
-    for (const side of [0, 1]) drawPalm(surface, view, p, picture, side);
+    for (const side of sides) drawPalm(surface, view, p, picture, side);
     drawContacts(surface, view, p, picture);
     drawCom(surface, view, p, picture.places);
     if (robots) drawFlights(surface, view, p, picture, level);

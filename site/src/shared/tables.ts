@@ -72,13 +72,13 @@ interface Tables {
   };
   // The phases of jobs on the floor by number: what each belongs to, and what a job missed that ends
   // there; `rank`: how early that is.
-  lifting: {
+  lifting: Record<number, {
     name: string; meaning: string; stage: string; missed: string; rank: number; isRetry: boolean;
-  }[];
+  }>;
   // What the analysis of such jobs finds for built-in scenes with some changes, and the keys on which
-  // it does not depend.
+  // it does not depend, by scene.
   jobs: {
-    free: string[];
+    free: Record<string, string[]>;
     heels: number[];
     checked: { scene: string; changes: Record<string, Json>; refusal: string; warnings: string[] }[];
   };

@@ -12,7 +12,7 @@ import { Charts } from "./sequence";
 import { Stage, offAt, pushRobot, shiftObject, showCones } from "./stage";
 import { stateAt } from "../shared/activities";
 import { ROW, type Recorded } from "../shared/core";
-import { failureOf, phaseAt } from "../shared/floor_job";
+import { absentIn, failureOf, phaseAt } from "../shared/floor_job";
 import { caseAt, pair, rowAt } from "../shared/row";
 import { get } from "../shared/scene_values";
 import {
@@ -77,6 +77,7 @@ function Status() {
     const does = letter && `, ${caseWords(controller.value, letter, stateAt(run, row, k))}`;
     const phase = phaseAt(run, k, player.time.value);
     if (phase) return `${side}: ${tables.lifting[phase.state]!.meaning}${does}`;
+    if (run.phases.length > 0) return `${side}: stands aside`;
     return `${side} p = ${mm} mm${does}`;
   });
   return (
@@ -135,6 +136,7 @@ function examine(): void {
 
 function Hands() {
   const off = offAt(scene.value, player.time.value);
+  const absent = recorded.value ? absentIn(recorded.value) : undefined;
   const changed = ["bumps.script", "bumps.pushes", "faults.script", "radio.script"].filter(
     (key) => key in overrides.value,
   );
@@ -154,7 +156,7 @@ function Hands() {
           </button>
         </>
       )}
-      {SIDES.map((side, k) => (
+      {SIDES.map((side, k) => k !== absent && (
         <>
           <button type="button" id={`push-${side}`} onClick={() => pushRobot(k as 0 | 1, NUDGE_M)} title="Pull this robot 12 mm outward; you can also drag it">
             pull {side}

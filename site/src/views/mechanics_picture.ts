@@ -7,10 +7,11 @@ import {
   DEGREE, chosenMode, found, isAlone, isGeneral, isPipe, onFloor as isOnFloor, setContact, setTheta, theta,
   touched,
 } from "./mechanics_state";
-import { blocks, surroundingHandles } from "./surroundings";
+import { surroundingHandles } from "./surroundings";
 import { driveHandles, palmHandles, radiusHandle } from "./shape_handles";
 import { zeroZone } from "./stage";
 import { type TouchedPicture, drawCloseUp, drawTouched } from "./touched_picture";
+import { blocksOf } from "../shared/blocks";
 import type { Surface } from "../shared/canvas";
 import { PLACES, type Statics } from "../shared/core";
 import { type Xy, objectTransform } from "../shared/object_transform";
@@ -63,7 +64,7 @@ export function drawState(surface: Surface): void {
   const here = touched.value;
   const picture: TouchedPicture = {
     places, contacts: here?.contacts ?? [], mode: chosenMode.value, hasFloor: isOnFloor.value,
-    isThin: s["palm.thickness_m"] === 0, blocks: blocks.value, isAlone: isAlone.value,
+    isThin: s["palm.thickness_m"] === 0, blocks: blocksOf(scene.value), isAlone: isAlone.value,
   };
   const f = found.value;
   if (isGeneral.value) drawTouched(surface, at, p, picture);

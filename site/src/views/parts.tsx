@@ -5,6 +5,7 @@ import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { POLICY_FILE, SCENE_FILE, carryCommand, needsFile, policyFile } from "../shared/command";
 import { fromPaper, overridesOf } from "../shared/scene";
+import { freeIn } from "../shared/floor_job";
 import { get } from "../shared/scene_values";
 import {
   OWN_ROWS, base, checkCanBeCarried, controller, core, forks, isJob, overrides, player, policy, recorded,
@@ -177,8 +178,10 @@ export function KeySlider(props: SliderOfKey) {
 const JOB_KEYS = ["task.dock", "palm.heel_m"];
 const DOCKS = ["together", "one-first"];
 
-// The page knows only with some keys whether the robots lift the object.
-const sliders = () => (isJob.value ? SLIDERS.filter((one) => tables.jobs.free.includes(one.name)) : SLIDERS);
+// Whether a control of this key is shown: the page knows only with some keys whether the robots lift the
+// object.
+const isShown = (key: string) => !isJob.value || freeIn(base.value).includes(key);
+const sliders = () => SLIDERS.filter((one) => isShown(one.name));
 
 function KeyChoice<T extends string | number>(props: {
   name: string; label: string; values: T[]; words: (value: T) => string;
@@ -202,7 +205,8 @@ function KeyChoice<T extends string | number>(props: {
 export function JobChoices() {
   return (
     <>
-      <KeyChoice name="task.dock" label="docking" values={DOCKS} words={(dock) => dock.replace("-", " ")} />
+      {isShown("task.dock") &&
+        <KeyChoice name="task.dock" label="docking" values={DOCKS} words={(dock) => dock.replace("-", " ")} />}
       <KeyChoice name="palm.heel_m" label="heels" values={tables.jobs.heels}
         words={(heel) => (heel === 0 ? "none" : `${1000 * heel} mm`)} />
     </>

@@ -18,8 +18,11 @@ function momentWords(): string {
   if (!run) return time;
   const row = rowAt(run, player.time.value, Number(get(scene.value, "control.period_s")));
   if (run.phases.length > 0) {
-    const phase = (k: number) => tables.lifting[phaseAt(run, k, player.time.value)!.state]!.name;
-    return [time, ...SIDES.map((side, k) => `${side}: ${phase(k).replace("_", " ")}`)].join(", ");
+    const does = SIDES.flatMap((side, k) => {
+      const phase = phaseAt(run, k, player.time.value);
+      return phase ? `${side}: ${tables.lifting[phase.state]!.name.replace("_", " ")}` : [];
+    });
+    return [time, ...does].join(", ");
   }
   const p = pair(run, row, ROW.contact).map((value) => (1000 * value).toFixed(1).replace("-", "−"));
   return [time, ...SIDES.map((side, k) => `${side} p = ${p[k]} mm`)].join(", ");

@@ -3,12 +3,14 @@
 import { type ReadonlySignal, computed, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { isWaiting } from "../shared/activities";
+import { blocksOf } from "../shared/blocks";
 import { Canvas, type Surface } from "../shared/canvas";
 import { TOUCHES_M } from "../shared/charts";
 import { PLACES, ROW, type Recorded } from "../shared/core";
+import { absentIn } from "../shared/floor_job";
 import { caseAt, pair, rowAt } from "../shared/row";
 import { get, ofSide, tiltOf } from "../shared/scene_values";
-import { type View, lowestPoint, viewOf } from "../shared/pair_view";
+import { type View, lowestPoint, viewOf, withoutRobot } from "../shared/pair_view";
 import { type Flight, drawSide } from "../shared/side_view";
 import { append, core, extraFlag, isJob, player, scene } from "../shared/state";
 import { isLow, palette } from "../shared/theme";
@@ -98,7 +100,9 @@ export function Stage(props: {
     const p = palette.value;
     const facts = machine.facts(of);
     const level = facts.isJob ? facts.floor : lowestPoint(at);
-    view.current = viewOf(surface, at, tiltOf(of), true, level);
+    const absent = absentIn(run);
+    const seen = absent === undefined ? at : withoutRobot(at, absent);
+    view.current = viewOf(surface, seen, tiltOf(of), true, level);
     places.current = at;
     const held = drag.value;
     const shown = held ? moved(at, held) : at;
@@ -108,6 +112,9 @@ export function Stage(props: {
       surface, view.current, p,
       {
         places: shown,
+        blocks: facts.isJob ? blocksOf(of, tables.robot.body.top) : [],
+        start: machine.places(of, run, 0)[PLACES.com],
+        absent,
         touches: facts.isJob ? touchesAt(of, run, row) : undefined,
         motion: ended ? [0, 0] : pair(run, row, ROW.motion),
         tags: [0, 1].map((side) => (props.hidesCases ? "" : caseAt(run, row, side)))

@@ -5,38 +5,20 @@ import { batch, computed } from "@preact/signals";
 import type { Handle } from "./handles";
 import { setIfAllowed } from "./mechanics_shape";
 import { isAlone, touched } from "./mechanics_state";
+import { senseOf, standsOf, wallsOf } from "../shared/blocks";
 import type { View } from "../shared/pair_view";
 import { get } from "../shared/scene_values";
 import { core, overrides, scene, setExtra, setExtraFlag } from "../shared/state";
 import type { Json } from "../shared/tables";
 
-export interface Block {
-  from: number;
-  to: number;
-  height: number;
-}
-
 export const KINDS = ["alone", "with a wall", "on a stand"] as const;
 export type Kind = (typeof KINDS)[number];
 
-const DRAWN_WALL = 0.05; // thickness of a wall in the picture
-const DRAWN_HEIGHT = 0.5; // of an endless wall
-
 const fine = (metres: number) => Number(metres.toFixed(3));
 const listed = (key: string) => (get(scene.value, key) ?? []) as { [name: string]: number }[];
-// The scene counts in the direction of travel, the picture to the right.
-const sense = () => (get(scene.value, "task.direction") === "backward" ? -1 : 1);
-
-const walls = computed((): Block[] => listed("floor.walls").map(({ at_m, height_m }) => {
-  const at = sense() * at_m!;
-  const height = Math.min(height_m ?? DRAWN_HEIGHT, DRAWN_HEIGHT);
-  return at < 0 ? { from: at - DRAWN_WALL, to: at, height } : { from: at, to: at + DRAWN_WALL, height };
-}));
-const stands = computed((): Block[] => listed("floor.stands").map(({ from_m, to_m, height_m }) => {
-  const [from, to] = sense() > 0 ? [from_m!, to_m!] : [-to_m!, -from_m!];
-  return { from, to, height: height_m! };
-}));
-export const blocks = computed(() => [...walls.value, ...stands.value]);
+const sense = () => senseOf(scene.value);
+const walls = computed(() => wallsOf(scene.value));
+const stands = computed(() => standsOf(scene.value));
 export const kind = computed((): Kind =>
   walls.value.length > 0 ? "with a wall" : stands.value.length > 0 ? "on a stand" : "alone");
 

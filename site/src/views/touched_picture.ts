@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The picture of everything that touches: contacts with normals and friction cones, the forces of one
 // contact mode, and close-ups of what is too small to be seen beside the palms.
+import { type Block, drawBlocks } from "../shared/blocks";
 import type { Surface } from "../shared/canvas";
 import { PLACES } from "../shared/core";
 import type { Xy } from "../shared/object_transform";
@@ -8,7 +9,6 @@ import { type View, onFloor } from "../shared/pair_view";
 import { line, write } from "../shared/strokes";
 import { type Palette, sideColour } from "../shared/theme";
 import type { Mode, Range, Touched } from "../shared/touched";
-import type { Block } from "./surroundings";
 
 export interface TouchedPicture {
   places: Float64Array;
@@ -63,11 +63,7 @@ function drawShapes(surface: Surface, at: View, p: Palette, picture: TouchedPict
     c.strokeStyle = p.edge;
     c.lineWidth = 1.2;
     line(c, -wide, y, wide + surface.width, y);
-    for (const { from, to, height } of picture.blocks) {
-      trace(c, [[at.x(from), y], [at.x(to), y], [at.x(to), at.y(height)], [at.x(from), at.y(height)]]);
-      c.fill();
-      c.stroke();
-    }
+    drawBlocks(c, at, p, picture.blocks);
   }
   trace(c, pointsOf(at, places, PLACES.outline, places.length));
   c.fillStyle = p.object;
