@@ -122,15 +122,17 @@ def test_the_partner_holds_from_the_angle_on_at_which_the_second_nose_gets_under
 def test_a_palm_that_is_too_steep_is_a_wall_but_does_not_put_down(
     shallow: float, steep: float
 ) -> None:
-    """The object would slide down the palm by itself, so no balance is left."""
+    """The object slides down the palm by itself, so no balance is left: it falls too far, or by
+    nearly the height of its far vertex on the palm."""
     world = FloorWorld("lone", palms_deg=(shallow, steep), gaps_m=(0.03, 0.005), overrides=keys())
     assert takes(world, 0, shallow)
     carries_away(world, 0, 0.0)
     world.move(0.0, 0.4)
     world.move(up_m=(-0.1, 0.0))
     world.move(palms_deg=(steep, shallow), follow_floor=True)
-    ends = [world.move(-0.002, 0.0).end for _ in range(50)]
-    assert ends[-1] == "fell"
+    states = [world.move(-0.002, 0.0) for _ in range(50)]
+    slides = [fall.height_m for state in states for fall in state.falls]
+    assert states[-1].end == "fell" or max(slides) > 5e-3
 
 
 def test_at_the_shallow_angle_of_the_scene_no_steep_angle_does_both() -> None:

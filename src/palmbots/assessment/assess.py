@@ -268,7 +268,8 @@ def assess(
     if chosen.task.route.is_set:
         raise SceneError(
             "task.route: takes several carries, and each answer is on a single one; allowed: no "
-            "route, or the command palmbots route, which counts how often a route fails"
+            "route, or palmbots route, which counts how often a route fails and states how far the "
+            "object drifts, and palmbots analyze, which states the margins of a job on it"
         )
     name = chosen.spelled
     planar = respelled(name, {"task.path.kind": "straight"} if chosen.task.path.is_curved else {})
