@@ -64,17 +64,16 @@ class StaticsOfState {
   }
 
   Contacts<double> contacts(const PairPose& at) const {
-    const Statics<double> statics = Statics<double>::at(model_, at.configuration.palms);
     const ActingObject<double> acting = acting_at(at.configuration);
     const ContactVector<double>& v = acting.contact_vector;
-    return {Moments<double>::of(acting.object), statics.cones, v.dx, v.dy};
+    return {Moments<double>::of(acting.object), cones_at(model_.friction, at.configuration.palms),
+            v.dx, v.dy};
   }
 
   // Why the object is not held. With rounded contact vertices the palms count as infinitely long.
   DropReason reason(const Configuration<double>& at) const {
-    const Statics<double> statics = Statics<double>::at(model_, at.palms);
     const ContactVector<double> v = contact_vector(at, model_.offset);
-    if (!is_rounded()) return drop_reason(model_, statics, at.palms, at.contacts, v);
+    if (!is_rounded()) return drop_reason(model_, at.palms, at.contacts, v);
     for (const std::size_t side : {left, right}) {
       if (!model_.clear[side].contains(palm_frame_vector(v, side, at.palms[side])))
         return DropReason::flush;
@@ -85,7 +84,7 @@ class StaticsOfState {
     model.object = acting.object;
     model.moments = Moments<double>::of(acting.object);
     model.clear = {ClearCone<double>{-inf, inf}, ClearCone<double>{-inf, inf}};
-    return drop_reason(model, statics, at.palms, at.contacts, acting.contact_vector);
+    return drop_reason(model, at.palms, at.contacts, acting.contact_vector);
   }
 
   // Appends: reaches (0 or 1), drop reason, squeezes I_L and I_R (low, high each), nine times whether
@@ -97,7 +96,6 @@ class StaticsOfState {
     const PairPose at = pose(state);
     const bool reaches = at.configuration.separation == at.configuration.separation;
     const Contacts<double> here = contacts(at);
-    const Statics<double> statics = Statics<double>::at(model_, at.configuration.palms);
     const ContactVector<double> v{here.dx, here.dy};
     out.push_back(reaches ? 1 : 0);
     out.push_back(double(reason(at.configuration)));
@@ -105,7 +103,7 @@ class StaticsOfState {
     for (const std::size_t side : {left, right}) {
       const Interval<double> all = squeeze(here.moments, side, here.cones[side], v.dx, v.dy);
       out.insert(out.end(), {all.low, all.high});
-      is_wedged[side] = statics.wedged_in(side, SlipDirection::up, v);
+      is_wedged[side] = wedged(side, here.cones[side].up, v.dx, v.dy);
     }
     for (const SlipDirection l : slip_directions) {
       for (const SlipDirection r : slip_directions) {

@@ -10,35 +10,26 @@
 
 namespace palmbots {
 
-// The friction cones at one pair of palm angles.
-template <class Real>
-struct Statics {
-  PerSide<FrictionCone<Real>> cones;
+// The friction cones of both palms at one pair of angles.
+template <class V>
+constexpr PerSide<FrictionCone<V>> cones_at(const PerSide<V>& friction,
+                                            const PerSide<PalmAngle<V>>& palms) {
+  PerSide<FrictionCone<V>> cones{};
+  on_both_sides([&](std::size_t side) {
+    cones[side] = friction_cone<V>({palms[side].sin, palms[side].cos}, friction[side]);
+  });
+  return cones;
+}
 
-  static constexpr Statics at(const Model<Real>& model, const PerSide<PalmAngle<Real>>& palms) {
-    Statics s{};
-    for (const std::size_t side : {left, right}) {
-      s.cones[side] = friction_cone<Real>({palms[side].sin, palms[side].cos}, model.friction[side]);
-    }
-    return s;
-  }
-
-  // ≥ 0 while the squeeze at `lower`'s lower cone end does not exceed that at the other side's
-  // upper end.
-  constexpr Real overlap(const Moments<Real>& moments, std::size_t lower,
-                         ContactVector<Real> contact_vector) const {
-    if (lower == right)
-      return slip_order(moments, cones[left].up, cones[right].down).at(contact_vector);
-    return -slip_order(moments, cones[left].down, cones[right].up).at(contact_vector);
-  }
-
-  // True if the edge on which this contact slides in this direction bounds no squeeze.
-  constexpr bool wedged_in(std::size_t side, SlipDirection direction,
-                           ContactVector<Real> contact_vector) const {
-    const ConeEdge<Real> edge = direction == SlipDirection::up ? cones[side].up : cones[side].down;
-    return wedged(side, edge, contact_vector.dx, contact_vector.dy);
-  }
-};
+// ≥ 0 while the squeeze at the lower cone end of this side does not exceed that at the other side's
+// upper end.
+template <class V>
+constexpr V overlap(const Moments<V>& moments, const PerSide<FrictionCone<V>>& cones,
+                    std::size_t lower, ContactVector<V> contact_vector) {
+  if (lower == right)
+    return slip_order(moments, cones[left].up, cones[right].down).at(contact_vector);
+  return -slip_order(moments, cones[left].down, cones[right].up).at(contact_vector);
+}
 
 // Sufficient test, without a branch, that the object is held; it settles almost every tick. It may
 // return false although the object is held, because of a wedged edge or a palm that passes below an
@@ -49,9 +40,8 @@ template <class Real>
     const ModelParams<Real>& params, const Moments<Real>& moments, ContactVector<Real> touching,
     const PerSide<FrictionCone<Real>>& cones, const PerSide<PalmAngle<Real>>& palms,
     const PerSide<Real>& contacts, ContactVector<Real> contact_vector) {
-  const Real left_up = slip_order(moments, cones[left].up, cones[right].down).at(touching);
-  const Real right_up = slip_order(moments, cones[left].down, cones[right].up).at(touching);
-  MaskOf<Real> held = (left_up >= Real(0)) & (right_up <= Real(0));
+  MaskOf<Real> held = (overlap(moments, cones, right, touching) >= Real(0)) &
+                      (overlap(moments, cones, left, touching) >= Real(0));
   on_both_sides([&](std::size_t side) {
     const MaskOf<Real> on_palm = within(contacts[side], params.reach[side]);
     const Real arm = moments.moment_arm(side, touching.dx, mirrored(side, touching.dy));
@@ -64,7 +54,7 @@ template <class Real>
 
 // The first reason, in a fixed order, why the object is not held, or `none`.
 template <class Real>
-[[gnu::noinline]] DropReason drop_reason(const Model<Real>& model, const Statics<Real>& statics,
+[[gnu::noinline]] DropReason drop_reason(const Model<Real>& model,
                                          const PerSide<PalmAngle<Real>>& palms,
                                          const PerSide<Real>& contacts,
                                          ContactVector<Real> contact_vector) {
@@ -87,13 +77,14 @@ template <class Real>
         model.moments.moment_arm(side, contact_vector.dx, mirrored(side, contact_vector.dy));
     if (!(arm >= Real(0))) return DropReason::tipping;
   }
-  const bool left_holds = statics.overlap(model.moments, right, contact_vector) >= Real(0) ||
-                          statics.wedged_in(left, SlipDirection::up, contact_vector) ||
-                          statics.wedged_in(right, SlipDirection::down, contact_vector);
-  const bool right_holds = statics.overlap(model.moments, left, contact_vector) >= Real(0) ||
-                           statics.wedged_in(left, SlipDirection::down, contact_vector) ||
-                           statics.wedged_in(right, SlipDirection::up, contact_vector);
-  return left_holds && right_holds ? DropReason::none : DropReason::sliding;
+  const auto cones = cones_at(model.friction, palms);
+  const auto& [dx, dy] = contact_vector;
+  const auto holds = [&](std::size_t side) {
+    return overlap(model.moments, cones, other(side), contact_vector) >= Real(0) ||
+           wedged(side, cones[side].up, dx, dy) ||
+           wedged(other(side), cones[other(side)].down, dx, dy);
+  };
+  return holds(left) && holds(right) ? DropReason::none : DropReason::sliding;
 }
 
 }  // namespace palmbots

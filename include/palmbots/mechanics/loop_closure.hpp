@@ -103,47 +103,6 @@ template <class Real>
   return {contact, {dx + contact * own.cos, rise - contact * own.sin}};
 }
 
-// Closes the loop by sliding the contact of one side. The returned vector points from left to
-// right.
-template <class Real>
-[[gnu::always_inline]] inline SlideSolution<Real> solve_slide(Real separation,
-                                                              const PerSide<PalmAngle<Real>>& palms,
-                                                              std::size_t side, Real held,
-                                                              const PerSide<Real>& offset,
-                                                              Real width) {
-  ContactVector<Real> base = feet(separation, palms, offset);
-  base.dy = mirrored(side, base.dy);
-  const SlideSolution<Real> seen = solve_slide(base, palms[side], palms[other(side)], held, width);
-  return {seen.contact, {seen.contact_vector.dx, mirrored(side, seen.contact_vector.dy)}};
-}
-
-// Closes the loop by sliding both contacts such that the object takes the direction dy / dx =
-// slope. This gives two linear equations. Between parallel palms sliding cannot choose the
-// direction: only the sum of the two coordinates counts, and each contact takes half of the change.
-template <class Real>
-PerSide<Real> solve_slide_along(const Configuration<Real>& s, Real slope,
-                                const PerSide<Real>& offset, Real width) {
-  const auto& l = s.palms[left];
-  const auto& r = s.palms[right];
-  const Real turn = l.sin * r.cos + r.sin * l.cos;  // sin(θ_L + θ_R)
-  constexpr Real parallel = Real(1e-6);
-  if (turn < parallel && turn > -parallel) {
-    PerSide<Real> alone{};
-    for (const std::size_t side : {left, right}) {
-      alone[side] =
-          solve_slide(s.separation, s.palms, side, s.contacts[other(side)], offset, width).contact -
-          s.contacts[side];
-    }
-    const Real half = Real(0.25) * (alone[left] + alone[right]);
-    return {s.contacts[left] + half, s.contacts[right] + half};
-  }
-  const ContactVector<Real> base = feet(s.separation, s.palms, offset);
-  const Real target_dx = width / std::sqrt(Real(1) + slope * slope);
-  const Real dx = target_dx - base.dx;
-  const Real dy = target_dx * slope - base.dy;
-  return {(dx * r.sin - dy * r.cos) / turn, (dx * l.sin + dy * l.cos) / turn};
-}
-
 // Closes the loop by placing the robots: the separation [m] at which the contacts have the given
 // coordinates. Not a number where the object cannot reach; a pipe always can, at one height.
 template <class Real>

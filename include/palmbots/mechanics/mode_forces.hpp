@@ -4,10 +4,10 @@
 // Frame: world x forward, y up, positions from the COM. Forces are in units of the weight. The
 // forces that balance the weight in a contact mode are shares s ≥ 0 of the edges of the friction
 // cones (mechanics/wrench_cone.hpp) with Σ s · wrench = load. These shares are a polyhedron. An
-// extreme value of a force is at one of its corners, where at most three independent edges have
-// shares, or grows without limit along one of its directions, in which at most four edges balance
-// one another. Both are enumerated. For people only: no motion depends on these numbers, so libm
-// may serve. Source: docs/theory/contacts.md.
+// extreme value of a force is at one of its corners, where a minimal set of edges balances the load, or
+// grows without limit along one of its directions, in which such a set balances another edge. For
+// people only: no motion depends on these numbers, so libm may serve.
+// Source: docs/theory/contacts.md.
 #pragma once
 
 #include <array>
@@ -46,82 +46,68 @@ using Shares = std::array<double, 2 * max_supports>;  // of the edges
 // The shares of the edges that balance the weight.
 class EdgeShares {
  public:
-  EdgeShares(const Supports& supports, const Motions& motions, double slope) {
-    const double reach = supports.reach();
+  EdgeShares(const Supports& supports, const Motions& motions, double slope)
+      : rays_(rays_of(supports, motions)), load_{slope, 1.0, 0.0} {
     for (std::size_t i = 0; i < supports.count; ++i) {
       const Support& s = supports.at[i];
       each_edge(motions[i], s.friction, [&](double along) {
-        const double fx = s.nx + along * s.tx();
-        const double fy = s.ny + along * s.ty();
-        wrench_[count_] = {fx, fy, (s.x * fy - s.y * fx) / reach};
-        contact_[count_] = i;
-        along_[count_++] = -outward<double>(s.side) * along;
+        const Triple& ray = rays_.ray[edges_.size()];
+        edges_.push_back({i, -outward<double>(s.side) * along, s.nx * ray.x + s.ny * ray.y});
       });
     }
-    wrench_[count_] = {-slope, -1.0, 0.0};
   }
 
-  std::size_t count() const { return count_; }
-  std::size_t contact(std::size_t edge) const { return contact_[edge]; }
-  double along(std::size_t edge) const { return along_[edge]; }
+  std::size_t count() const { return edges_.size(); }
+  std::size_t contact(std::size_t edge) const { return edges_[edge].contact; }
+  double along(std::size_t edge) const { return edges_[edge].along; }
 
-  // The corners of the polyhedron. There are some: the mode is in balance up to rounding, which a
-  // triple of nearly dependent edges magnifies.
-  std::vector<Shares> corners() const {
-    for (const double tolerance : {1e-8, 1e-6, 1e-4, 1e-2}) {
-      std::vector<Shares> found = cancelling(tolerance, true);
-      if (!found.empty()) return found;
-    }
-    return {Shares{}};
-  }
+  // The corners of the polyhedron. There are some: the mode is in balance.
+  std::vector<Shares> corners() const { return balancing(load_); }
 
   // The directions in which the polyhedron is endless.
-  std::vector<Shares> directions() const { return cancelling(wrench_tolerance, false); }
-
- private:
-  template <std::size_t n>
-  using Edges = std::array<std::size_t, n>;
-
-  // The shares ≥ 0 of as few edges as possible that cancel, with the load or by themselves. The last
-  // column is the reversed load.
-  std::vector<Shares> cancelling(double tolerance, bool with_load) const {
+  std::vector<Shares> directions() const {
     std::vector<Shares> found;
-    const auto try_these = [&]<std::size_t n>(const Edges<n>& edges) {
-      std::array<double, n> shares{};
-      std::array<Triple, n> wrenches;
-      for (std::size_t k = 0; k < n; ++k) wrenches[k] = wrench_[edges[k]];
-      if ((edges.back() == count_) != with_load || !cancels(wrenches, tolerance, shares)) return;
-      double size = 0.0;
-      for (const double share : shares) size += share * share;
-      size = std::sqrt(size);
-      const double whole = with_load ? shares.back() : 0.0;
-      if (with_load && !(magnitude(whole) > wrench_tolerance * size)) return;
-      double sum = 0.0;
-      for (const double share : shares) sum += share;
-      const double scale = with_load ? 1.0 / whole : (sum > 0.0 ? 1.0 : -1.0) / size;
-      Shares all{};
-      for (std::size_t k = 0; k < n; ++k) {
-        if (!(shares[k] * scale >= -tolerance)) return;
-        if (edges[k] < count_) all[edges[k]] = larger(shares[k] * scale, 0.0);
-      }
-      found.push_back(all);
-    };
-    for (std::size_t i = 0; i <= count_; ++i) {
-      for (std::size_t j = i + 1; j <= count_; ++j) {
-        try_these(Edges<2>{i, j});
-        for (std::size_t k = j + 1; k <= count_; ++k) {
-          try_these(Edges<3>{i, j, k});
-          for (std::size_t l = k + 1; l <= count_; ++l) try_these(Edges<4>{i, j, k, l});
-        }
+    for (std::size_t k = 0; k < count(); ++k) {
+      for (Shares& shares : balancing(rays_.ray[k] * -1.0)) {
+        shares[k] += edges_[k].normal;
+        found.push_back(shares);
       }
     }
     return found;
   }
 
-  std::array<Triple, 2 * max_supports + 1> wrench_{};  // per unit of normal force, and the load
-  std::array<std::size_t, 2 * max_supports> contact_{};
-  std::array<double, 2 * max_supports> along_{};  // friction force, likewise
-  std::size_t count_ = 0;
+ private:
+  struct Edge {
+    std::size_t contact;
+    double along;   // friction force per unit of normal force
+    double normal;  // normal force of its ray
+  };
+
+  // The shares, as normal forces, of each minimal set of edges that balances a wrench.
+  std::vector<Shares> balancing(Triple wrench) const {
+    std::vector<Shares> found;
+    const BalancingRays balancing(rays_, wrench);
+    for (const std::uint32_t set : balancing.sets()) {
+      Shares shares{};
+      std::array<Triple, 3> ray;
+      std::array<std::size_t, 3> edge;
+      std::size_t n = 0;
+      for (std::size_t k = 0; k < count(); ++k)
+        if ((set >> k & 1) != 0) edge[n] = k, ray[n++] = rays_.ray[k];
+      // What is at right angles to fewer than three rays has no share.
+      if (n == 1) ray[1] = Triple{-ray[0].y, ray[0].x, 0.0};
+      if (n < 3) ray[2] = cross(ray[0], ray[1]);
+      const std::array<double, 3> parts = parts_along(ray, wrench);
+      for (std::size_t k = 0; k < n; ++k)
+        shares[edge[k]] = larger(parts[k], 0.0) * edges_[edge[k]].normal;
+      found.push_back(shares);
+    }
+    return found;
+  }
+
+  Rays rays_;
+  Triple load_;
+  std::vector<Edge> edges_;
 };
 
 // The supports with other friction angles, kept from 0° to 89°.

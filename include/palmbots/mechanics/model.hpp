@@ -56,4 +56,19 @@ struct Model : ModelParams<Real> {
       no_limits<double>;  // of the force of each robot along the floor [weights]
 };
 
+// Whether a contact vertex is rounded and rolls.
+template <class Real>
+constexpr bool rolls(const Model<Real>& model) {
+  const PerSide<Real> radius = contact_radii(model.outline);
+  return radius[left] > Real(0) || radius[right] > Real(0);
+}
+
+// Whether no step can be one of lanes: a contact vertex rolls, a nose or a heel may touch the object
+// within reach, or a robot may stall.
+template <class Real>
+constexpr bool takes_single_steps(const Model<Real>& model) {
+  return rolls(model) || model.limit != no_limits<double> ||
+         model.profile[left].touches_within_reach || model.profile[right].touches_within_reach;
+}
+
 }  // namespace palmbots

@@ -54,4 +54,31 @@ template <class V>
       {next.contact_vector.dx, select(on_left, next.contact_vector.dy, -next.contact_vector.dy)}};
 }
 
+// Closes the loop by sliding both contacts such that the object takes the direction dy / dx =
+// slope. This gives two linear equations. Between parallel palms sliding cannot choose the
+// direction: only the sum of the two coordinates counts, and each contact takes half of the change.
+template <class Real>
+PerSide<Real> solve_slide_along(const Configuration<Real>& s, Real slope,
+                                const PerSide<Real>& offset, Real width) {
+  const auto& l = s.palms[left];
+  const auto& r = s.palms[right];
+  const Real turn = l.sin * r.cos + r.sin * l.cos;  // sin(θ_L + θ_R)
+  constexpr Real parallel = Real(1e-6);
+  if (turn < parallel && turn > -parallel) {
+    PerSide<Real> alone{};
+    for (const std::size_t side : {left, right}) {
+      const Slipped<Real> slid =
+          slip<Real>(side == left, s.separation, s.palms, s.contacts, offset, width);
+      alone[side] = slid.contacts[side] - s.contacts[side];
+    }
+    const Real half = Real(0.25) * (alone[left] + alone[right]);
+    return {s.contacts[left] + half, s.contacts[right] + half};
+  }
+  const ContactVector<Real> base = feet(s.separation, s.palms, offset);
+  const Real target_dx = width / std::sqrt(Real(1) + slope * slope);
+  const Real dx = target_dx - base.dx;
+  const Real dy = target_dx * slope - base.dy;
+  return {(dx * r.sin - dy * r.cos) / turn, (dx * l.sin + dy * l.cos) / turn};
+}
+
 }  // namespace palmbots

@@ -71,16 +71,4 @@ struct Surroundings {
   }
 };
 
-// Which way left and right differ, or 0 if they are mirror images.
-inline int lopsided(const Surroundings& surroundings) {
-  for (std::size_t i = surroundings.ordered; i < surroundings.count; ++i) {
-    const Surface& a = surroundings.at[i];
-    const Surface& b = surroundings.at[surroundings.count - i];
-    const std::array<double, 3> of_left{-a.at.x, a.at.y, a.friction};
-    const std::array<double, 3> of_right{b.at.x, b.at.y, b.friction};
-    if (of_left != of_right) return of_left > of_right ? 1 : -1;
-  }
-  return 0;
-}
-
 }  // namespace palmbots

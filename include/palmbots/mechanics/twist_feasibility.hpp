@@ -127,7 +127,7 @@ class HalfSpaces {
     constexpr std::size_t n = sizeof...(Sides);
     const std::array<double, n> values{sides.value...};
     std::array<double, n> shares;
-    if (!cancels({sides.row...}, wrench_tolerance, shares)) return false;
+    if (!cancels({sides.row...}, shares)) return false;
     double total = 0.0;
     for (const double share : shares) total += share;
     const double sign = total < 0.0 ? -1.0 : 1.0;

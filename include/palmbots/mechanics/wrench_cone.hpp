@@ -18,6 +18,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "palmbots/base/scalar.hpp"
 #include "palmbots/base/side.hpp"
@@ -84,33 +85,39 @@ inline double size(Triple p) { return square_root(dot(p, p)); }
 // Tolerance below which unit vectors, wrenches [weights] and rates count as equal.
 inline constexpr double wrench_tolerance = 1e-9;
 
-// The shares with which two, three or four vectors cancel, in any scale: Σ share v = 0. The vectors
-// have to span one dimension less than there are of them, up to a tolerance; false where they do not.
-inline bool cancels(const std::array<Triple, 2>& v, double tolerance,
-                    std::array<double, 2>& shares) {
+// The shares with which two, three or four vectors cancel, in any scale: Σ share v = 0. False where the
+// vectors do not span exactly one dimension less than there are of them, up to rounding.
+inline bool cancels(const std::array<Triple, 2>& v, std::array<double, 2>& shares) {
   shares = {size(v[1]), dot(v[0], v[1]) < 0.0 ? size(v[0]) : -size(v[0])};
-  return size(cross(v[0], v[1])) <= tolerance * larger(size(v[0]), size(v[1]));
+  return size(cross(v[0], v[1])) <= wrench_tolerance * larger(size(v[0]), size(v[1]));
 }
-inline bool cancels(const std::array<Triple, 3>& v, double tolerance,
-                    std::array<double, 3>& shares) {
+inline bool cancels(const std::array<Triple, 3>& v, std::array<double, 3>& shares) {
   const std::array<Triple, 3> across{cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])};
   const std::array<double, 3> areas{dot(across[0], across[0]), dot(across[1], across[1]),
                                     dot(across[2], across[2])};
   std::size_t widest = areas[1] > areas[0] ? 1 : 0;
   if (areas[2] > areas[widest]) widest = 2;
   const double area = square_root(areas[widest]);
-  if (!(area > wrench_tolerance && magnitude(dot(v[0], across[0])) <= tolerance * area))
+  if (!(area > wrench_tolerance && magnitude(dot(v[0], across[0])) <= wrench_tolerance * area))
     return false;
   for (std::size_t k = 0; k < 3; ++k) shares[k] = dot(across[k], across[widest]);
   return true;
 }
-inline bool cancels(const std::array<Triple, 4>& v, double, std::array<double, 4>& shares) {
+inline bool cancels(const std::array<Triple, 4>& v, std::array<double, 4>& shares) {
   const Triple ab = cross(v[0], v[1]);
   const Triple cd = cross(v[2], v[3]);
   shares = {dot(v[1], cd), -dot(v[0], cd), dot(ab, v[3]), -dot(ab, v[2])};
   double most = 0.0;
   for (const double share : shares) most = larger(most, magnitude(share));
   return most > wrench_tolerance;
+}
+
+// The parts of a vector along three others that span the space. Cramer's rule.
+inline std::array<double, 3> parts_along(const std::array<Triple, 3>& v, Triple of) {
+  const Triple across = cross(v[1], v[2]);
+  const double volume = dot(v[0], across);
+  return {dot(of, across) / volume, dot(of, cross(v[2], v[0])) / volume,
+          dot(of, cross(v[0], v[1])) / volume};
 }
 
 // The extreme rays of a wrench cone, with unit size.
@@ -176,16 +183,10 @@ void for_each_combination(const Rays& rays, Triple wrench, Each&& each) {
   }
   for (std::size_t i = 0; i < rays.count; ++i) {
     for (std::size_t j = i + 1; j < rays.count; ++j) {
-      const Triple ij = cross(rays.ray[i], rays.ray[j]);
       for (std::size_t k = j + 1; k < rays.count; ++k) {
-        const Triple jk = cross(rays.ray[j], rays.ray[k]);
-        const double volume = dot(rays.ray[i], jk);
-        if (!(magnitude(volume) > wrench_tolerance)) continue;
-        each(RayShares{
-            {i, j, k},
-            {dot(wrench, jk) / volume, dot(wrench, cross(rays.ray[k], rays.ray[i])) / volume,
-             dot(wrench, ij) / volume},
-            3});
+        const std::array<Triple, 3> ray{rays.ray[i], rays.ray[j], rays.ray[k]};
+        if (magnitude(dot(ray[0], cross(ray[1], ray[2]))) > wrench_tolerance)
+          each(RayShares{{i, j, k}, parts_along(ray, wrench), 3});
       }
     }
   }
@@ -311,6 +312,7 @@ class BalancingRays {
     return from;
   }
   std::size_t none() const { return count_; }
+  std::span<const std::uint32_t> sets() const { return {sets_.data(), count_}; }
 
  private:
   static constexpr std::size_t n = 2 * max_supports;

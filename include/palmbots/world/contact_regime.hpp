@@ -42,6 +42,13 @@ struct Regime {
       if (active[i].pair == pair) return true;
     return false;
   }
+  // Drops the contacts that leave.
+  constexpr void let_go() {
+    const std::size_t before = count;
+    count = 0;
+    for (std::size_t i = 0; i < before; ++i)
+      if (active[i].motion != Motion::leave) active[count++] = active[i];
+  }
   // Whether the same pairs move alike.
   constexpr bool is_like(const Regime& other) const {
     if (count != other.count || pushed != other.pushed) return false;
@@ -93,6 +100,10 @@ struct ContactProblem {
       if (const std::size_t side = carrier(regime.active[i].pair); side <= right)
         first[side] = &regime.active[i];
     return first;
+  }
+  bool is_on_both(const Regime& regime) const {
+    const PerSide<const ActivePair*> first = first_on_palms(regime);
+    return first[left] != nullptr && first[right] != nullptr;
   }
   // How far such a contact is from the end of what may be used of its palm. A little before it
   // counts as there, because the palm may end there, too.

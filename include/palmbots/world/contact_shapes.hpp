@@ -2,43 +2,14 @@
 // The object and the palms of a model, as shapes that can touch anywhere.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
+#include <vector>
 
 #include "palmbots/mechanics/model.hpp"
 #include "palmbots/world/contact_regime.hpp"
 
 namespace palmbots {
-
-namespace detail {
-
-// Which way left and right differ, or 0 if they are mirror images.
-template <class Real>
-int lopsided(const Model<Real>& model) {
-  const auto palm = [&](std::size_t side) {
-    return std::array<Real, 8>{model.friction[side],
-                               model.offset[side],
-                               model.half_length[side],
-                               model.reach[side],
-                               side == left ? model.object.com_left : model.object.com_right,
-                               Real(model.profile[side].nose),
-                               Real(model.profile[side].heel),
-                               Real(model.profile[side].under_along)};
-  };
-  const auto of_left = palm(left);
-  const auto of_right = palm(right);
-  if (of_left != of_right) return of_left > of_right ? 1 : -1;
-  const Outline<Real>& outline = model.outline;
-  for (std::size_t i = 0; i < outline.count; ++i) {
-    const Vertex<Real>& a = outline.vertices[outline.walked(left, i)];
-    const Vertex<Real>& b = outline.vertices[outline.walked(right, i)];
-    if (a.along[left] != b.along[right]) return a.along[left] > b.along[right] ? 1 : -1;
-    if (a.height != b.height) return a.height > b.height ? 1 : -1;
-    if (a.radius != b.radius) return a.radius > b.radius ? 1 : -1;
-  }
-  return lopsided(model.surroundings);
-}
-
-}  // namespace detail
 
 // Adds the surfaces of a palm: top face (at the distance `offset` from the pivot), nose and heel.
 inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double half, double friction,
@@ -68,10 +39,38 @@ inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double hal
   }
 }
 
+// Which way left and right differ, or 0 if they are mirror images.
+inline int lopsided(const ContactShapes& shapes) {
+  const Surfaces& surfaces = shapes.surfaces;
+  const RoundedBody& body = shapes.body;
+  const auto seen_from = [&](std::size_t side) {
+    std::vector<double> seen;
+    const auto add = [&](std::initializer_list<double> more) { seen.insert(seen.end(), more); };
+    const Surface& own = surfaces.at[shapes.own[side].surface];
+    std::size_t corner = shapes.own[side].feature;
+    const double from = outward<double>(side) * body.corners[corner].centre.x;
+    add({own.friction, own.at.y, own.high, shapes.reach[side], from});
+    for (std::size_t i = 0; i < body.count; ++i) {
+      const Corner& c = body.corners[corner];
+      add({from - outward<double>(side) * c.centre.x, c.centre.y, c.radius});
+      corner = side == left ? body.after(corner) : body.before(corner);
+    }
+    for (std::size_t i = 0; i < surfaces.count; ++i) {
+      const Surface& s = surfaces.at[surfaces.walked(side, i)];
+      if (s.carrier == Carrier::ground) add({outward<double>(side) * s.at.x, s.at.y, s.friction});
+      if (static_cast<std::size_t>(s.carrier) == side)
+        add({s.at.x, s.at.y, s.normal.x, s.normal2.x, s.normal2.y, s.high});
+    }
+    return seen;
+  };
+  const auto from_left = seen_from(left);
+  const auto from_right = seen_from(right);
+  return from_left == from_right ? 0 : (from_left > from_right ? 1 : -1);
+}
+
 template <class Real>
 ContactShapes shapes_of(const Model<Real>& model) {
   ContactShapes shapes{};
-  shapes.lopsided = detail::lopsided(model);
   shapes.body = body_of(model.outline,
                         {{model.object.com_left, model.object.com_right}, model.object.com_height});
   const bool is_disc = shapes.body.is_disc();
@@ -90,6 +89,7 @@ ContactShapes shapes_of(const Model<Real>& model) {
   const Surroundings& around = model.surroundings;
   shapes.surfaces.ordered = shapes.surfaces.count + around.ordered;
   for (std::size_t i = 0; i < around.count; ++i) shapes.surfaces.add(around.at[i]);
+  shapes.lopsided = lopsided(shapes);
   return shapes;
 }
 

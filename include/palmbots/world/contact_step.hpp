@@ -9,9 +9,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/root_finding.hpp"
+#include "palmbots/world/advance.hpp"
 #include "palmbots/world/contact_trial.hpp"
 
 namespace palmbots {
@@ -38,15 +40,6 @@ struct AmbiguousEvents {
   }
 };
 
-// What a step did.
-struct ContactStepResult {
-  DropReason reason = DropReason::none;
-  double fraction = 1.0;
-  std::int32_t pieces = 1;
-  PerSide<double> lag{};      // of each pivot, along x, from where it should be then [m]
-  PerSide<double> stalled{};  // the part of the step in which each robot stalled
-};
-
 // `rounding` is the error of the pose at the start [m]; `noted(frames, t)` is called whenever a regime
 // has been chosen.
 template <class Noted>
@@ -61,11 +54,13 @@ class ContactStep : ContactTrial {
         noted_(noted) {}
 
   // From the instant `done` on. Without a regime, or where it has ended, it begins with a choice.
-  ContactStepResult run(double done = 0.0) {
-    ContactStepResult result{};
+  Advance<double> run(double done = 0.0) {
+    Advance<double> result;
     if (travel_.none()) return result;
     now_.t = done;
-    go(done, result);
+    result.reason = go();
+    result.fraction = now_.t;
+    result.segments = pieces_;
     result.lag = now_.lag;
     result.stalled = stalled_;
     return result;
@@ -78,49 +73,47 @@ class ContactStep : ContactTrial {
   static constexpr double longest_trial = 0.099;
   static constexpr double grown = 16.0;
 
-  void go(double done, ContactStepResult& result) {
+  // Moves the object to the end of the step, or to where it ends before, and returns why.
+  DropReason go() {
     look_around();
     // Robots that stall try again in every step.
-    if (regime_.count == 0 || regime_.stalls() || !goes_along(done)) {
-      if (!choose(done, result)) return;
+    if (regime_.none() || regime_.stalls() || !goes_along()) {
+      if (const DropReason reason = choose(); reason != DropReason::none) return reason;
     }
     double ahead = look_;
-    while (done < 1.0) {
-      const double goal = done + ahead < 1.0 ? done + ahead : 1.0;
+    while (now_.t < 1.0) {
+      const double goal = now_.t + ahead < 1.0 ? now_.t + ahead : 1.0;
       Place there = here();
       const Conditions then = reach(goal, there, regime_);
-      if (then.settled && goal - done > shortest && moved(there.pose) > near_move()) {
-        ahead = 0.5 * (goal - done);  // slow palms can turn the object fast
+      if (then.settled && goal - now_.t > shortest && moved(there.pose) > near_move()) {
+        ahead = 0.5 * (goal - now_.t);  // slow palms can turn the object fast
         continue;
       }
       ahead = look_;
       if (then.hold()) {
         go_to(there);
-        done = goal;
-        if (done < 1.0) look_around();
+        if (goal < 1.0) look_around();
         continue;
       }
-      done = event_between(done, goal, then);
+      go_to_event(goal, then);
       look_around();
-      if (++result.pieces > most_events) {
-        result.reason = DropReason::jammed;
-        result.fraction = done;
-        return;
-      }
+      if (++pieces_ > most_events) return DropReason::jammed;
       const Regime ended = regime_;
-      if (!choose(done, result)) return;
+      if (const DropReason reason = choose(); reason != DropReason::none) return reason;
       // What goes on has to go on for longer each time, so that no condition that is only just met ends
       // it again and again.
       const bool again = regime_.is_like(ended) && regime_.drives == ended.drives;
       trial_ = again ? smaller(grown * trial_, longest_trial) : shortest_trial;
     }
+    return DropReason::none;
   }
 
-  // Moves the pose to the first instant at which a condition that fails at `goal` does, and returns
-  // it. Only those take part in the search: others may be near zero all the time.
-  double event_between(double done, double goal, Conditions then) {
+  // Moves object and pivots to the first instant at which a condition that fails at `goal` does. Only
+  // those take part in the search: others may be near zero all the time.
+  void go_to_event(double goal, Conditions then) {
     const Conditions now = conditions_here();
     const Place start = here();
+    const double done = now_.t;
     for (int i = 0; i < most_events; ++i) {
       const bool is_behind = then.settled && !then.spare_behind();
       // Not a number, so that the search bisects and does not take a jump for a slope.
@@ -158,51 +151,41 @@ class ContactStep : ContactTrial {
       };
       const double to = from == Conditions::met ? jumps : worst(then);
       double when = bracketed_root(from > 0.0, done, from, goal, to, at, Tolerance::instant);
-      if (!(when > done)) return done;
+      if (!(when > done)) return;
       there = start;
       Conditions found = reach(when, there, regime_);
-      if (found.hold() && is_behind) found = passed(done, when, start);
-      if (found.hold()) {
-        go_to(there);
-        return when;
-      }
+      if (found.hold() && is_behind) found = passed(when, start);
+      if (found.hold()) return go_to(there);
       goal = when;
       then = found;
     }
-    return done;
   }
 
   // A pair that is behind where it can touch came there past another one, which closed for a while.
   // Looks for that; `when` becomes an instant at which it is closed.
-  Conditions passed(double done, double& when, const Place& start) const {
+  Conditions passed(double& when, const Place& start) const {
     constexpr int looks = 16;
     Conditions found{};
     const double end = when;
     for (int k = 1; k <= looks && found.hold(); ++k) {
       Place there = start;
-      when = done + (end - done) * (double(k) / looks);
+      when = start.t + (end - start.t) * (double(k) / looks);
       found = reach(when, there, regime_);
     }
     return found;
   }
 
-  // Chooses the regime that continues from here. False if the object is not held; `result` says why.
-  bool choose(double done, ContactStepResult& result) {
+  // Chooses the regime that continues from here. Returns why there is none.
+  DropReason choose() {
     const Frames frames = this->frames(now_);
-    const ClosedPairs closed = closed_pairs(frames);
-    result.reason =
-        off_palm(problem_, frames, pose_, closed_) ? DropReason::off_palm : DropReason::none;
-    if (result.reason == DropReason::none) result.reason = choose_among(closed, frames, done);
-    if (result.reason == DropReason::none) {
-      noted_(frames, done);
-      return true;
-    }
-    result.fraction = done;
-    return false;
+    if (off_palm(problem_, frames, pose_, closed_)) return DropReason::off_palm;
+    const DropReason reason = choose_among(closed_pairs(frames), frames);
+    if (reason == DropReason::none) noted_(frames, now_.t);
+    return reason;
   }
 
   // Robots stall only if there is no motion in which both drive, and the object does not fall.
-  DropReason choose_among(const ClosedPairs& closed, const Frames& frames, double done) {
+  DropReason choose_among(const ClosedPairs& closed, const Frames& frames) {
     // A tip that moves along an arc leaves it without a speed, as may what touches a palm that turns:
     // that shows only a little later.
     constexpr double later = 1e-3;  // of a step
@@ -211,13 +194,12 @@ class ContactStep : ContactTrial {
         travel_.turns() ||
         std::any_of(closed.at.begin(), closed.at.begin() + closed.count, is_on_arc);
     const RegimeSearch search(problem_, frames, pose_, closed);
-    Found as_commanded = go_on_with(search.candidates(frames), done);
-    if (!as_commanded.any && looks_later) {
+    std::optional<DropReason> as_commanded = go_on_with(search.candidates(frames));
+    if (!as_commanded && looks_later) {
       const Frames then = palmbots::moved(frames, later);
-      const RegimeSearch moved(problem_, then, pose_, closed);
-      as_commanded = go_on_with(moved.candidates(then), done);
+      as_commanded = go_on_with(RegimeSearch(problem_, then, pose_, closed).candidates(then));
     }
-    if (as_commanded.any) return as_commanded.reason;
+    if (as_commanded) return *as_commanded;
     const DropReason why = reason_of(problem_, closed);
     if (why != DropReason::none) return why;
     // What has run off its feature holds the object no more. What is at the end of its feature because
@@ -236,18 +218,17 @@ class ContactStep : ContactTrial {
     }
     const DropReason then = rest.count < closed.count ? reason_of(problem_, rest) : why;
     if (then != DropReason::none) return then;
-    const bool stalls = problem_.is_limited() && stall(search, closed, frames, done);
+    const bool stalls = problem_.is_limited() && stall(search, closed, frames);
     return stalls ? DropReason::none : DropReason::jammed;
   }
 
   // Chooses a regime in which a robot stalls: the weaker one; otherwise the stronger one; otherwise
   // both, the weaker one up to standing. False if there is none.
-  bool stall(const RegimeSearch& search, const ClosedPairs& closed, const Frames& frames,
-             double done) {
+  bool stall(const RegimeSearch& search, const ClosedPairs& closed, const Frames& frames) {
     constexpr auto ground = static_cast<std::size_t>(Carrier::ground);
     const PerSide<double>& limit = problem_.limit;
     std::size_t weaker = limit[left] < limit[right] ? left : right;
-    if (limit[left] == limit[right]) weaker = leading_side(frames);
+    if (limit[left] == limit[right]) weaker = leading_side(problem_, regime_, frames, pose_);
     for (const bool both : {false, true}) {
       for (const std::size_t side :
            {both ? other(weaker) : weaker, both ? weaker : other(weaker)}) {
@@ -272,8 +253,7 @@ class ContactStep : ContactTrial {
             if (!at_limit || is_at_limit(regime, moving)) found.at[count++] = found.at[k];
           }
           found.count = count;
-          const Found stalled = go_on_with(found, done);
-          return stalled.any && stalled.reason == DropReason::none;
+          return go_on_with(found) == DropReason::none;
         };
         const double fastest = problem_.commanded[side];
         for (const std::size_t held_by : {partner, ground}) {
@@ -320,20 +300,14 @@ class ContactStep : ContactTrial {
     return system.full() ? system.solution()[3] : std::numeric_limits<double>::quiet_NaN();
   }
 
-  // Whether any candidate goes on; a reason, if the object is then on one palm only.
-  struct Found {
-    bool any;
-    DropReason reason;
-  };
-
   // The best candidate that goes on becomes the regime, or one of those that are as good and move the
-  // object elsewhere.
-  Found go_on_with(const RegimeCandidates& found, double done) {
+  // object elsewhere. Nothing: none goes on. A reason: the object is then on one palm only.
+  std::optional<DropReason> go_on_with(const RegimeCandidates& found) {
     constexpr double elsewhere = 1e-3;  // of the way of the surfaces
     constexpr double lost = -1e-3;      // far beyond what rounding does to a condition
     std::array<double, RegimeCandidates::most> missed{};  // what fails of each
     for (double ahead = trial_; ahead < 0.1; ahead *= grown) {
-      const double then = done + ahead * look_ < 1.0 ? done + ahead * look_ : 1.0;
+      const double then = now_.t + ahead * look_ < 1.0 ? now_.t + ahead * look_ : 1.0;
       std::array<const RegimeCandidate*, RegimeCandidates::most> best;
       std::array<Pose, RegimeCandidates::most> ends;
       std::size_t count = 0;
@@ -342,7 +316,7 @@ class ContactStep : ContactTrial {
         if (count > 0 && !one.is_as_good_as(*best[0])) break;
         if (missed[k] < lost) continue;
         Place end = here();
-        const Trial trial = try_out(done, then, one.regime, end);
+        const Trial trial = try_out(then, one.regime, end);
         // What fails clearly, or the more the longer it lasts, will not hold later.
         const bool grows =
             missed[k] < -Conditions::rounding && trial.least < 0.5 * grown * missed[k];
@@ -350,44 +324,58 @@ class ContactStep : ContactTrial {
         if (!trial.goes_on) continue;
         ends[count] = end.pose;
         const auto is_there = [&](const Pose& other) {
-          return apart(ends[count], other) < elsewhere * (then - done) * pace_;
+          return apart(ends[count], other) < elsewhere * (then - now_.t) * pace_;
         };
         if (std::none_of(ends.begin(), ends.begin() + count, is_there)) best[count++] = &one;
       }
       if (count == 0) continue;
-      if (problem_.on_both && !best[0]->on_both) return {true, DropReason::lifting};
+      if (problem_.on_both && !best[0]->on_both) return DropReason::lifting;
       regime_ = best[ambiguous_.pick(count)]->regime;
-      return {true, DropReason::none};
+      return DropReason::none;
     }
-    return {found.count > 0 && choose_later(found, done), DropReason::none};
+    return choose_later(found) ? std::optional(DropReason::none) : std::nullopt;
   }
 
   // Where a mode is possible for an instant only, as on a palm that turns through level, or where a
   // slide reverses, the first order does not say which of its contacts slides or leaves then. One of
   // the regimes that go on follows; as many contacts as possible stay, and at most two change. Robots
   // that stall take part if both stand.
-  bool choose_later(const RegimeCandidates& found, double done) {
+  bool choose_later(const RegimeCandidates& found) {
     const auto is_instant = [&](const RegimeCandidate& one) {
-      return (one.on_both || !problem_.on_both) && !lasts(done, one.regime);
+      return (one.on_both || !problem_.on_both) && !lasts(one.regime);
     };
     const auto first = std::find_if(found.at.begin(), found.at.begin() + found.count, is_instant);
     if (first == found.at.begin() + found.count) return false;
     const Regime& instant = first->regime;
     if (instant.yields() || instant.drives[left] != instant.drives[right]) return false;
-    const double later = done + 1e-3 * look_;
+    // What each contact may do: it leaves or, if it sticks, slides.
+    struct Change {
+      std::size_t contact;
+      Motion motion;
+    };
+    std::array<Change, 3 * max_supports> changes;
+    std::size_t count = 0;
     const bool may_slide = !is_still(instant.drives);
-    for (std::size_t leaving = 0; leaving <= 2 && leaving < instant.count; ++leaving) {
-      for (std::size_t way = 1; way < std::size_t{1} << (2 * instant.count); ++way) {
-        const Changes changes = changes_in(way);
-        if (changes.leaving != leaving || changes.leaving + changes.sliding > 2 ||
-            (changes.sliding > 0 && !may_slide))
-          continue;
-        const Regime regime = varied(problem_, instant, way);
-        Place end = here();
-        if (regime.none() || !try_out(done, later < 1.0 ? later : 1.0, regime, end).goes_on)
-          continue;
-        regime_ = regime;
-        return true;
+    for (std::size_t i = 0; i < instant.count; ++i)
+      for (const Motion motion : {Motion::up, Motion::down, Motion::leave})
+        if (motion == Motion::leave || (may_slide && instant.active[i].motion == Motion::stick))
+          changes[count++] = {i, motion};
+    const double later = now_.t + 1e-3 * look_;
+    for (std::size_t stay = instant.count; stay > 0 && stay + 2 >= instant.count; --stay) {
+      for (std::size_t b = 0; b < count; ++b) {
+        for (std::size_t a = b + 1; a-- > 0;) {  // a = b: one change
+          if (a != b && changes[a].contact == changes[b].contact) continue;
+          Regime regime = instant;
+          for (const std::size_t k : {a, b})
+            regime.active[changes[k].contact].motion = changes[k].motion;
+          regime.let_go();
+          Place end = here();
+          if (regime.count != stay || (problem_.on_both && !problem_.is_on_both(regime)) ||
+              !try_out(later < 1.0 ? later : 1.0, regime, end).goes_on)
+            continue;
+          regime_ = regime;
+          return true;
+        }
       }
     }
     return false;
@@ -405,7 +393,7 @@ class ContactStep : ContactTrial {
   // The pairs that touch, those of the palm that leads first, and of each those of the regime.
   ClosedPairs closed_pairs(const Frames& frames) const {
     const ClosedPairs touching = closed_among(problem_, frames, pose_, near_, closed_);
-    const std::size_t first = leading_side(frames);
+    const std::size_t first = leading_side(problem_, regime_, frames, pose_);
     ClosedPairs closed;
     for (const std::size_t carrier : {first, other(first), std::size_t(Carrier::ground)}) {
       const auto add = [&](FeaturePair pair) {
@@ -422,6 +410,7 @@ class ContactStep : ContactTrial {
   AmbiguousEvents& ambiguous_;
   Noted noted_;
   double trial_ = shortest_trial;  // the first one
+  std::int32_t pieces_ = 1;
 };
 
 }  // namespace palmbots

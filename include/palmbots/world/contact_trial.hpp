@@ -70,8 +70,8 @@ class ContactTrial {
 
   void look_around() {
     const Frames frames = this->frames(now_);
-    near_ = around_.near(problem_, leading_side(frames), frames, pose_, near_move() + look_ * pace_,
-                         closed_);
+    near_ = around_.near(problem_, leading_side(problem_, regime_, frames, pose_), frames, pose_,
+                         near_move() + look_ * pace_, closed_);
   }
 
   // Moves a place to where a regime has the object at an instant. False: there is no such place near.
@@ -118,11 +118,11 @@ class ContactTrial {
   // then. They are compared from the middle on: at first the pose may jump by a rounding error. It may
   // not jump farther: where forces balance elsewhere, as when two palms pass through level together,
   // the object does not get there. `end`, the place before, becomes that at the later instant.
-  Trial try_out(double from, double to, const Regime& regime, Place& end) const {
+  Trial try_out(double to, const Regime& regime, Place& end) const {
     const double least = reach(to, end, regime, nullptr, false).least();
     const Trial fails{false, least};
-    if (!(least >= -Conditions::rounding) || !lasts(from, regime)) return fails;
-    const double middle = 0.5 * (from + to);
+    if (!(least >= -Conditions::rounding) || !lasts(regime)) return fails;
+    const double middle = 0.5 * (now_.t + to);
     Place half = here();
     Frames before;
     ActiveContacts contacts;
@@ -142,7 +142,7 @@ class ContactTrial {
   }
 
   // Whether the regime of the last step also holds in the motion of this one. The pose is the same.
-  bool goes_along(double done) const {
+  bool goes_along() const {
     const Frames frames = this->frames(now_);
     const ActiveContacts contacts = contacts_of(problem_, regime_, frames, pose_);
     const auto twist = detail::equations(problem_, regime_, frames, pose_, contacts, true);
@@ -150,7 +150,7 @@ class ContactTrial {
     Conditions all;
     all.add(balance_of(problem_, regime_, contacts));
     add_motion(all, problem_, regime_, frames, pose_, contacts, twist, pace_);
-    return all.hold() && (!twist.balance || is_here()) && lasts(done, regime_, twist);
+    return all.hold() && (!twist.balance || is_here()) && lasts(regime_, twist);
   }
 
   // Whether the pose in which the forces of the regime balance is that of the object. Another push
@@ -162,41 +162,19 @@ class ContactTrial {
     return settle(problem_, regime_, frames, there, contacts) && moved(there) <= closed_;
   }
 
-  bool lasts(double from, const Regime& regime) const {
+  bool lasts(const Regime& regime) const {
     const Frames now = frames(now_.t, now_, regime.drives);
     const ActiveContacts contacts = contacts_of(problem_, regime, now, pose_);
-    return lasts(from, regime, detail::equations(problem_, regime, now, pose_, contacts, true));
+    return lasts(regime, detail::equations(problem_, regime, now, pose_, contacts, true));
   }
   // Whether more contacts stick than the pose has unknowns, and do so for longer than an instant.
-  bool lasts(double from, const Regime& regime, const detail::RegimeEquations& twist) const {
+  bool lasts(const Regime& regime, const detail::RegimeEquations& twist) const {
     if (!twist.spare) return true;
-    const double later = from + 0.01 * look_ < 1.0 ? from + 0.01 * look_ : 1.0;
+    const double later = now_.t + 0.01 * look_ < 1.0 ? now_.t + 0.01 * look_ : 1.0;
     Pose there = pose_;
     Frames frames = this->frames(later, now_, regime.drives);
     ActiveContacts then;
     return settle(problem_, regime, frames, there, then);
-  }
-
-  // The palm that is computed first, so that the mirrored problem rounds alike. Left comes first
-  // only if nothing distinguishes left from right.
-  std::size_t leading_side(const Frames& frames) const {
-    const auto ranks = [&](std::size_t side) {
-      const Frame& frame = frames[side];
-      const Vec com = frame.from_world(pose_.at - frame.origin);
-      std::array<std::size_t, 2> touching{};
-      for (std::size_t i = 0; i < regime_.count; ++i) {
-        if (problem_.carrier(regime_.active[i].pair) == side)
-          ++touching[regime_.active[i].motion == Motion::stick ? 1 : 0];
-      }
-      return std::array<double, 7>{double(touching[0] + touching[1]),
-                                   frame.angle,
-                                   frame.rate,
-                                   com.x,
-                                   com.y,
-                                   double(touching[1]),
-                                   mirrored(side, problem_.weight(true).x)};
-    };
-    return leader(ranks(left), ranks(right), problem_.shapes.lopsided);
   }
 
   const ContactProblem& problem_;

@@ -37,20 +37,6 @@ struct FastStep {
   V lead;
 };
 
-namespace detail {
-
-template <class V>
-constexpr PerSide<FrictionCone<V>> cones_at(const ModelParams<V>& params,
-                                            const PerSide<PalmAngle<V>>& palms) {
-  PerSide<FrictionCone<V>> cones{};
-  on_both_sides([&](std::size_t side) {
-    cones[side] = friction_cone<V>({palms[side].sin, palms[side].cos}, params.friction[side]);
-  });
-  return cones;
-}
-
-}  // namespace detail
-
 // The first half: changes the separation by `change` [m] and turns the palms to `angles` [rad],
 // both linearly, under a push. It fills in `step` except `switched`.
 template <class V>
@@ -180,7 +166,7 @@ template <class V>
   if (any(good & (!held))) {
     held =
         held | certainly_held(params, params.moments, to.contact_vector,
-                              detail::cones_at(params, turned), turned, after, to.contact_vector);
+                              cones_at(params.friction, turned), turned, after, to.contact_vector);
   }
   good = good & held;
   slip.tied = select(good, V(0), slip.tied);

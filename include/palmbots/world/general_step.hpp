@@ -16,10 +16,19 @@
 // A check at the end of the step therefore misses no event. While a palm turns, a step is cut into
 // pieces of at most 1° for the same check.
 //
+// A rounded contact vertex that does not slide rolls. It keeps p − r β, where r is the radius of its
+// arc and β the angle between palm and object. If the other contact slides, the normal part of the
+// vector between the centres of the arcs, seen from the palm of the contact that slides, is w sin β
+// there. As both β sum up to θ_L + θ_R, this is Kepler's equation for the change of β, which Newton's
+// method solves from the state before. Forces act on the points that touch the palms
+// (mechanics/acting_object.hpp). Where rounded contacts do anything else than slide one at a time, the
+// step ends as at a further contact.
+//
 // Source: docs/theory/mechanics.md.
 #pragma once
 
 #include "palmbots/base/root_finding.hpp"
+#include "palmbots/mechanics/acting_object.hpp"
 #include "palmbots/world/advance.hpp"
 #include "palmbots/world/fast_step.hpp"
 
@@ -37,7 +46,8 @@ struct GeneralStep {
   PerSide<Real> turn{angles[left] - from[left], angles[right] - from[right]};
   bool turning = turn[left] != Real(0) || turn[right] != Real(0);
   PerSide<PalmAngle<Real>> turned{at_its_goal(left), at_its_goal(right)};
-  Moments<Real> pushed = moments_under(model.object, world.push);
+  PerSide<Real> radius = contact_radii(model.outline);
+  bool is_rounded = rolls(model);
 
   using State = Kinematics<Real>;
 
@@ -45,6 +55,9 @@ struct GeneralStep {
 
   static constexpr Real sense_of(SlipDirection direction) {
     return Real(static_cast<int>(direction));
+  }
+  static constexpr bool slides_alone(SlidingContact slider) {
+    return slider == SlidingContact::on_left || slider == SlidingContact::on_right;
   }
 
   [[gnu::noinline]] Advance<Real> run() {
@@ -62,11 +75,12 @@ struct GeneralStep {
       if (!known) direction = direction_at(now, goal);
       known = false;
       const SlidingContact first = first_at(now, direction);
+      const auto [slider, then] = choose(now, first, direction, goal);
+      if (is_rounded && !slides_alone(slider)) return leave(result, now, done);
       if (direction != SlipDirection::stick && first == SlidingContact::none) {
         result.reason = DropReason::jammed;
         return finish(result, now, done, SlidingContact::none, direction);
       }
-      const auto [slider, then] = choose(now, first, direction, goal);
       if (slider == SlidingContact::both && turning && !legal(now, then, direction) &&
           goal - done > Real(1) / Real(1024)) {
         look = Real(0.5) * (goal - done);  // both slide for only a part of this piece
@@ -78,34 +92,32 @@ struct GeneralStep {
       const bool reverses = reversals < max_reversals;
       const auto [event, when] =
           first_event(done, goal, now, then, slider, direction, iteration_limit, reverses, at);
+      const State next = event == Event::none ? then : at(when);
+      if (is_rounded && reason_at(next) != DropReason::none) return leave(result, now, done);
       switch (event) {
         case Event::none:
           if (slider != SlidingContact::both) world.tied = Real(0);
-          if (goal >= Real(1)) return finish(result, then, Real(1), slider, direction);
-          now = then;
-          done = goal;
+          if (goal >= Real(1)) return finish(result, next, Real(1), slider, direction);
           break;
         case Event::end: {
           // The reason is evaluated where it first applies, the state where it last does not.
           const Real over = std::nextafter(when, Real(2));
           result.reason = reason_at(at(over < goal ? over : goal));
-          return finish(result, at(when), when, slider, direction);
+          return finish(result, next, when, slider, direction);
         }
         case Event::reversal:
-          now = at(when);
-          done = when;
           direction = direction == SlipDirection::up ? SlipDirection::down : SlipDirection::up;
           world.tied = Real(0);
           known = true;
           ++reversals;
           break;
         case Event::tie:
-          now = at(when);
-          done = when;
           world.tied = sense_of(direction);
           known = true;
           break;
       }
+      now = next;
+      done = when;
     }
   }
 
@@ -125,7 +137,7 @@ struct GeneralStep {
     const auto note = [&](Event event, Real when) {
       if (first.event == Event::none || when < first.when) first = {event, when};
     };
-    if (reason_at(then) != DropReason::none) {
+    if (!is_rounded && reason_at(then) != DropReason::none) {
       note(Event::end, bisect_last_true(done, goal, [&](Real t) {
              return reason_at(at(t)) == DropReason::none;
            }));
@@ -141,7 +153,7 @@ struct GeneralStep {
                                              [&](Real t) { return drives_on(at(t)); }));
       }
     }
-    if (slider == SlidingContact::on_left || slider == SlidingContact::on_right) {
+    if (slides_alone(slider)) {
       const auto ahead = [&](const State& s) { return own_lead(s, slider, direction); };
       const Real last = ahead(then);
       if (last < Real(0)) {
@@ -177,14 +189,18 @@ struct GeneralStep {
     const Real width = model.object.width;
     if (slider == SlidingContact::both) {
       const auto edges = edges_at(model.friction, then.configuration.palms, sense_of(direction));
+      const Moments<Real> pushed = moments_under(model.object, world.push);
       const Real slope =
           tied_slope(slip_order(pushed, edges[left], edges[right]), now.contact_vector);
       then.configuration.contacts = solve_slide_along(then.configuration, slope, offset, width);
     } else if (slider != SlidingContact::none) {
       const auto side = static_cast<std::size_t>(slider);
-      const auto next = solve_slide(then.configuration.separation, then.configuration.palms, side,
-                                    then.configuration.contacts[other(side)], offset, width);
-      then.configuration.contacts[side] = next.contact;
+      PerSide<Real>& contacts = then.configuration.contacts;
+      if (radius[other(side)] != Real(0))
+        contacts[other(side)] = rolled(now, then.configuration, side);
+      const Slipped<Real> next = slip<Real>(side == left, then.configuration.separation,
+                                            then.configuration.palms, contacts, offset, width);
+      contacts = next.contacts;
       then.contact_vector = next.contact_vector;
       return then;
     }
@@ -192,13 +208,53 @@ struct GeneralStep {
     return then;
   }
 
+  // The coordinate of the contact that rolls while that of the side `side` slides.
+  Real rolled(const State& before, const Configuration<Real>& now, std::size_t side) const {
+    const std::size_t rolls = other(side);
+    const Real r = radius[rolls];
+    const PalmAngle<Real>& own = now.palms[side];
+    const PalmAngle<Real>& partner = now.palms[rolls];
+    const auto& palms = before.configuration.palms;
+    // By how much θ_L + θ_R has grown.
+    const Real widened =
+        (now.palms[left].angle - palms[left].angle) + (now.palms[right].angle - palms[right].angle);
+    const Real held = before.configuration.contacts[rolls];
+    const PalmFrameVector<Real> seen = palm_frame_vector(before.contact_vector, side, palms[side]);
+    const ContactVector<Real> base = feet(now.separation, now.palms, model.offset);
+    const Real across = base.dx * own.sin + mirrored(side, base.dy) * own.cos;
+    const Real both = own.sin * partner.cos + partner.sin * own.cos;  // sin(θ_L + θ_R)
+    // f(δ) = w sin(β + δ) − across − both (held + r (widened − δ)) = 0. The error that is left after a
+    // correction is about its square.
+    constexpr Real enough = sizeof(Real) == 8 ? Real(1e-8) : Real(1e-4);
+    Real delta = Real(0);
+    for (int i = 0; i < 8; ++i) {
+      const SinCos<Real> by = sin_cos(delta);
+      const Real normal = seen.normal * by.cos + seen.inward * by.sin;
+      const Real inward = seen.inward * by.cos - seen.normal * by.sin;
+      const Real f = normal - across - both * (held + r * (widened - delta));
+      const Real step = f / (inward + both * r);
+      delta -= step;
+      if (within(step, enough)) break;
+    }
+    return held + r * (widened - delta);
+  }
+
+  ActingObject<Real> acting_at(const State& s) const {
+    return acting_object(model.object, radius, s.configuration.palms, s.contact_vector);
+  }
+
+  // Why the two vertices alone do not hold the object; of rounded ones, whether they surely do.
   DropReason reason_at(const State& s) const {
     const Real safe = model.safe_reach;
     const auto& p = s.configuration.contacts;
     if (within(p[left], safe) && within(p[right], safe)) return DropReason::none;
-    const Statics<Real> statics = Statics<Real>::at(model, s.configuration.palms);
-    return drop_reason(model, statics, s.configuration.palms, s.configuration.contacts,
-                       s.contact_vector);
+    const auto& palms = s.configuration.palms;
+    if (!is_rounded) return drop_reason(model, palms, p, s.contact_vector);
+    const ActingObject<Real> acting = acting_at(s);
+    return certainly_held<Real>(model, Moments<Real>::of(acting.object), acting.contact_vector,
+                                cones_at(model.friction, palms), palms, p, s.contact_vector)
+               ? DropReason::none
+               : DropReason::flush;
   }
 
   PalmAngle<Real> at_its_goal(std::size_t side) const {
@@ -206,9 +262,12 @@ struct GeneralStep {
                                  : PalmAngle<Real>::at(angles[side]);
   }
 
+  // Half the rate of change of the squared distance of the points that touch the palms, if both
+  // stayed where they are on the palms.
   Real drive(const State& s) const {
-    return drive_rate(s.configuration.palms, s.configuration.contacts, model.offset,
-                      s.contact_vector, change, turn);
+    return drive_rate(s.configuration.palms, s.configuration.contacts,
+                      {model.offset[left] - radius[left], model.offset[right] - radius[right]},
+                      acting_at(s).contact_vector, change, turn);
   }
 
   SlipDirection direction_at(const State& now, Real goal) const {
@@ -224,7 +283,9 @@ struct GeneralStep {
   SlipOnset<Real> slip_onset(const State& s, SlipDirection direction) const {
     const Real way = sense_of(direction);
     const auto edges = edges_at(model.friction, s.configuration.palms, way);
-    return SlipOnset<Real>::at(pushed, edges, s.contact_vector, way);
+    const ActingObject<Real> acting = acting_at(s);
+    return SlipOnset<Real>::at(moments_under(acting.object, world.push), edges,
+                               acting.contact_vector, way);
   }
 
   // Which contact slides now.
@@ -277,6 +338,13 @@ struct GeneralStep {
     if (slider == SlidingContact::on_right || slider == SlidingContact::both)
       result.motion[right] = direction;
     return result;
+  }
+
+  // Ends where rounded contacts begin what they do not do here.
+  Advance<Real> leave(Advance<Real> result, const State& now, Real done) const {
+    result.reason = DropReason::flush;
+    --result.segments;
+    return finish(result, now, done, SlidingContact::none, SlipDirection::stick);
   }
 };
 

@@ -15,12 +15,7 @@ namespace palmbots {
 inline ClosedPairs touching(const ContactProblem& problem, const Frames& frames, const Pose& pose,
                             double closed) {
   const NearPairs near = Neighbourhood{}.near(problem, left, frames, pose, closed, closed);
-  ClosedPairs found{};
-  for (std::size_t k = 0; k < near.count && found.count < ClosedPairs::most; ++k) {
-    const FeatureContact c = problem.contact(frames, pose, near.at[k].pair);
-    if (c.inside >= -closed) found.at[found.count++] = {near.at[k].pair, c};
-  }
-  return found;
+  return closed_among(problem, frames, pose, near, closed, closed);
 }
 
 // The coordinates at which the palms are touched, in place of those of the contact vertices [m].

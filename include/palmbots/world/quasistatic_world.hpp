@@ -24,7 +24,6 @@
 #include "palmbots/world/contact_step.hpp"
 #include "palmbots/world/general_step.hpp"
 #include "palmbots/world/palm_contacts.hpp"
-#include "palmbots/world/rolling_step.hpp"
 #include "palmbots/world/small_fall.hpp"
 #include "palmbots/world/vertex_pose.hpp"
 
@@ -37,7 +36,6 @@ class World {
   World() = default;
   World(const Model<Real>& model, const Configuration<Real>& configuration)
       : model_(model),
-        rolls_(rolls(model)),
         state_{{configuration, palmbots::contact_vector(configuration, model.offset)},
                {Real(0), Real(0), Real(takes_single_steps(model) ? 1 : 0)}} {}
 
@@ -151,7 +149,7 @@ class World {
   // Changes the separation by `change` [m] and turns the palms to `angles` [rad], both linearly.
   // Returns the events of the step; the reference is valid until the next step.
   const Advance<Real>& advance(Real change, const PerSide<Real>& angles, Real push = Real(0)) {
-    if (rolls_) [[unlikely]] {
+    if (state_.multi_contact != Real(0)) [[unlikely]] {
       state_.push = push;
       return take_apart(change, angles);
     }
@@ -177,13 +175,6 @@ class World {
 
   // The same, for a step that the fast step has left undone. Both robots travel alike.
   const Advance<Real>& take_apart(Real change, const PerSide<Real>& angles) {
-    if (rolls_ && !posed_ && !is_general() && model_.surroundings.none()) {
-      const auto step = RollingStep<Real>{model_, state_, change, angles}.run();
-      if (step.done) {
-        note(step.slides, step.closing, step.switched);
-        return last_;
-      }
-    }
     return take_apart({Vec{-0.5 * double(change), 0.0}, Vec{0.5 * double(change), 0.0}}, angles);
   }
 
@@ -233,10 +224,8 @@ class World {
 
   DropReason checked() const {
     const Configuration<Real>& here = state_.configuration;
-    if (posed_ || rolls_ || is_general()) return check_all();
-    const Statics<Real> statics = Statics<Real>::at(model_, here.palms);
-    const DropReason reason =
-        drop_reason(model_, statics, here.palms, here.contacts, state_.contact_vector);
+    if (posed_ || rolls(model_) || is_general()) return check_all();
+    const DropReason reason = drop_reason(model_, here.palms, here.contacts, state_.contact_vector);
     if (reason == DropReason::off_palm && may_leave_reach()) return check_all();
     if (!goes_on(reason)) return reason;
     const DropReason found = check_all();
@@ -297,8 +286,7 @@ class World {
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
     bool on_vertices = rests_on_vertices();
     if (!posed_) {
-      const bool alone =
-          model_.surroundings.none() && by[left].y == by[right].y && !rolls_ && !is_general();
+      const bool alone = model_.surroundings.none() && by[left].y == by[right].y && !is_general();
       if (alone) total = GeneralStep<Real>{model_, state_, Real(widens), goals}.run();
       const bool continues =
           goes_on(total.reason) || (total.reason == DropReason::off_palm && may_leave_reach());
@@ -323,9 +311,9 @@ class World {
       if (!before && on_vertices) contact_events_.ended = Real(t);
     };
     ContactStep contact_step(problem, step, pose_, regime_, around_, ambiguous_, rounding, note);
-    const ContactStepResult done = contact_step.run(double(total.fraction));
+    const Advance<double> done = contact_step.run(double(total.fraction));
     total = {done.reason, Real(done.fraction), motion_on_palms(problem, regime_),
-             total.segments + done.pieces};
+             total.segments + done.segments};
     carry_on(by, done.fraction);
     if (is_limited()) {
       total.lag = {Real(done.lag[left]), Real(done.lag[right])};
@@ -368,7 +356,6 @@ class World {
   }
 
   Model<Real> model_{};
-  bool rolls_ = false;  // a contact vertex is rounded
   mutable std::optional<ContactShapes> shapes_;
   CarryPhase phase_ = CarryPhase::carried;
   double most_fall_ = 0.0;  // [m]

@@ -46,6 +46,12 @@ struct ClosedPair {
   FeatureContact contact;
 };
 
+// It persists in this way.
+inline ActivePair active_of(const ClosedPair& one, Motion motion) {
+  const double held = one.pair.kind == PairKind::tip_on_arc ? 0.0 : one.contact.run;
+  return {one.pair, motion, held, one.contact.on_body};
+}
+
 // A gap (times w) below this counts as closed where people look at the object: 2.5 µm for the paper's
 // box, finer than any measured length, coarser than a coordinate that a person writes down.
 template <class Real>
@@ -61,23 +67,44 @@ struct ClosedPairs {
   std::size_t count = 0;
 };
 
-// The near pairs whose gap is at most `closed` [m].
+// The near pairs whose gap is at most `closed` [m], and that are at most `beyond` beyond the end of a
+// feature.
 inline ClosedPairs closed_among(const ContactProblem& problem, const Frames& frames,
-                                const Pose& pose, const NearPairs& near, double closed) {
+                                const Pose& pose, const NearPairs& near, double closed,
+                                double beyond = 100.0 * ContactTolerance::blank) {
   ClosedPairs found;
   for (std::size_t k = 0; k < near.count && found.count < ClosedPairs::most; ++k) {
     const FeatureContact c = problem.contact(frames, pose, near.at[k].pair);
-    if (magnitude(c.gap) <= closed && c.inside >= -100.0 * ContactTolerance::blank)
+    if (magnitude(c.gap) <= closed && c.inside >= -beyond)
       found.at[found.count++] = {near.at[k].pair, c};
   }
   return found;
 }
 
-// The side that comes first: the higher rank, or else as the object and its palms differ.
-template <class Ranks>
-std::size_t leader(const Ranks& of_left, const Ranks& of_right, double lopsided) {
+// The palm that is computed first, so that the mirrored problem rounds alike. Left comes first only if
+// nothing distinguishes left from right.
+inline std::size_t leading_side(const ContactProblem& problem, const Regime& regime,
+                                const Frames& frames, const Pose& pose) {
+  const auto ranks = [&](std::size_t side) {
+    const Frame& frame = frames[side];
+    const Vec com = frame.from_world(pose.at - frame.origin);
+    std::array<std::size_t, 2> touching{};
+    for (std::size_t i = 0; i < regime.count; ++i) {
+      if (problem.carrier(regime.active[i].pair) == side)
+        ++touching[regime.active[i].motion == Motion::stick ? 1 : 0];
+    }
+    return std::array<double, 7>{double(touching[0] + touching[1]),
+                                 frame.angle,
+                                 frame.rate,
+                                 com.x,
+                                 com.y,
+                                 double(touching[1]),
+                                 mirrored(side, problem.weight(true).x)};
+  };
+  const auto of_left = ranks(left);
+  const auto of_right = ranks(right);
   if (of_left != of_right) return of_right > of_left ? right : left;
-  return lopsided < 0.0 ? right : left;
+  return problem.shapes.lopsided < 0.0 ? right : left;
 }
 
 namespace detail {
@@ -99,21 +126,16 @@ inline void add_candidate(const ContactProblem& problem, const ClosedPairs& clos
   if (found.count == RegimeCandidates::most) return;
   RegimeCandidate made;
   made.regime.pushed = pushed;
-  PerSide<bool> touched{};
   std::size_t slide = 0;
   for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
     if (motions[i] == Motion::leave) continue;
-    const auto& [pair, c] = closed.at[i];
-    const double held = pair.kind == PairKind::tip_on_arc ? 0.0 : c.run;
-    made.regime.active[made.regime.count++] = {pair, motions[i], held, c.on_body};
+    made.regime.active[made.regime.count++] = active_of(closed.at[i], motions[i]);
     slide += motions[i] != Motion::stick ? 1 : 0;
-    const std::size_t carrier = problem.carrier(pair);
-    if (carrier < 2) touched[carrier] = true;
   }
   const std::size_t second = other_carrier(problem, made.regime);
   if (second < made.regime.count)
     made.regime.alike = made.regime.active[0].held - made.regime.active[second].held;
-  made.on_both = touched[left] && touched[right];
+  made.on_both = problem.is_on_both(made.regime);
   made.alike = slide == made.regime.count;
   // On both palms in one direction: nothing but balance drives the object, which falls off.
   const auto& active = made.regime.active;
@@ -239,47 +261,5 @@ class RegimeSearch {
   Supports supports_{};
   BalancingRays balancing_;
 };
-
-// What each contact of a regime may do next, as two bits of a `way`: it goes on, leaves or, if it
-// sticks, slides.
-inline constexpr std::array<Motion, 4> next_motion{Motion::stick, Motion::up, Motion::down,
-                                                   Motion::leave};
-
-// How many contacts do what in such a way.
-struct Changes {
-  std::size_t sliding = 0;
-  std::size_t leaving = 0;
-};
-constexpr Changes changes_in(std::size_t way) {
-  Changes changes;
-  for (; way != 0; way >>= 2) {
-    const Motion motion = next_motion[way & 3];
-    changes.leaving += motion == Motion::leave ? 1 : 0;
-    changes.sliding += motion == Motion::up || motion == Motion::down ? 1 : 0;
-  }
-  return changes;
-}
-
-// The regime that follows. It has no contacts if that is impossible.
-inline Regime varied(const ContactProblem& problem, const Regime& instant, std::size_t way) {
-  Regime regime = instant;
-  regime.count = 0;
-  PerSide<bool> touched{};
-  for (std::size_t i = 0; i < instant.count; ++i, way >>= 2) {
-    ActivePair contact = instant.active[i];
-    const Motion motion = next_motion[way & 3];
-    if (motion == Motion::leave) continue;
-    if (contact.motion == Motion::stick) {
-      contact.motion = motion;
-    } else if (motion != Motion::stick) {
-      return {};
-    }
-    regime.active[regime.count++] = contact;
-    const std::size_t carrier = problem.carrier(contact.pair);
-    if (carrier < 2) touched[carrier] = true;
-  }
-  if (problem.on_both && !(touched[left] && touched[right])) regime.count = 0;
-  return regime;
-}
 
 }  // namespace palmbots

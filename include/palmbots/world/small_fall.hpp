@@ -15,6 +15,7 @@
 // of a box. It decides between directions only where several of them are possible.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 
 #include "palmbots/world/regime_choice.hpp"
@@ -38,7 +39,7 @@ class SmallFall {
     PerSide<double> before = from;
     PerSide<double> free{};
     Neighbourhood around;
-    const std::size_t first = leading_side(pose);
+    const std::size_t first = leading_side(problem_, {}, frames_, pose);
     for (int i = 0; i < most_steps; ++i) {
       const NearPairs near = around.near(problem_, first, frames_, pose, 4 * pace * size_, closed_);
       const ClosedPairs closed = closed_among(problem_, frames_, pose, near, closed_);
@@ -47,12 +48,12 @@ class SmallFall {
         const PerSide<double> now = heights(pose);
         return larger(from[left] - now[left], from[right] - now[right]);
       }
-      const Way way = fastest(closed);
-      if (!way.found) return std::nullopt;
-      follow(way, closed, near, pose);
+      const std::optional<Way> way = fastest(closed, pose);
+      if (!way) return std::nullopt;
+      follow(*way, near, pose);
       const PerSide<double> now = heights(pose);
       for (const std::size_t side : {left, right}) {
-        free[side] += way.unslowed * (before[side] - now[side]);
+        free[side] += way->unslowed * (before[side] - now[side]);
         if (free[side] > most_) return std::nullopt;
       }
       before = now;
@@ -69,21 +70,22 @@ class SmallFall {
   // contact that takes over is closed, too.
   static constexpr double beyond = 1e-6;
 
-  using Rows = std::array<Triple, 2>;  // more leave no direction
-  using Solver = EchelonForm<double, 2>;
-
-  // A contact that takes part: it slides, or both of its rows belong to one that sticks.
-  struct Bond {
-    std::size_t closed;
-    Motion motion;
+  // A direction in which the object does not move, the force that sees to it, and how far the object
+  // is off.
+  struct Hold {
+    Triple row;
+    Triple force;
+    double off;
   };
-  // A direction in which the object begins to move.
-  struct Way {
-    bool found = false;
-    Triple by{};            // x, y, turn × size
-    double unslowed = 1.0;  // the share of the potential energy that becomes kinetic
-    std::array<Bond, 2> bonds{};
+  struct Holds {
+    std::array<Hold, 2> at;  // up to `count`; more leave no direction
     std::size_t count = 0;
+  };
+  // A direction in which the object begins to move: x, y, turn × size.
+  struct Way {
+    Triple by{};
+    Regime bonds;           // contacts that persist: one sticks, or up to two slide
+    double unslowed = 1.0;  // the share of the potential energy that becomes kinetic
   };
 
   // M⁻¹ of a wrench (its third part divided by the size).
@@ -103,107 +105,103 @@ class SmallFall {
     return found;
   }
 
-  // In the mirror the right side is computed first.
-  std::size_t leading_side(const Pose& pose) const {
-    const auto ranks = [&](std::size_t side) {
-      const Vec com = frames_[side].from_world(pose.at - frames_[side].origin);
-      return std::array<double, 3>{frames_[side].angle, com.x, com.y};
-    };
-    return leader(ranks(left), ranks(right), problem_.shapes.lopsided);
-  }
-
   // A direction in which the closed contacts let it begin to move. At most two equations leave it
   // one: the object sticks to one contact, or slides along up to two.
-  Way fastest(const ClosedPairs& closed) const {
+  std::optional<Way> fastest(const ClosedPairs& closed, const Pose& pose) const {
     constexpr std::array<Motion, 2> slides{Motion::up, Motion::down};
-    Way way;
-    const auto finds = [&](std::array<Bond, 2> bonds, std::size_t count, bool rough) {
-      way = tried(closed, bonds, count, rough);
-      return way.found;
+    std::optional<Way> way;
+    const auto finds = [&](std::initializer_list<ActivePair> bonds, bool rough) {
+      Regime regime;
+      for (const ActivePair& bond : bonds) regime.active[regime.count++] = bond;
+      way = tried(closed, pose, regime, rough);
+      return way.has_value();
     };
     for (const bool rough : {true, false}) {
       for (std::size_t i = 0; rough && i < closed.count; ++i)
-        if (finds({{{i, Motion::stick}}}, 1, rough)) return way;
+        if (finds({active_of(closed.at[i], Motion::stick)}, rough)) return way;
       for (std::size_t i = 0; i < closed.count; ++i)
         for (std::size_t j = i + 1; j < closed.count; ++j)
           for (const Motion a : slides)
             for (const Motion b : slides)
-              if (finds({{{i, a}, {j, b}}}, 2, rough)) return way;
+              if (finds({active_of(closed.at[i], a), active_of(closed.at[j], b)}, rough))
+                return way;
       for (std::size_t i = 0; i < closed.count; ++i)
         for (const Motion a : slides)
-          if (finds({{{i, a}}}, 1, rough)) return way;
+          if (finds({active_of(closed.at[i], a)}, rough)) return way;
     }
-    return tried(closed, {}, 0, false);
+    finds({}, false);
+    return way;
   }
 
-  Way tried(const ClosedPairs& closed, std::array<Bond, 2> bonds, std::size_t count,
-            bool rough) const {
+  std::optional<Way> tried(const ClosedPairs& closed, const Pose& pose, const Regime& bonds,
+                           bool rough) const {
     const Triple weight = problem_.weight(false) * -1.0;
-    // Directions in which nothing moves, and the forces that see to it. A contact that sticks is alone.
-    Rows fixed{};
-    Rows forces{};
-    std::size_t rows = count;
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto& [pair, c] = closed.at[bonds[k].closed];
-      const double friction = rough ? problem_.surface(pair).friction : 0.0;
-      const double along = bonds[k].motion == Motion::up ? -friction : friction;
-      const bool sticks = bonds[k].motion == Motion::stick;
-      fixed[k] = problem_.row(c, c.normal);
-      forces[k] = problem_.row(c, sticks ? c.normal : c.normal + c.tangent * along);
-      if (!sticks) continue;
-      fixed[1] = forces[1] = problem_.row(c, c.tangent);
-      rows = 2;
-    }
+    const ActiveContacts contacts = contacts_of(problem_, bonds, frames_, pose);
+    const Holds holds = holds_of(bonds, contacts, rough);
+    std::array<double, 2> parts{};
+    for (std::size_t r = 0; r < holds.count; ++r)
+      parts[r] = -dot(holds.at[r].row, moved_by(weight));
+    Way way{moved_by(weight), bonds};
     std::array<double, 2> sizes{};
-    if (!solve(fixed, forces, rows,
-               {-dot(fixed[0], moved_by(weight)), -dot(fixed[1], moved_by(weight))}, sizes))
-      return {};
-    Way way{true, moved_by(weight), 1.0, bonds, count};
-    for (std::size_t r = 0; r < rows; ++r) way.by = way.by + moved_by(forces[r]) * sizes[r];
-    std::array<bool, ClosedPairs::most> bound{};
+    if (!push(holds, parts, way.by, sizes)) return {};
     double heat = 0.0;  // of friction that the direction leaves out
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto& [pair, c] = closed.at[bonds[k].closed];
-      bound[bonds[k].closed] = true;
-      if (bonds[k].motion == Motion::stick) {
-        const double most = problem_.surface(pair).friction * sizes[0];
-        if (sizes[0] < 0.0 || magnitude(sizes[1]) > most) return {};
+    for (std::size_t k = 0; k < bonds.count; ++k) {
+      const Motion motion = bonds.active[k].motion;
+      const double most = problem_.surface(bonds.active[k].pair).friction * sizes[k];
+      if (sizes[k] < 0.0) return {};
+      if (motion == Motion::stick) {
+        if (magnitude(sizes[1]) > most) return {};
         continue;
       }
-      if (sizes[k] < 0.0) return {};
-      const double slips = dot(problem_.row(c, c.tangent), way.by);
-      if (rough && double(static_cast<int>(bonds[k].motion)) * slips < 0.0) return {};
-      if (!rough) heat += problem_.surface(pair).friction * sizes[k] * magnitude(slips);
+      const double slips = dot(problem_.row(contacts[k], contacts[k].tangent), way.by);
+      if (rough && double(static_cast<int>(motion)) * slips < 0.0) return {};
+      if (!rough) heat += most * magnitude(slips);
     }
     for (std::size_t i = 0; i < closed.count; ++i) {
-      if (bound[i]) continue;
-      const FeatureContact& c = closed.at[i].contact;
-      if (dot(problem_.row(c, c.normal), way.by) < -slack) return {};
+      const auto& [pair, c] = closed.at[i];
+      if (!bonds.has(pair) && dot(problem_.row(c, c.normal), way.by) < -slack) return {};
     }
     // It goes down, or it does not fall.
     const double potential = dot(way.by, weight);
-    way.found = potential > slack;
+    if (!(potential > slack)) return {};
     way.unslowed = larger(dot(way.by, inertia_of(way.by)) - heat, 0.0) / potential;
     return way;
   }
 
-  // The sizes of forces with which M⁻¹ of their sum has given parts along fixed directions.
-  bool solve(const Rows& fixed, const Rows& forces, std::size_t rows,
-             const std::array<double, 2>& parts, std::array<double, 2>& sizes) const {
-    Solver system;
+  Holds holds_of(const Regime& bonds, const ActiveContacts& contacts, bool rough) const {
+    Holds holds;
+    for (std::size_t i = 0; i < bonds.count; ++i) {
+      const ActivePair& a = bonds.active[i];
+      const FeatureContact& c = contacts[i];
+      const double friction = rough ? problem_.surface(a.pair).friction : 0.0;
+      const Vec along = c.tangent * (-double(static_cast<int>(a.motion)) * friction);
+      const Triple tangent = problem_.row(c, c.tangent);
+      holds.at[holds.count++] = {problem_.row(c, c.normal), problem_.row(c, c.normal + along),
+                                 c.gap};
+      if (a.motion == Motion::stick) holds.at[holds.count++] = {tangent, tangent, c.run - a.held};
+    }
+    return holds;
+  }
+
+  // Adds forces of the holds, of these sizes, so that a motion changes by given parts along their
+  // rows. False if no forces do that.
+  bool push(const Holds& holds, const std::array<double, 2>& parts, Triple& by,
+            std::array<double, 2>& sizes) const {
+    EchelonForm<double, 2> system;
     for (std::size_t r = 0; r < 2; ++r) {
-      Solver::Row row{};
-      row[r] = rows <= r ? 1.0 : 0.0;
-      for (std::size_t s = 0; r < rows && s < rows; ++s)
-        row[s] = dot(fixed[r], moved_by(forces[s]));
-      if (!system.add(row, r < rows ? parts[r] : 0.0)) return false;
+      EchelonForm<double, 2>::Row row{};
+      row[r] = holds.count <= r ? 1.0 : 0.0;
+      for (std::size_t s = 0; r < holds.count && s < holds.count; ++s)
+        row[s] = dot(holds.at[r].row, moved_by(holds.at[s].force));
+      if (!system.add(row, r < holds.count ? parts[r] : 0.0)) return false;
     }
     sizes = system.solution();
+    for (std::size_t r = 0; r < holds.count; ++r) by = by + moved_by(holds.at[r].force) * sizes[r];
     return true;
   }
 
   // Follows a way for a step, at most until a further gap closes.
-  void follow(const Way& way, const ClosedPairs& closed, const NearPairs& near, Pose& pose) const {
+  void follow(const Way& way, const NearPairs& near, Pose& pose) const {
     const double fast = length(Vec{way.by.x, way.by.y}) + magnitude(way.by.z);
     const double whole = pace * size_ / fast;
     const Pose start = pose;
@@ -211,8 +209,7 @@ class SmallFall {
     double ahead = whole;
     for (int i = 0; i < 60; ++i) {
       Pose there = advanced(start, way.by, done + ahead);
-      const bool kept = keep(way, closed, there);
-      if (kept && stays(way, closed, there) && is_free(way, closed, near, there)) {
+      if (keep(way.bonds, there) && is_free(way.bonds, near, there)) {
         done += ahead;
         pose = there;
         if (done >= whole) return;
@@ -226,50 +223,28 @@ class SmallFall {
   }
 
   // Closes the gaps of the contacts that persist again, and puts one that sticks back.
-  bool keep(const Way& way, const ClosedPairs& closed, Pose& pose) const {
-    for (int i = 0; way.count > 0 && i < 20; ++i) {
-      Rows fixed{};
-      std::array<double, 2> off{};
-      std::size_t rows = 0;
-      for (std::size_t k = 0; k < way.count; ++k) {
-        const auto& [pair, before] = closed.at[way.bonds[k].closed];
-        const FeatureContact c = problem_.contact(frames_, pose, pair, before.on_body);
-        fixed[rows] = problem_.row(c, c.normal);
-        off[rows++] = -c.gap;
-        if (way.bonds[k].motion != Motion::stick) continue;
-        const double held = pair.kind == PairKind::tip_on_arc ? 0.0 : before.run;
-        fixed[rows] = problem_.row(c, c.tangent);
-        off[rows++] = held - c.run;
-      }
-      std::array<double, 2> sizes{};
-      if (!solve(fixed, fixed, rows, off, sizes)) return false;
+  bool keep(const Regime& bonds, Pose& pose) const {
+    for (int i = 0; !bonds.none() && i < 20; ++i) {
+      const Holds holds = holds_of(bonds, contacts_of(problem_, bonds, frames_, pose), false);
+      std::array<double, 2> parts{};
+      for (std::size_t r = 0; r < holds.count; ++r) parts[r] = -holds.at[r].off;
       Triple by{};
-      for (std::size_t r = 0; r < rows; ++r) by = by + moved_by(fixed[r]) * sizes[r];
+      std::array<double, 2> sizes{};
+      if (!push(holds, parts, by, sizes)) return false;
       pose = advanced(pose, by, 1.0);
       if (EchelonForm<double, 3>::largest({by.x, by.y, by.z}) < 1e-14 * size_) break;
     }
     return true;
   }
 
-  // Whether the contacts that persist are not much beyond their features' ends, where others take
-  // over.
-  bool stays(const Way& way, const ClosedPairs& closed, const Pose& pose) const {
-    for (std::size_t b = 0; b < way.count; ++b) {
-      const FeaturePair pair = closed.at[way.bonds[b].closed].pair;
-      if (problem_.contact(frames_, pose, pair).inside < -beyond) return false;
-    }
-    return true;
-  }
-
-  bool is_free(const Way& way, const ClosedPairs& closed, const NearPairs& near,
-               const Pose& pose) const {
+  // Whether nothing else overlaps, and the contacts that persist are not much beyond their features'
+  // ends, where others take over.
+  bool is_free(const Regime& bonds, const NearPairs& near, const Pose& pose) const {
     for (std::size_t k = 0; k < near.count; ++k) {
-      if (near.at[k].behind) continue;
-      bool bound = false;
-      for (std::size_t b = 0; b < way.count; ++b)
-        bound = bound || closed.at[way.bonds[b].closed].pair == near.at[k].pair;
-      const FeatureContact c = problem_.contact(frames_, pose, near.at[k].pair);
-      if (!bound && c.inside >= 0.0 && c.gap < -0.5 * closed_) return false;
+      const auto& [pair, behind] = near.at[k];
+      const FeatureContact c = problem_.contact(frames_, pose, pair);
+      const bool overlaps = !behind && c.inside >= 0.0 && c.gap < -0.5 * closed_;
+      if (bonds.has(pair) ? c.inside < -beyond : overlaps) return false;
     }
     return true;
   }

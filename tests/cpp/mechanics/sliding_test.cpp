@@ -92,10 +92,10 @@ void one_contact_slides_or_the_robots_move() {
     const State s = random_state(chance);
     const double width = std::sqrt(square(s)) * 1.01;
     for (const std::size_t side : {left, right}) {
-      const SlideSolution<double> found =
-          solve_slide(s.separation, palms_of(s), side, s.contacts[other(side)], s.offset, width);
+      const Slipped<double> found =
+          slip<double>(side == left, s.separation, palms_of(s), s.contacts, s.offset, width);
       State slid = s;
-      slid.contacts[side] = found.contact;
+      slid.contacts = found.contacts;
       const Vector v = between_contacts(slid);
       CHECK(std::abs(std::hypot(v.x, v.y) - width) < 1e-12);
       CHECK(std::abs(found.contact_vector.dx - v.x) < 1e-12);

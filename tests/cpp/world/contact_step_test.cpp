@@ -163,15 +163,15 @@ struct Seen {
   int held = 0;  // scenes that did not end early
 };
 
-ContactStepResult step(Scene& s, Regime& regime, double slope, const PalmPose (&by)[2],
-                       double share) {
+Advance<double> step(Scene& s, Regime& regime, double slope, const PalmPose (&by)[2],
+                     double share) {
   const ContactProblem problem{s.shapes, slope, 0.0, false};
   const Travel travel = travel_of(s, by, share);
   AmbiguousEvents ambiguous;
   const double rounding = 1e-14 * s.shapes.size;
-  const ContactStepResult done = ContactStep(problem, travel, s.pose, regime, s.around, ambiguous,
-                                             rounding, [](const Frames&, double) {})
-                                     .run();
+  const Advance<double> done = ContactStep(problem, travel, s.pose, regime, s.around, ambiguous,
+                                           rounding, [](const Frames&, double) {})
+                                   .run();
   for (const std::size_t side : {left, right}) {
     s.palms[side].pivot.x += done.fraction * travel.palms[side].by.x;
     s.palms[side].pivot.y += done.fraction * travel.palms[side].by.y;
@@ -207,9 +207,9 @@ void obeys_mechanics(int scenes) {
       seen.many += regime.count > 2 ? 1 : 0;
       // A little further, in which nothing happens, as a rule.
       const Scene before = s;
-      const ContactStepResult little = step(s, regime, slope, by, 1e-3);
+      const Advance<double> little = step(s, regime, slope, by, 1e-3);
       ended = little.reason != DropReason::none;
-      if (ended || little.pieces > 1) continue;
+      if (ended || little.segments > 1) continue;
       const double pace = 1e-3 * (std::hypot(by[left].pivot.x, by[left].pivot.y) +
                                   std::hypot(by[right].pivot.x, by[right].pivot.y) +
                                   0.3 * (std::abs(by[left].angle) + std::abs(by[right].angle)));
@@ -254,11 +254,11 @@ void whole_or_in_parts(int scenes, unsigned seed) {
       }
       Scene other_way = s;
       Regime of_parts = regime;
-      const ContactStepResult whole = step(s, regime, 0, by, 1);
+      const Advance<double> whole = step(s, regime, 0, by, 1);
       double done = 0;
       DropReason reason = DropReason::none;
       for (int part = 0; part < parts && reason == DropReason::none; ++part) {
-        const ContactStepResult one = step(other_way, of_parts, 0, by, 1.0 / parts);
+        const Advance<double> one = step(other_way, of_parts, 0, by, 1.0 / parts);
         done += one.fraction / parts;
         reason = one.reason;
       }
@@ -267,7 +267,7 @@ void whole_or_in_parts(int scenes, unsigned seed) {
                          std::hypot(apart.x, apart.y) < 1e-7 &&
                          std::abs(other_way.pose.angle - s.pose.angle) < 1e-6;
       differ += alike ? 0 : 1;
-      many += whole.pieces > 3 ? 1 : 0;
+      many += whole.segments > 3 ? 1 : 0;
       ++steps;
       if (reason != DropReason::none || whole.reason != DropReason::none) break;
     }
@@ -329,9 +329,9 @@ void two_vertices(int scenes) {
       Regime regime{};
       Neighbourhood around;
       AmbiguousEvents ambiguous;
-      const ContactStepResult done = ContactStep(problem, travel, pose, regime, around, ambiguous,
-                                                 1e-13, [](const Frames&, double) {})
-                                         .run();
+      const Advance<double> done = ContactStep(problem, travel, pose, regime, around, ambiguous,
+                                               1e-13, [](const Frames&, double) {})
+                                       .run();
       CHECK(done.reason == DropReason::none && regime.count == 2);
       for (const std::size_t side : {left, right}) {
         const double place = problem.contact(travel.frames(1), pose, shapes.own[side]).place;
