@@ -79,7 +79,7 @@ TouchedState TouchedState::on_floor(const Spec& given, const FloorState& state) 
     if (state.raised != 0 && here.refusal_.empty())
       move({Vec{0.0, state.raised}, Vec{0.0, state.raised}});
   }
-  for (const Touched& one : touched_in(world, contact_tolerance<double> * spec.width)) {
+  for (const Touched& one : world.touched_in(contact_tolerance<double> * spec.width)) {
     here.add(one);
   }
   const Pose pose = world.pose();

@@ -3,7 +3,7 @@
 #include "palmbots/base/gravity.hpp"
 #include "palmbots/sim/palm_way.hpp"
 #include "palmbots/sim/standing_start.hpp"
-#include "palmbots/world/touching.hpp"
+#include "palmbots/world/quasistatic_world.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -40,7 +40,7 @@ using SupportTuple = std::tuple<std::size_t, double, double, double, double, dou
 std::vector<std::tuple<std::string, std::size_t, double, SupportTuple>> touching(
     const World<double>& w, double within) {
   std::vector<std::tuple<std::string, std::size_t, double, SupportTuple>> found;
-  for (const Touched& one : touched_in(w, within)) {
+  for (const Touched& one : w.touched_in(within)) {
     const Support& s = one.support;
     found.emplace_back(one.kind, one.carrier, one.place,
                        SupportTuple{s.side, s.x, s.y, s.nx, s.ny, s.friction});
@@ -159,7 +159,7 @@ void bind_world(nb::module_& m) {
             return std::vector(names.begin(), names.end());
           },
           "Which of floor, wall and stand are among the contacts.")
-      .def("pierced", &pierced_palm, nb::arg("deep"),
+      .def("pierced", &W::pierced_palm, nb::arg("deep"),
            "The palm that is in the object by more than this [m]; None: neither is.")
       .def(
           "set_phase",

@@ -78,11 +78,12 @@ template <class Real>
     if (!(arm >= Real(0))) return DropReason::tipping;
   }
   const auto cones = cones_at(model.friction, palms);
-  const auto& [dx, dy] = contact_vector;
+  const auto is_wedged = [&](std::size_t side, ConeEdge<Real> edge) {
+    return wedged(side, edge, contact_vector.dx, contact_vector.dy);
+  };
   const auto holds = [&](std::size_t side) {
     return overlap(model.moments, cones, other(side), contact_vector) >= Real(0) ||
-           wedged(side, cones[side].up, dx, dy) ||
-           wedged(other(side), cones[other(side)].down, dx, dy);
+           is_wedged(side, cones[side].up) || is_wedged(other(side), cones[other(side)].down);
   };
   return holds(left) && holds(right) ? DropReason::none : DropReason::sliding;
 }

@@ -13,7 +13,7 @@
 #include "palmbots/base/number_text.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/problem_text.hpp"
-#include "palmbots/world/touching.hpp"
+#include "palmbots/world/quasistatic_world.hpp"
 
 namespace palmbots {
 
@@ -78,8 +78,8 @@ inline StateContacts contacts_of_state(const Spec& spec, const PerSide<double>& 
                     {side, point.x, point.y, normal.x, normal.y, model.friction[side]}},
                    from_centre + Vec{side == left ? 0.0 : spec.width, 0.0}});
   }
-  found.pierced = pierced_palm(world, near);
-  for (const Touched& one : touched_in(world, near)) {
+  found.pierced = world.pierced_palm(near);
+  for (const Touched& one : world.touched_in(near)) {
     const Vec from_com{one.support.x, one.support.y};
     const auto known = std::find_if(all.begin(), all.end(), [&](const Touched& other) {
       return other.carrier == one.carrier &&

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What touches in a position, and what that means for each palm: where it is touched, and how its
-// contact moves.
+// What touches in a position: as supports, and what it means for each palm, namely where it is touched
+// and how its contact moves.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "palmbots/mechanics/clearance.hpp"
 #include "palmbots/mechanics/contact_modes.hpp"
@@ -16,6 +17,85 @@ inline ClosedPairs touching(const ContactProblem& problem, const Frames& frames,
                             double closed) {
   const NearPairs near = Neighbourhood{}.near(problem, left, frames, pose, closed, closed);
   return closed_among(problem, frames, pose, near, closed, closed);
+}
+
+// A contact with a palm (by its side) or with something that stands still.
+struct Touched {
+  // What touches: a vertex on a palm, an edge flush on it, or what of the surface.
+  const char* kind;
+  std::size_t carrier;  // as in Carrier
+  double place;         // on the surface [m]
+  Support support;
+};
+
+inline const char* name_of(const Surface& surface) {
+  if (surface.carrier == Carrier::ground) return name_of(surface.ground);
+  if (surface.tip) return "tip";
+  if (surface.normal.y > 0.5) return "vertex";
+  return surface.at.x < 0.0 ? "nose" : "heel";
+}
+
+namespace detail {
+
+// Whether an earlier pair is the same contact: a feature and its neighbour, where one hands over to
+// the other.
+inline bool is_known(const ClosedPairs& closed, std::size_t i, double near) {
+  const FeatureContact& own = closed.at[i].contact;
+  for (std::size_t k = 0; k < i; ++k) {
+    const FeatureContact& other = closed.at[k].contact;
+    if (length(other.point - own.point) <= near && length(other.normal - own.normal) <= 1e-4)
+      return true;
+  }
+  return false;
+}
+
+// Whether an edge of the object joins two pairs.
+inline bool share_edge(const RoundedBody& body, const FeaturePair& a, const FeaturePair& b) {
+  const auto ends_at = [&](const FeaturePair& corner, const FeaturePair& edge) {
+    return corner.feature == edge.feature || body.before(corner.feature) == edge.feature;
+  };
+  const bool a_is_corner = a.kind == PairKind::corner_on_face;
+  const bool b_is_corner = b.kind == PairKind::corner_on_face;
+  if (a_is_corner && b_is_corner)
+    return body.before(a.feature) == b.feature || body.before(b.feature) == a.feature;
+  if (a_is_corner) return ends_at(a, b);
+  return b_is_corner ? ends_at(b, a) : a.feature == b.feature;
+}
+
+// Whether a contact with a palm is an end of an edge that lies flush on it.
+inline bool is_flush(const ContactShapes& shapes, const ClosedPairs& closed, std::size_t i) {
+  const auto carrier = [&](std::size_t k) {
+    return shapes.surfaces.at[closed.at[k].pair.surface].carrier;
+  };
+  if (carrier(i) == Carrier::ground) return false;
+  constexpr double parallel = 0.01;  // an edge that leans on a heel slants more
+  for (std::size_t k = 0; k < closed.count; ++k) {
+    const Vec apart = closed.at[k].contact.normal - closed.at[i].contact.normal;
+    if (k != i && carrier(k) == carrier(i) && length(apart) <= parallel &&
+        share_edge(shapes.body, closed.at[i].pair, closed.at[k].pair))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace detail
+
+// The contacts of closed pairs whose gap is at most `within` [m]. Source: docs/theory/contacts.md.
+inline std::vector<Touched> touched_by(const ContactShapes& shapes, const ClosedPairs& closed,
+                                       double within) {
+  std::vector<Touched> found;
+  for (std::size_t i = 0; i < closed.count; ++i) {
+    if (detail::is_known(closed, i, 2.0 * within)) continue;
+    const auto& [pair, c] = closed.at[i];
+    const Surface& surface = shapes.surfaces.at[pair.surface];
+    const auto carrier = static_cast<std::size_t>(surface.carrier);
+    found.push_back({detail::is_flush(shapes, closed, i) ? "flush" : name_of(surface),
+                     carrier,
+                     surface.tip ? surface.at.x : c.place,
+                     {carrier == left ? left : right, c.point.x, c.point.y, c.normal.x, c.normal.y,
+                      surface.friction}});
+  }
+  return found;
 }
 
 // The coordinates at which the palms are touched, in place of those of the contact vertices [m].

@@ -119,13 +119,14 @@ class World {
     return *shapes_;
   }
   const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
-  // All pairs whose gap is at most `closed` [m].
-  ClosedPairs touching(double closed) const {
-    return palmbots::touching(problem(), here(), pose(), closed);
+  // The contacts whose gap is at most `within` [m].
+  std::vector<Touched> touched_in(double within) const {
+    return touched_by(shapes(), touching(within), within);
   }
-  // The carrier whose faces, moved by `deep` into it, still lie in the object; palms come first.
-  std::optional<std::size_t> pierced(double deep) const {
-    return pierced_carrier(shapes(), pose(), here(), deep);
+  // The palm whose faces, moved by `deep` into it, still lie in the object.
+  std::optional<std::size_t> pierced_palm(double deep) const {
+    const auto carrier = pierced_carrier(shapes(), pose(), here(), deep);
+    return carrier == std::size_t(Carrier::ground) ? std::nullopt : carrier;
   }
 
   // Why the object is not held in its present position, or `none`.
@@ -238,10 +239,15 @@ class World {
     // Smaller than the gap of a closed contact: a corner penetrates a palm deeper than the palm
     // penetrates the corner.
     const Real deep = closed / Real(64);
-    if (pierced(double(deep))) return DropReason::flush;
+    if (pierced_carrier(shapes(), pose(), here(), double(deep))) return DropReason::flush;
     return off_palm(problem(), here(), pose(), double(closed))
                ? DropReason::off_palm
                : reason_of(problem(), touching(double(closed)));
+  }
+
+  // All pairs whose gap is at most `closed` [m].
+  ClosedPairs touching(double closed) const {
+    return palmbots::touching(problem(), here(), pose(), closed);
   }
 
   ContactProblem problem() const {
