@@ -40,8 +40,9 @@ template <class Real>
     const ModelParams<Real>& params, const Moments<Real>& moments, ContactVector<Real> touching,
     const PerSide<FrictionCone<Real>>& cones, const PerSide<PalmAngle<Real>>& palms,
     const PerSide<Real>& contacts, ContactVector<Real> contact_vector) {
-  MaskOf<Real> held = (overlap(moments, cones, right, touching) >= Real(0)) &
-                      (overlap(moments, cones, left, touching) >= Real(0));
+  const Real left_holds = overlap(moments, cones, right, touching);
+  const Real right_holds = overlap(moments, cones, left, touching);
+  MaskOf<Real> held = (left_holds >= Real(0)) & (right_holds >= Real(0));
   on_both_sides([&](std::size_t side) {
     const MaskOf<Real> on_palm = within(contacts[side], params.reach[side]);
     const Real arm = moments.moment_arm(side, touching.dx, mirrored(side, touching.dy));

@@ -87,7 +87,7 @@ class EdgeShares {
   std::vector<Shares> balancing(Triple wrench) const {
     std::vector<Shares> found;
     const BalancingRays balancing(rays_, wrench);
-    for (const std::uint32_t set : balancing.sets()) {
+    for (const std::uint32_t set : balancing.all()) {
       Shares shares{};
       std::array<Triple, 3> ray;
       std::array<std::size_t, 3> edge;

@@ -191,17 +191,19 @@ class Twists {
         search.without[i] |= is_out << k;
         if (is_out == 0) own |= edges_of(Motion::stick) << (2 * i);
       }
-      if (balancing.first_of(own) == balancing.none()) continue;
+      if (!balancing.any(balancing.without(~own & all_edges))) continue;
       hold |= std::uint32_t{1} << k;
       edges |= own;
     }
     Open open;
-    if (hold != 0) descend(search, 0, hold, {edges, balancing.first_of(edges)}, {}, open);
+    if (hold != 0) descend(search, 0, hold, balancing.without(~edges & all_edges), {}, open);
   }
 
  private:
   using Space = TwistSpace;
   using Open = HalfSpaces;
+  using Forces = BalancingRays::Some;  // sets of edges on which forces can lie and that balance
+  static constexpr std::uint32_t all_edges = (std::uint32_t{1} << 2 * max_supports) - 1;
 
   static Condition condition(const Support& s, double dx, double dy, double reach, Vec palm,
                              double pace) {
@@ -217,13 +219,6 @@ class Twists {
     if (motion == Motion::up) return open.add(space, along);
     return motion == Motion::stick || open.add(space, {along.row * -1.0, -along.value});
   }
-  // Edges on which forces can lie, two bits for each contact, both of those that come later; and the
-  // first set of them that balances.
-  struct Forces {
-    std::uint32_t edges;
-    std::size_t set;
-  };
-
   template <class Found>
   struct Search {
     const BalancingRays& balancing;
@@ -233,10 +228,9 @@ class Twists {
 
     Forces with(const Forces& forces, std::size_t contact, Motion motion) const {
       const std::uint32_t closed = edges_of(Motion::stick) & ~edges_of(motion);
-      const std::uint32_t edges = forces.edges & ~(closed << (2 * contact));
-      return {edges, balancing.first_of(edges, forces.set)};
+      return balancing.without(closed << (2 * contact), forces);
     }
-    bool balances(const Forces& forces) const { return forces.set != balancing.none(); }
+    bool balances(const Forces& forces) const { return balancing.any(forces); }
   };
 
   // From contact i on. The earlier ones leave this space, in which their inequalities are `open`; they

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -260,6 +261,9 @@ inline double distance_from_pair(Triple a, Triple b, Triple wrench) {
 // Which rays balance a wrench, for many selections of the same rays: all minimal sets of rays whose
 // cone contains the wrench, up to rounding.
 class BalancingRays {
+  static constexpr std::size_t n = 2 * max_supports;
+  static constexpr std::size_t capacity = n * (n - 1) * (n - 2) / 6;
+
  public:
   // No wrench: nothing has to balance it.
   BalancingRays() { add(0); }
@@ -305,28 +309,45 @@ class BalancingRays {
     }
   }
 
-  // The number of the first set, from one on, that consists of these rays (as bits); `none()`: they
-  // do not balance the wrench. Fewer rays have a later one.
-  std::size_t first_of(std::uint32_t rays, std::size_t from = 0) const {
-    while (from < count_ && (sets_[from] & ~rays) != 0) ++from;
-    return from;
+  // Some of the sets, as bits.
+  using Some = std::array<std::uint64_t, (capacity + 63) / 64>;
+
+  // Those that need none of these rays (as bits).
+  Some without(std::uint32_t rays) const {
+    Some all{};
+    for (std::size_t k = 0; k < count_; ++k) all[k / 64] |= std::uint64_t{1} << k % 64;
+    return without(rays, all);
   }
-  std::size_t none() const { return count_; }
-  std::span<const std::uint32_t> sets() const { return {sets_.data(), count_}; }
+  Some without(std::uint32_t rays, Some sets) const {
+    for (; rays != 0; rays &= rays - 1) {
+      const Some& with = with_[std::size_t(std::countr_zero(rays))];
+      for (std::size_t w = 0; 64 * w < count_; ++w) sets[w] &= ~with[w];
+    }
+    return sets;
+  }
+  bool any(const Some& sets) const {
+    std::uint64_t found = 0;
+    for (std::size_t w = 0; 64 * w < count_; ++w) found |= sets[w];
+    return found != 0;
+  }
+  std::span<const std::uint32_t> all() const { return {sets_.data(), count_}; }
 
  private:
-  static constexpr std::size_t n = 2 * max_supports;
+  void add(std::uint32_t set) {
+    sets_[count_] = set;
+    for (std::uint32_t rays = set; rays != 0; rays &= rays - 1)
+      with_[std::size_t(std::countr_zero(rays))][count_ / 64] |= std::uint64_t{1} << count_ % 64;
+    ++count_;
+  }
 
-  void add(std::uint32_t set) { sets_[count_++] = set; }
-
-  std::array<std::uint32_t, n*(n - 1) * (n - 2) / 6> sets_;  // up to `count_`
+  std::array<std::uint32_t, capacity> sets_;  // up to `count_`
+  std::array<Some, n> with_{};                // of each ray: the sets that need it
   std::size_t count_ = 0;
 };
 
 // Whether the contacts in these motions balance the body, up to rounding.
 inline bool balances(const Supports& supports, const Motions& motions, double slope) {
-  const BalancingRays balancing(rays_of(supports, motions), {slope, 1.0, 0.0});
-  return balancing.first_of(~std::uint32_t{0}) != balancing.none();
+  return !BalancingRays(rays_of(supports, motions), {slope, 1.0, 0.0}).all().empty();
 }
 
 }  // namespace palmbots

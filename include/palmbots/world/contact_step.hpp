@@ -194,12 +194,13 @@ class ContactStep : ContactTrial {
         travel_.turns() ||
         std::any_of(closed.at.begin(), closed.at.begin() + closed.count, is_on_arc);
     const RegimeSearch search(problem_, frames, pose_, closed);
-    std::optional<DropReason> as_commanded = go_on_with(search.candidates(frames));
-    if (!as_commanded && looks_later) {
+    const RegimeCandidates as_commanded = search.candidates(frames);
+    std::optional<DropReason> driven = go_on_with(as_commanded);
+    if (!driven && looks_later) {
       const Frames then = palmbots::moved(frames, later);
-      as_commanded = go_on_with(RegimeSearch(problem_, then, pose_, closed).candidates(then));
+      driven = go_on_with(RegimeSearch(problem_, then, pose_, closed).candidates(then));
     }
-    if (as_commanded) return *as_commanded;
+    if (driven) return *driven;
     const DropReason why = reason_of(problem_, closed);
     if (why != DropReason::none) return why;
     // What has run off its feature holds the object no more. What is at the end of its feature because
@@ -218,91 +219,72 @@ class ContactStep : ContactTrial {
     }
     const DropReason then = rest.count < closed.count ? reason_of(problem_, rest) : why;
     if (then != DropReason::none) return then;
-    const bool stalls = problem_.is_limited() && stall(search, closed, frames);
+    const bool stalls = problem_.is_limited() && stall(search, as_commanded, closed, frames);
     return stalls ? DropReason::none : DropReason::jammed;
   }
 
   // Chooses a regime in which a robot stalls: the weaker one; otherwise the stronger one; otherwise
   // both, the weaker one up to standing. False if there is none.
-  bool stall(const RegimeSearch& search, const ClosedPairs& closed, const Frames& frames) {
+  bool stall(const RegimeSearch& search, const RegimeCandidates& as_commanded,
+             const ClosedPairs& closed, const Frames& frames) {
     constexpr auto ground = static_cast<std::size_t>(Carrier::ground);
     const PerSide<double>& limit = problem_.limit;
     std::size_t weaker = limit[left] < limit[right] ? left : right;
     if (limit[left] == limit[right]) weaker = leading_side(problem_, regime_, frames, pose_);
+    // While robots (as bits) stand instead: made when first needed.
+    std::array<RegimeCandidates, 4> made;
+    std::array<bool, 4> is_made{true};
+    made[0] = as_commanded;
     for (const bool both : {false, true}) {
       for (const std::size_t side :
            {both ? other(weaker) : weaker, both ? weaker : other(weaker)}) {
         const std::size_t partner = other(side);
-        const double sense = problem_.commanded[side] < 0.0 ? -1.0 : 1.0;
-        if (problem_.commanded[side] == 0.0 || (both && problem_.commanded[partner] == 0.0))
-          continue;
+        const double fastest = problem_.commanded[side];
+        const double sense = fastest < 0.0 ? -1.0 : 1.0;
+        if (fastest == 0.0 || (both && problem_.commanded[partner] == 0.0)) continue;
         Frames moving = frames;
         PerSide<Drive> drives{};
         if (both) {
           drives[partner] = Drive::stands;
           moving[partner].velocity.x = 0.0;
         }
-        const auto goes_at = [&](double speed, Drive drive, bool at_limit = false) {
+        const auto goes = [&](RegimeCandidates& all, Drive drive, bool at_limit = false) {
           drives[side] = drive;
-          moving[side].velocity.x = speed;
-          RegimeCandidates found = search.candidates(moving);
-          std::size_t count = 0;
-          for (std::size_t k = 0; k < found.count; ++k) {
-            Regime& regime = found.at[k].regime;
-            regime.drives = drives;
-            if (!at_limit || is_at_limit(regime, moving)) found.at[count++] = found.at[k];
-          }
-          found.count = count;
-          return go_on_with(found) == DropReason::none;
+          for (std::size_t k = 0; k < all.count; ++k) all.at[k].regime.drives = drives;
+          return go_on_with(all, at_limit) == DropReason::none;
         };
-        const double fastest = problem_.commanded[side];
+        const auto at = [&](double speed) {
+          moving[side].velocity.x = speed;
+          return search.candidates(moving);
+        };
         for (const std::size_t held_by : {partner, ground}) {
           moving[side].velocity.x = 0.0;
           const double speed = speed_with(closed, moving, side, held_by);
           const double least = Tolerance::rate * pace_;
-          if (sense * speed > least && sense * (fastest - speed) > -least &&
-              goes_at(speed, Drive::yields))
-            return true;
+          if (!(sense * speed > least && sense * (fastest - speed) > -least)) continue;
+          RegimeCandidates all = at(speed);
+          if (goes(all, Drive::yields)) return true;
         }
         // A contact slides while the robot exerts its greatest force. Its direction does not depend
         // on whether the robot is as fast as this, or slower.
-        for (const double speed : {fastest, 0.0})
-          if (goes_at(speed, Drive::yields, true)) return true;
-        if ((!both || side == weaker) && goes_at(0.0, Drive::stands)) return true;
+        const auto known = [&](std::size_t standing, double speed) -> RegimeCandidates& {
+          if (!is_made[standing]) made[standing] = at(speed);
+          is_made[standing] = true;
+          return made[standing];
+        };
+        const std::size_t still = both ? 3 : 1 + side;
+        if (goes(known(both ? 1 + partner : 0, fastest), Drive::yields, true)) return true;
+        if (goes(known(still, 0.0), Drive::yields, true)) return true;
+        if ((!both || side == weaker) && goes(known(still, 0.0), Drive::stands)) return true;
       }
     }
     return false;
   }
 
-  // Whether the force of a robot that yields is unique and, here, its greatest one.
-  bool is_at_limit(const Regime& regime, const Frames& frames) const {
-    constexpr double near = 1e-6;  // [weights]: the regime finds the place to rounding
-    return regime.has_unique_forces() &&
-           magnitude(detail::above_limit(problem_, regime,
-                                         contacts_of(problem_, regime, frames, pose_))) < near;
-  }
-
-  // The speed of a palm along x if its contacts, and those of another carrier, stick; not a number: they
-  // do not determine it.
-  double speed_with(const ClosedPairs& closed, const Frames& frames, std::size_t side,
-                    std::size_t partner) const {
-    EchelonForm<double, 4> system;
-    for (std::size_t i = 0; i < closed.count; ++i) {
-      const auto& [pair, c] = closed.at[i];
-      const std::size_t carrier = problem_.carrier(pair);
-      if (carrier != side && carrier != partner) continue;
-      for (const Vec direction : {c.normal, c.tangent}) {
-        const Triple row = problem_.row(c, direction);
-        system.add({row.x, row.y, row.z, carrier == side ? -direction.x : 0.0},
-                   problem_.given(frames, pose_, pair, c, direction));
-      }
-    }
-    return system.full() ? system.solution()[3] : std::numeric_limits<double>::quiet_NaN();
-  }
-
   // The best candidate that goes on becomes the regime, or one of those that are as good and move the
-  // object elsewhere. Nothing: none goes on. A reason: the object is then on one palm only.
-  std::optional<DropReason> go_on_with(const RegimeCandidates& found) {
+  // object elsewhere; `at_limit`: of those in which a robot that yields exerts its greatest force.
+  // Nothing: none goes on. A reason: the object is then on one palm only.
+  std::optional<DropReason> go_on_with(const RegimeCandidates& found, bool at_limit = false) {
     constexpr double elsewhere = 1e-3;  // of the way of the surfaces
     constexpr double lost = -1e-3;      // far beyond what rounding does to a condition
     std::array<double, RegimeCandidates::most> missed{};  // what fails of each
@@ -314,6 +296,7 @@ class ContactStep : ContactTrial {
       for (std::size_t k = 0; k < found.count; ++k) {
         const RegimeCandidate& one = found.at[k];
         if (count > 0 && !one.is_as_good_as(*best[0])) break;
+        if (at_limit && ahead == trial_ && !is_at_limit(one.regime)) missed[k] = 2.0 * lost;
         if (missed[k] < lost) continue;
         Place end = here();
         const Trial trial = try_out(then, one.regime, end);
@@ -341,13 +324,15 @@ class ContactStep : ContactTrial {
   // the regimes that go on follows; as many contacts as possible stay, and at most two change. Robots
   // that stall take part if both stand.
   bool choose_later(const RegimeCandidates& found) {
+    if (found.count == 0) return false;
+    const PerSide<Drive> drives = found.at[0].regime.drives;
+    if (drives[left] != drives[right] || drives[left] == Drive::yields) return false;
     const auto is_instant = [&](const RegimeCandidate& one) {
       return (one.on_both || !problem_.on_both) && !lasts(one.regime);
     };
     const auto first = std::find_if(found.at.begin(), found.at.begin() + found.count, is_instant);
     if (first == found.at.begin() + found.count) return false;
     const Regime& instant = first->regime;
-    if (instant.yields() || instant.drives[left] != instant.drives[right]) return false;
     // What each contact may do: it leaves or, if it sticks, slides.
     struct Change {
       std::size_t contact;
@@ -355,7 +340,7 @@ class ContactStep : ContactTrial {
     };
     std::array<Change, 3 * max_supports> changes;
     std::size_t count = 0;
-    const bool may_slide = !is_still(instant.drives);
+    const bool may_slide = !is_still(drives);
     for (std::size_t i = 0; i < instant.count; ++i)
       for (const Motion motion : {Motion::up, Motion::down, Motion::leave})
         if (motion == Motion::leave || (may_slide && instant.active[i].motion == Motion::stick))
@@ -379,32 +364,6 @@ class ContactStep : ContactTrial {
       }
     }
     return false;
-  }
-
-  // Whether no surface moves.
-  bool is_still(const PerSide<Drive>& drives) const {
-    for (const std::size_t side : {left, right}) {
-      const Vec by = travel_.palms[side].by;
-      if (by.y != 0.0 || (by.x != 0.0 && drives[side] != Drive::stands)) return false;
-    }
-    return !travel_.turns();
-  }
-
-  // The pairs that touch, those of the palm that leads first, and of each those of the regime.
-  ClosedPairs closed_pairs(const Frames& frames) const {
-    const ClosedPairs touching = closed_among(problem_, frames, pose_, near_, closed_);
-    const std::size_t first = leading_side(problem_, regime_, frames, pose_);
-    ClosedPairs closed;
-    for (const std::size_t carrier : {first, other(first), std::size_t(Carrier::ground)}) {
-      const auto add = [&](FeaturePair pair) {
-        if (problem_.carrier(pair) == carrier && closed.count < ClosedPairs::most)
-          closed.at[closed.count++] = {pair, problem_.contact(frames, pose_, pair)};
-      };
-      for (std::size_t i = 0; i < regime_.count; ++i) add(regime_.active[i].pair);
-      for (std::size_t k = 0; k < touching.count; ++k)
-        if (!regime_.has(touching.at[k].pair)) add(touching.at[k].pair);
-    }
-    return closed;
   }
 
   AmbiguousEvents& ambiguous_;

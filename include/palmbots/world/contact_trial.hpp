@@ -177,6 +177,58 @@ class ContactTrial {
     return settle(problem_, regime, frames, there, then);
   }
 
+  // Whether no surface moves.
+  bool is_still(const PerSide<Drive>& drives) const {
+    for (const std::size_t side : {left, right}) {
+      const Vec by = travel_.palms[side].by;
+      if (by.y != 0.0 || (by.x != 0.0 && drives[side] != Drive::stands)) return false;
+    }
+    return !travel_.turns();
+  }
+
+  // The pairs that touch, those of the palm that leads first, and of each those of the regime.
+  ClosedPairs closed_pairs(const Frames& frames) const {
+    const ClosedPairs touching = closed_among(problem_, frames, pose_, near_, closed_);
+    const std::size_t first = leading_side(problem_, regime_, frames, pose_);
+    ClosedPairs closed;
+    for (const std::size_t carrier : {first, other(first), std::size_t(Carrier::ground)}) {
+      const auto add = [&](FeaturePair pair) {
+        if (problem_.carrier(pair) == carrier && closed.count < ClosedPairs::most)
+          closed.at[closed.count++] = {pair, problem_.contact(frames, pose_, pair)};
+      };
+      for (std::size_t i = 0; i < regime_.count; ++i) add(regime_.active[i].pair);
+      for (std::size_t k = 0; k < touching.count; ++k)
+        if (!regime_.has(touching.at[k].pair)) add(touching.at[k].pair);
+    }
+    return closed;
+  }
+
+  // Whether the force of a robot that yields is unique and, here, its greatest one.
+  bool is_at_limit(const Regime& regime) const {
+    constexpr double near = 1e-6;  // [weights]: the regime finds the place to rounding
+    if (!regime.has_unique_forces()) return false;
+    const ActiveContacts contacts = contacts_of(problem_, regime, frames(now_), pose_);
+    return magnitude(detail::above_limit(problem_, regime, contacts)) < near;
+  }
+
+  // The speed of a palm along x if its contacts, and those of another carrier, stick; not a number: they
+  // do not determine it.
+  double speed_with(const ClosedPairs& closed, const Frames& frames, std::size_t side,
+                    std::size_t partner) const {
+    EchelonForm<double, 4> system;
+    for (std::size_t i = 0; i < closed.count; ++i) {
+      const auto& [pair, c] = closed.at[i];
+      const std::size_t carrier = problem_.carrier(pair);
+      if (carrier != side && carrier != partner) continue;
+      for (const Vec direction : {c.normal, c.tangent}) {
+        const Triple row = problem_.row(c, direction);
+        system.add({row.x, row.y, row.z, carrier == side ? -direction.x : 0.0},
+                   problem_.given(frames, pose_, pair, c, direction));
+      }
+    }
+    return system.full() ? system.solution()[3] : std::numeric_limits<double>::quiet_NaN();
+  }
+
   const ContactProblem& problem_;
   const Travel& travel_;
   Pose& pose_;
