@@ -68,9 +68,9 @@ struct GeneralStep {
     SlipDirection direction = SlipDirection::stick;
     bool known = false;  // the direction, from the event that ended the last piece
     int reversals = 0;
-    for (result.segments = 1;; ++result.segments) {
+    for (int looks = 1;; ++looks) {
       const bool iteration_limit =
-          result.segments >= 200;  // limits the work; tests show that it is not reached
+          looks >= 200;  // limits the work; tests show that it is not reached
       const Real goal = done + look >= Real(1) || iteration_limit ? Real(1) : done + look;
       if (!known) direction = direction_at(now, goal);
       known = false;
@@ -110,10 +110,12 @@ struct GeneralStep {
           world.tied = Real(0);
           known = true;
           ++reversals;
+          ++result.segments;
           break;
         case Event::tie:
           world.tied = sense_of(direction);
           known = true;
+          ++result.segments;
           break;
       }
       now = next;
