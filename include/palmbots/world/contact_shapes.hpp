@@ -2,7 +2,6 @@
 // The object and the palms of a model, as shapes that can touch anywhere.
 #pragma once
 
-#include <initializer_list>
 #include <optional>
 #include <vector>
 
@@ -40,26 +39,26 @@ inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double hal
 }
 
 // Which way left and right differ, or 0 if they are mirror images.
-inline int lopsided(const ContactShapes& shapes) {
-  const Surfaces& surfaces = shapes.surfaces;
-  const RoundedBody& body = shapes.body;
+template <class Real>
+int lopsided(const Model<Real>& model) {
   const auto seen_from = [&](std::size_t side) {
-    std::vector<double> seen;
-    const auto add = [&](std::initializer_list<double> more) { seen.insert(seen.end(), more); };
-    const Surface& own = surfaces.at[shapes.own[side].surface];
-    std::size_t corner = shapes.own[side].feature;
-    const double from = outward<double>(side) * body.corners[corner].centre.x;
-    add({own.friction, own.at.y, own.high, shapes.reach[side], from});
-    for (std::size_t i = 0; i < body.count; ++i) {
-      const Corner& c = body.corners[corner];
-      add({from - outward<double>(side) * c.centre.x, c.centre.y, c.radius});
-      corner = side == left ? body.after(corner) : body.before(corner);
+    const PalmProfile& profile = model.profile[side];
+    std::vector<double> seen{double(model.friction[side]),
+                             double(model.offset[side]),
+                             double(model.half_length[side]),
+                             double(model.reach[side]),
+                             double(side == left ? model.object.com_left : model.object.com_right),
+                             profile.nose,
+                             profile.heel,
+                             profile.under_along};
+    for (std::size_t i = 0; i < model.outline.count; ++i) {
+      const Vertex<Real>& v = model.outline.vertices[model.outline.walked(side, i)];
+      seen.insert(seen.end(), {double(v.along[side]), double(v.height), double(v.radius)});
     }
-    for (std::size_t i = 0; i < surfaces.count; ++i) {
-      const Surface& s = surfaces.at[surfaces.walked(side, i)];
-      if (s.carrier == Carrier::ground) add({outward<double>(side) * s.at.x, s.at.y, s.friction});
-      if (static_cast<std::size_t>(s.carrier) == side)
-        add({s.at.x, s.at.y, s.normal.x, s.normal2.x, s.normal2.y, s.high});
+    const Surroundings& around = model.surroundings;
+    for (std::size_t i = around.ordered; i < around.count; ++i) {
+      const Surface& s = around.at[side == left ? i : around.count - i];
+      seen.insert(seen.end(), {outward<double>(side) * s.at.x, s.at.y, s.friction});
     }
     return seen;
   };
@@ -89,7 +88,7 @@ ContactShapes shapes_of(const Model<Real>& model) {
   const Surroundings& around = model.surroundings;
   shapes.surfaces.ordered = shapes.surfaces.count + around.ordered;
   for (std::size_t i = 0; i < around.count; ++i) shapes.surfaces.add(around.at[i]);
-  shapes.lopsided = lopsided(shapes);
+  shapes.lopsided = lopsided(model);
   return shapes;
 }
 
