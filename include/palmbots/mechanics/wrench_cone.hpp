@@ -334,10 +334,12 @@ class BalancingRays {
 
  private:
   void add(std::uint32_t set) {
-    sets_[count_] = set;
+    const std::size_t word = count_ / 64;
+    if (count_ % 64 == 0)
+      for (Some& with : with_) with[word] = 0;
     for (std::uint32_t rays = set; rays != 0; rays &= rays - 1)
-      with_[std::size_t(std::countr_zero(rays))][count_ / 64] |= std::uint64_t{1} << count_ % 64;
-    ++count_;
+      with_[std::size_t(std::countr_zero(rays))][word] |= std::uint64_t{1} << count_ % 64;
+    sets_[count_++] = set;
   }
 
   std::array<std::uint32_t, capacity> sets_;  // up to `count_`

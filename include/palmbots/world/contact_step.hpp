@@ -194,7 +194,7 @@ class ContactStep : ContactTrial {
         travel_.turns() ||
         std::any_of(closed.at.begin(), closed.at.begin() + closed.count, is_on_arc);
     const RegimeSearch search(problem_, frames, pose_, closed);
-    const RegimeCandidates as_commanded = search.candidates(frames);
+    RegimeCandidates as_commanded = search.candidates(frames);
     std::optional<DropReason> driven = go_on_with(as_commanded);
     if (!driven && looks_later) {
       const Frames then = palmbots::moved(frames, later);
@@ -225,16 +225,15 @@ class ContactStep : ContactTrial {
 
   // Chooses a regime in which a robot stalls: the weaker one; otherwise the stronger one; otherwise
   // both, the weaker one up to standing. False if there is none.
-  bool stall(const RegimeSearch& search, const RegimeCandidates& as_commanded,
-             const ClosedPairs& closed, const Frames& frames) {
+  bool stall(const RegimeSearch& search, RegimeCandidates& as_commanded, const ClosedPairs& closed,
+             const Frames& frames) {
     constexpr auto ground = static_cast<std::size_t>(Carrier::ground);
     const PerSide<double>& limit = problem_.limit;
     std::size_t weaker = limit[left] < limit[right] ? left : right;
     if (limit[left] == limit[right]) weaker = leading_side(problem_, regime_, frames, pose_);
-    // While robots (as bits) stand instead: made when first needed.
-    std::array<RegimeCandidates, 4> made;
-    std::array<bool, 4> is_made{true};
-    made[0] = as_commanded;
+    // While this robot stands, or both do (2): made when first needed.
+    std::array<RegimeCandidates, 3> made;
+    std::array<bool, 3> is_made{};
     for (const bool both : {false, true}) {
       for (const std::size_t side :
            {both ? other(weaker) : weaker, both ? weaker : other(weaker)}) {
@@ -272,8 +271,8 @@ class ContactStep : ContactTrial {
           is_made[standing] = true;
           return made[standing];
         };
-        const std::size_t still = both ? 3 : 1 + side;
-        if (goes(known(both ? 1 + partner : 0, fastest), Drive::yields, true)) return true;
+        const std::size_t still = both ? 2 : side;
+        if (goes(both ? known(partner, fastest) : as_commanded, Drive::yields, true)) return true;
         if (goes(known(still, 0.0), Drive::yields, true)) return true;
         if ((!both || side == weaker) && goes(known(still, 0.0), Drive::stands)) return true;
       }

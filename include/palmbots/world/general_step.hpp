@@ -167,11 +167,7 @@ struct GeneralStep {
   }
 
   Real max_event_interval() const {
-    Real most = Real(0);
-    for (const Real t : turn) {
-      const Real size = t < Real(0) ? -t : t;
-      if (size > most) most = size;
-    }
+    const Real most = larger(magnitude(turn[left]), magnitude(turn[right]));
     return most > longest_turn<Real> ? longest_turn<Real> / most : Real(1);
   }
 

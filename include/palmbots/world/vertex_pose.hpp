@@ -33,14 +33,6 @@ Pose pose_on_vertices(const Model<Real>& model, const Kinematics<Real>& state,
   return Pose::of((com[left] + com[right]) * 0.5, turned.angle);
 }
 
-// How far the contact vertices are from the pivots, along the palms' normals.
-template <class Real>
-constexpr PerSide<Real> vertex_offset(const Model<Real>& model,
-                                      const Configuration<Real>& configuration) {
-  return {model.offset[left] + configuration.lift[left],
-          model.offset[right] + configuration.lift[right]};
-}
-
 // The moving state of palms and object, from their frames and its pose. `held`: whether the vertex
 // rests on its palm. Such a contact keeps every bit of its coordinate if it sticks, which means that
 // it moves by no more than `slack`.
@@ -58,7 +50,8 @@ void place_vertices(const Model<Real>& model, const Frames& frames, const Pose& 
     now.lift[side] = held[side] ? Real(0) : Real(seen.y) - model.offset[side];
   }
   state.tied = Real(0);
-  state.contact_vector = contact_vector(now, vertex_offset(model, now));
+  state.contact_vector = contact_vector(
+      now, {model.offset[left] + now.lift[left], model.offset[right] + now.lift[right]});
 }
 
 }  // namespace palmbots
