@@ -130,7 +130,7 @@ def test_whatever_happens_in_a_step_happens_in_its_order() -> None:
     is lost: one of them against a hundred, for the end and its instant, too."""
     rng = np.random.default_rng(1)
     seen: dict[str, int] = {}
-    pieces = 0
+    changed = 0  # steps with another regime from some instant on
     for _ in range(250):
         keys = {
             "palm__friction": float(rng.choice([0.12, 0.2, 0.3, 0.5, 0.9, 2.0])),
@@ -155,9 +155,9 @@ def test_whatever_happens_in_a_step_happens_in_its_order() -> None:
         assert fraction == pytest.approx(when, abs=1e-6)
         assert once.contacts == pytest.approx(often.contacts, abs=1e-6)
         seen[end] = seen.get(end, 0) + 1
-        pieces += parts > 3
+        changed += parts > 1
     assert seen[""] > 80 and seen["off-palm"] > 80
-    assert pieces > 150
+    assert changed > 50
 
 
 def test_a_reversal_inside_a_step_is_found() -> None:
