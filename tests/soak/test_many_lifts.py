@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""1000 random jobs on the floor whose end is certain, in both worlds: at least 97.5 % end alike,
-and at least 60 % of the possible jobs are certain (lift_agreement). In the first 1000 of them,
-98.9 % ended alike (docs/reference/mujoco-agreement.md has the differences)."""
+"""1000 random jobs on the floor whose end is certain, in both worlds: at least 98.5 % end alike,
+and at least 60 % of the possible jobs are certain (lift_agreement). In the first 387 of them,
+99.5 % ended alike (docs/reference/mujoco-agreement.md has the differences)."""
 
 from lift_agreement import NEARBY, compare, is_possible, keys_of
 from palmbots.errors import SceneError
@@ -32,4 +32,4 @@ def test_random_jobs_end_alike(soak_seed: int) -> None:
         if not pair.agrees:
             differ.append(pair)
     assert certain >= 0.6 * possible
-    assert len(differ) <= 0.025 * STARTS, differ
+    assert len(differ) <= 0.015 * STARTS, differ
