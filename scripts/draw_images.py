@@ -99,6 +99,13 @@ def recorded(path: Path) -> None:
     draw_recorded.draw(path)
 
 
+def probed_angles(path: Path) -> None:
+    """Drop rates with palm angles from probes, from benchmarks/bench_probes.py."""
+    import draw_probed_angles
+
+    draw_probed_angles.draw(path)
+
+
 def squeeze(path: Path) -> None:
     """The intervals of squeezes that the contacts allow."""
     import draw_squeeze
@@ -132,6 +139,7 @@ def design_law(path: Path) -> None:
 FUNCTIONS: Mapping[str, Callable[[Path], None]] = {
     "design-law.png": design_law,
     "noise.png": noise,
+    "probed-angles.png": probed_angles,
     "recorded.png": recorded,
     "squeeze.png": squeeze,
     "task.png": task,
