@@ -150,10 +150,11 @@ def main() -> None:
     table = Table(*HEAD, title=f"{processor()}; load {load():.1f}")
     rows = []
     for kind in [k + family for family in ("", LIMITED) for k in (FIRST, PERSIST, CHANGE)]:
-        for contacts in sorted({n for k, n in found if k == kind}):
-            took = np.array(found[kind, contacts])
+        by_contacts = {str(n): np.array(found[k, n]) for k, n in sorted(found) if k == kind}
+        by_contacts["all"] = np.concatenate(list(by_contacts.values()))
+        for contacts, took in by_contacts.items():
             numbers = (np.median(took), np.quantile(took, 0.99), took.max())
-            rows.append((kind, str(contacts), str(len(took)), *(f"{x:.1f}" for x in numbers)))
+            rows.append((kind, contacts, str(len(took)), *(f"{x:.1f}" for x in numbers)))
             table.add_row(*rows[-1])
     Console(width=100).print(table)
     with RESULTS.open("w", newline="", encoding="utf-8") as file:

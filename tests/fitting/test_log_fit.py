@@ -66,7 +66,7 @@ def test_carries_are_fitted(logs: list[Path], here: Run, tmp_path: Path) -> None
     with_both = [word for part in parts for word in ("--with", part)]
     assert f"palmbots carry SCENE {' '.join(with_both)}\n" in result.stdout
     assert here("carry", "paper", *with_both, "--seeds", "1").returncode in (0, 1)
-    one_of_both = here("fit", "--radio", *map(str, logs), "--out", str(tmp_path / "radio"))
+    one_of_both = here("fit", "--radio", str(logs[0]), "--out", str(tmp_path / "radio"))
     assert one_of_both.returncode == 0
     of_radio = {name for name in written if name.startswith("radio")}
     assert {file.name for file in (tmp_path / "radio").iterdir()} == of_radio

@@ -71,6 +71,8 @@ FEW = {
     "compare": ["--carries", "2"],
     "curve": ["--carries", "1", "--turn-angle-deg", "7", "--set", "robot.speed_m_s=0.18"],
     "design": ["--resolution-deg", "3", "--set", "task.distance_m=0.1"],
+    "final-place": ["--jobs", "100"],
+    "up": ["--rate", "3"],
     "drop-rate": ["--effort", "20", "--relative-error-percent", "100", *NEAR],
     "bound": ["--set", "task.distance_m=0.05"],
     "noise-limit": ["--relative-error-percent", "10", "--set", "task.distance_m=0.2"],

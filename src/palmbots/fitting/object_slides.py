@@ -11,15 +11,17 @@ of the robots' accelerations turns palms and object.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palmbots.probing.object_set import ObjectSet, Observation, Prior
-from palmbots.probing.slip_comparison import Pose
+from palmbots.probing.slip_comparison import DOWN, UP, Pose
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.result import Carry
 
@@ -63,13 +65,15 @@ class Slides:
         _, first = np.unique(np.column_stack([side, way, rounded]), axis=0, return_index=True)
         return cls(side[first], way[first], ends[first])
 
+    def poses(self, rows: Any) -> Pose:
+        """Palms and object of some of them."""
+        low, high = self.ends[rows, :, 0] - _SLACK_RAD, self.ends[rows, :, 1] + _SLACK_RAD
+        left, right, of_object = ((low[..., i], high[..., i]) for i in range(3))
+        return Pose((left, right), (np.tan(of_object[0]), np.tan(of_object[1])))
+
     def observation(self, row: int) -> Observation:
         """One of them."""
-        left, right, of_object = (
-            (float(low) - _SLACK_RAD, float(high) + _SLACK_RAD) for low, high in self.ends[row]
-        )
-        tangent = math.tan(of_object[0]), math.tan(of_object[1])
-        return Observation(int(self.side[row]), int(self.way[row]), Pose((left, right), tangent))
+        return Observation(int(self.side[row]), int(self.way[row]), self.poses(row))
 
 
 def slides_in(carry: Carry) -> Slides:
@@ -120,7 +124,7 @@ def objects_with(
     for number in range(_ROUNDS):
         on_progress(number / _ROUNDS)
         points = _drawn(found.boxes, random)
-        excluded = np.array([_excluded(found, slides, row, points) for row in range(len(slides))])
+        excluded = _excluded(found, slides, points)
         excluded[sorted(used)] = False
         remain = np.ones(len(points), bool)
         for _ in range(_CUTS):
@@ -145,7 +149,11 @@ def _drawn(boxes: Floats, random: np.random.Generator) -> Floats:
     return np.repeat(points[:, :, None], 2, axis=2)
 
 
-def _excluded(found: ObjectSet, slides: Slides, row: int, points: Floats) -> NDArray[np.bool_]:
-    """Which objects a slide contradicts."""
-    seen = slides.observation(row)
-    return ~found.may_slide(points, seen.pose, seen.way)[seen.side]
+def _excluded(found: ObjectSet, slides: Slides, points: Floats) -> NDArray[np.bool_]:
+    """Which objects each slide contradicts; shape (slides, objects)."""
+    excluded = np.zeros((len(slides), len(points)), bool)
+    for side, way in itertools.product((0, 1), (UP, DOWN)):
+        rows = np.flatnonzero((slides.side == side) & (slides.way == way))
+        of_each_object = rows[:, None]
+        excluded[rows] = ~found.may_slide(points, slides.poses(of_each_object), way)[side]
+    return excluded

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A million steps of the resilient controller over random inputs, for callgrind to count
-// instructions: see benchmarks/README.md and tests/control/test_resilient_cost.py.
+// instructions: see docs/reference/benchmarks.md and tests/control/test_resilient_cost.py.
 #include <cstdint>
 #include <cstdlib>
 
