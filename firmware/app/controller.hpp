@@ -7,6 +7,8 @@
 #include <new>
 #include <tuple>
 
+#include "palmbots/control/hand_over.hpp"
+#include "palmbots/control/lone.hpp"
 #include "palmbots/control/machine_table.hpp"
 #include "palmbots/runtime/any_robot.hpp"
 #include "palmbots/runtime/controller_registry.hpp"
@@ -36,10 +38,11 @@ inline runtime::RuntimeSettings runtime_settings(const Settings& s) {
       s.is_under_way == 0};
 }
 
-inline runtime::PhaseSettings<Lifting> phase_settings(const Settings& s) {
-  TableTimes<Lifting> times{s.phase_times[0], s.phase_times[1], {}};
-  static_assert(2 + Lifting::limits == sizeof s.phase_times / sizeof s.phase_times[0]);
-  for (std::size_t i = 0; i < Lifting::limits; ++i) times.limits[i] = s.phase_times[2 + i];
+template <class Table>
+runtime::PhaseSettings<Table> phase_settings(const Settings& s) {
+  TableTimes<Table> times{s.phase_times[0], s.phase_times[1], {}};
+  static_assert(2 + Table::limits == sizeof s.phase_times / sizeof s.phase_times[0]);
+  for (std::size_t i = 0; i < Table::limits; ++i) times.limits[i] = s.phase_times[2 + i];
   return {is_job(s, Job::lifts), is_job(s, Job::begins_low), is_job(s, Job::ends_low),
           s.leads != 0,          is_job(s, Job::stands_by),  times};
 }
@@ -61,7 +64,11 @@ struct RobotOf<Maker> {
   using Type = runtime::RobotWith<typename Maker::Program>;
 };
 
-// All controllers share the memory of the largest.
+// A robot whose palm holds the object alone: it has no controller.
+template <class Table>
+using OnePalmRobot = runtime::RobotWith<runtime::NoProgram, runtime::PhaseProgram<Table>>;
+
+// All robots share the memory of the largest.
 template <class... Robots>
 struct Room {
   static constexpr std::size_t largest() {
@@ -73,20 +80,22 @@ struct Room {
 };
 
 template <class... Makers>
-Room<runtime::RobotWith<PolicyProgram>, typename RobotOf<Makers>::Type...> room_for(
-    const std::tuple<ControllerRow<Makers>...>&);
+Room<runtime::RobotWith<PolicyProgram>, OnePalmRobot<Lone>, OnePalmRobot<HandOver>,
+     typename RobotOf<Makers>::Type...>
+room_for(const std::tuple<ControllerRow<Makers>...>&);
 using RoomForAll = decltype(room_for(controller_rows));
 
-template <class Program>
+template <class Table = Lifting, class Program>
 runtime::Robot& robot_with(const SettingsPage& page, const Stored& stored, const Program& fresh,
                            const Program& rebooted) {
   const Settings& s = page.settings;
   wire::Identity identity{{}, s.pair, static_cast<wire::Role>(s.role)};
   for (std::size_t i = 0; i < identity.key.size(); ++i) identity.key[i] = s.key[i];
-  return *new (RoomForAll::bytes) runtime::RobotWith<Program>(
+  using Phases = runtime::PhaseProgram<Table>;
+  return *new (RoomForAll::bytes) runtime::RobotWith<Program, Phases>(
       identity, stored.epoch, fresh, rebooted,
-      runtime::PhaseProgram<Lifting>(phase_settings(s), stored.epoch, stored.holds),
-      runtime_settings(s), runtime::StoredMode{stored.carries, stored.stop}, s.is_under_way != 0);
+      Phases(phase_settings<Table>(s), stored.epoch, stored.holds), runtime_settings(s),
+      runtime::StoredMode{stored.carries, stored.stop}, s.is_under_way != 0);
 }
 
 }  // namespace detail
@@ -94,6 +103,11 @@ runtime::Robot& robot_with(const SettingsPage& page, const Stored& stored, const
 // The robot that the settings ask for. To be called once.
 inline runtime::Robot& make_robot(const SettingsPage& page, const Stored& stored) {
   const Settings& s = page.settings;
+  if (is_job(s, Job::lifts)) {
+    const runtime::NoProgram none;
+    if (s.table == Lone::number) return detail::robot_with<Lone>(page, stored, none, none);
+    if (s.table == HandOver::number) return detail::robot_with<HandOver>(page, stored, none, none);
+  }
   const runtime::ProgramStart start{s.times,         stored.epoch,    s.leads != 0,
                                     s.may_stop != 0, s.by_touch != 0, stored.assists};
   runtime::Robot* robot = nullptr;

@@ -42,6 +42,7 @@ class PalmSwitches {
     return has(SwitchMeaning::minus) ? Sign::negative : Sign::positive;
   }
   bool at_goal() const { return has(SwitchMeaning::goal); }
+  bool is_beneath() const { return has(SwitchMeaning::beneath); }
   bool has_contact() const {
     return has(SwitchMeaning::minus) || has(SwitchMeaning::zero) || has(SwitchMeaning::plus);
   }

@@ -46,7 +46,7 @@ class Program {
         switches_(page.settings),
         outbox_(page.settings.period_us, board::random_word()),
         palm_(storage.content().assists ? Palm::shallow : Palm::steep),
-        arm_(page.settings, storage.content().arm_edge,
+        arm_(page.settings, storage.content().arm,
              storage.content().epoch == page.settings.first_epoch),
         pulse_(settings_.palm_us[static_cast<std::size_t>(palm_)]),
         wheel_{settings_.wheels[0][1][0], settings_.wheels[1][1][0]} {
@@ -127,6 +127,7 @@ class Program {
     runtime::Reading reading{{switches_.sign(), switches_.at_target()}};
     reading.contact = switches_.has_contact();
     reading.covered = switches_.at_goal();
+    reading.beneath = switches_.is_beneath();
     reading.arm_there = arm_.is_there(switches_.at_target());
     reading.arm_steps = arm_.steps();
     reading.battery_ok = is_battery_ok_;
@@ -157,7 +158,7 @@ class Program {
       wheel_[side] = wheels ? nearer(wheel_[side], wanted, settings_.wheel_slew) : rest;
     }
     const bool lifts = is_job(settings_, Job::lifts);
-    if (lifts) arm_.move(out_.arm, palm_, elapsed);
+    if (lifts) arm_.move(out_.arm, palm_, out_.arm_ends, elapsed);
     // A servo without pulses rests, as after a reset.
     board::Pulses pulses{pulse_, 0, 0, lifts ? arm_.pulse() : std::uint16_t{0}};
     if (uses_motor_board()) {
@@ -183,7 +184,7 @@ class Program {
     wanted.carries = out_.mode.store.carries;
     wanted.stop = out_.mode.store.stop;
     wanted.holds = out_.holds;
-    if (is_job(settings_, Job::lifts)) wanted.arm_edge = arm_.edge();
+    if (is_job(settings_, Job::lifts)) wanted.arm = arm_.stored();
     return storage_.keep(wanted);
   }
 

@@ -21,22 +21,25 @@ enum class SwitchMeaning : std::uint8_t {
   plus,
   steep_end,
   shallow_end,
-  goal,  // not of the palm: the robot is where the object is to be put down
+  goal,     // not of the palm: the robot is where the object is to be put down
+  beneath,  // not of the palm: the robot is below the object on its stand
 };
 
 // A job on the floor, as bits of Settings::job.
 enum class Job : std::uint8_t {
   lifts = 1,       // there is one
-  begins_low = 2,  // with the object on the floor
+  begins_low = 2,  // with the object on the floor or on a stand
   ends_low = 4,
   stands_by = 8,  // the robot docks after its partner
+  from_stand = 16,
+  onto_stand = 32,
 };
 
 inline constexpr std::size_t most_times = 16;
 
 struct Settings {
   static constexpr std::uint32_t right_magic = 0x42504D42;
-  static constexpr std::uint16_t newest_format = 2;
+  static constexpr std::uint16_t newest_format = 3;
 
   std::uint32_t magic;
   std::uint16_t format;
@@ -81,17 +84,22 @@ struct Settings {
   // For left and right wheel, by `stop` and move: pulses [µs], or speeds of the motor board.
   std::int16_t wheels[2][2][3];
   std::uint16_t times[most_times];  // of the controller, in the order of its `Times`
-  std::uint16_t phase_times[7];     // of the table that lifts: beacon, lease, limits
-  std::uint16_t
-      arm_floor_us[2];       // pulses of the arm: the nose of a steep and of a shallow palm is low
-  std::uint16_t arm_top_us;  // the same while the pair carries
-  std::uint16_t arm_slew;    // change of the arm's pulse in a tick [1/256 µs]
-  std::uint8_t job;          // bits of `Job`
-  std::uint8_t unused;
-  std::uint32_t arm_step;  // a step of the table that lifts [1/256 µs]
+  std::uint16_t phase_times[7];     // of the table of the job: beacon, lease, limits
+  // Pulses of the arm: the nose of a steep and of a shallow palm is on the floor; it is at its lowest at
+  // the beginning and at the end of the job; the palm touches an object on its stand at the latest; the
+  // pair carries.
+  std::uint16_t arm_floor_us[2];
+  std::uint16_t arm_low_us[2];
+  std::uint16_t arm_clear_us;
+  std::uint16_t arm_top_us;
+  std::uint16_t arm_slew;  // change of the arm's pulse in a tick [1/256 µs]
+  std::uint8_t job;        // bits of `Job`
+  std::uint8_t table;      // of the job (`Table::number`)
+  std::uint8_t unused[2];
+  std::uint32_t arm_step;  // a step of the table of the job [1/256 µs]
   std::uint32_t check;     // CRC-32 of everything before
 };
-inline constexpr std::size_t settings_size = 200;
+inline constexpr std::size_t settings_size = 208;
 static_assert(sizeof(Settings) == settings_size && alignof(Settings) == 4);
 
 // The page of the settings: these, and the table of a policy, with a check of its own.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a board remembers over a boot: how often it has booted, whether its palm was up for the partner,
-// whether a carry was under way or a stop in force, and, in a job on the floor, whether the arms may be
-// up and where the own one is.
+// whether a carry was under way or a stop in force, and, in a job on the floor or at a stand, whether the
+// arms may be up and where the own one is.
 //
-// A record has three words: the content, a number that counts the records, and a check of both. Records
-// are appended. After a power cut in any word of a write the check is wrong, or the word has not been
+// A record has three words: two of content, the second with a number that counts the records, and a check
+// of both. The memory is worn out long before this number ends. Records are appended. After a power cut in any word of a write the check is wrong, or the word has not been
 // begun, and the record before it counts. So a board finds the old or the new content, and a boot whose
 // record is not complete has sent nothing.
 //
@@ -20,6 +20,16 @@
 
 namespace palmbots::app {
 
+// Where an arm goes on after a boot (arm.hpp).
+struct StoredArm {
+  static constexpr int most_touched = 0x7F;
+  std::uint8_t edge = 0;     // steps, at most 15
+  std::uint8_t touched = 0;  // the height at which its palm touched an object on a stand
+  bool ends = false;         // the steps count from the lowest height at the end of the job
+
+  constexpr bool operator==(const StoredArm&) const = default;
+};
+
 // What is stored.
 struct Stored {
   std::uint32_t epoch = 0;
@@ -27,7 +37,7 @@ struct Stored {
   bool carries = false;
   bool stop = false;
   bool holds = false;
-  std::uint8_t arm_edge = 0;  // Arm::edge(), at most 15
+  StoredArm arm{};
 
   constexpr bool operator==(const Stored&) const = default;
 };
@@ -42,10 +52,11 @@ class Storage {
         const std::uint32_t* words = words_of(page, slot);
         if (is_blank(words)) continue;
         used_[page] = slot + 1;
-        if (words[2] != check_of(words) || words[1] < newest) continue;
-        newest = words[1];
+        const std::uint32_t number = words[1] & most_records;
+        if (words[2] != check_of(words) || number < newest) continue;
+        newest = number;
         active_ = page;
-        content_ = content_of(words[0]);
+        content_ = content_of(words);
       }
     }
     next_number_ = newest + 1;
@@ -65,7 +76,7 @@ class Storage {
     }
     const std::size_t slot = used_[active_]++;
     const std::uint32_t* words = words_of(active_, slot);
-    std::uint32_t record[3] = {word_of(content), next_number_++, 0};
+    std::uint32_t record[3] = {word_of(content), next_number_++ | arm_word_of(content.arm), 0};
     record[2] = check_of(record);
     for (std::size_t i = 0; i < 3; ++i) board::write_word(active_, slot * 3 + i, record[i]);
     works_ = words[0] == record[0] && words[1] == record[1] && words[2] == record[2];
@@ -81,6 +92,7 @@ class Storage {
   }
 
  private:
+  static constexpr std::uint32_t most_records = 0xFFFFFF;
   static constexpr std::size_t pages = 2;
   static constexpr std::size_t slots = board::words_per_page / 3;
 
@@ -94,12 +106,18 @@ class Storage {
   static std::uint32_t word_of(const Stored& s) {
     return s.epoch | std::uint32_t{s.assists} << 24 | std::uint32_t{s.carries} << 25 |
            std::uint32_t{s.stop} << 26 | std::uint32_t{s.holds} << 27 |
-           std::uint32_t{s.arm_edge} << 28;
+           std::uint32_t{s.arm.edge} << 28;
   }
-  static Stored content_of(std::uint32_t word) {
+  static std::uint32_t arm_word_of(const StoredArm& arm) {
+    return std::uint32_t{arm.touched} << 24 | std::uint32_t{arm.ends} << 31;
+  }
+  static Stored content_of(const std::uint32_t* words) {
+    const std::uint32_t word = words[0];
     const auto bit = [word](unsigned place) { return (word >> place & 1) != 0; };
-    return {word & 0xFFFFFF, bit(24), bit(25),
-            bit(26),         bit(27), static_cast<std::uint8_t>(word >> 28)};
+    const StoredArm arm{static_cast<std::uint8_t>(word >> 28),
+                        static_cast<std::uint8_t>(words[1] >> 24 & StoredArm::most_touched),
+                        words[1] >> 31 != 0};
+    return {word & 0xFFFFFF, bit(24), bit(25), bit(26), bit(27), arm};
   }
 
   Stored content_;

@@ -17,7 +17,7 @@ from emulator.lockstep_dongle import LockstepDongle, station_program
 from emulator.processor import CYCLES_PER_US, Violation
 from emulator.tick_record import read_record
 from palmbots._types import SIDES
-from palmbots.boards.pair_settings import job_bits
+from palmbots.boards.pair_settings import job_settings
 from palmbots.boards.settings_page import (
     PAGE_ADDRESS,
     SWITCHES,
@@ -25,7 +25,7 @@ from palmbots.boards.settings_page import (
     settings_page,
 )  # fmt: skip
 from palmbots.control.registry import ControllerEntry, resolve
-from palmbots.drivers.arm import FOLLOWS, HOLDS, RISES, SINKS, arm_shape
+from palmbots.drivers.arm import FOLLOWS, HOLDS, REACHES, RISES, SINKS, ArmShape
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.lockstep_world import remote
@@ -42,35 +42,31 @@ WHEEL_US = (
 """Pulses of left and right wheel, by stop and move, all different so that a command can be read."""
 SWITCH_OF_SIGN = {-1: (0, 1, 2), 0: (3,), 1: (4, 5, 6)}
 STEEP_END, SHALLOW_END = 7, 8
-GOAL = 0
-"""In a job on the floor the first switch is not on the palm."""
+GOAL, BENEATH = 0, 6
+"""In a job on the floor or at a stand the first and the last switch are not on the palm."""
 LAYOUT = tuple(
     SWITCHES.index(name) for name in ("minus", "minus", "minus", "zero", "plus", "plus", "plus",
                                       "steep-end", "shallow-end")
 )  # fmt: skip
+ONTO_STAND = 32
+"""A bit of `BoardSettings.job`."""
 ARM_US = (900, 2100)
 """Pulses of the arm with the nose of a steep palm on the floor, and while the pair carries."""
 
 
 def _with_job(settings: BoardSettings, scene: Scene, side: int) -> BoardSettings:
     """The settings with those of a job on the floor, if there is one."""
-    spec = to_spec(scene)
-    if not spec.uses_floor:
+    if not (job := job_settings(scene, SIDES[side], _arm_us)):
         return settings
-    shape = arm_shape(scene, SIDES[side])
-    low_us, top_us = ARM_US
-    us_per_m = (top_us - low_us) / (shape.top_m - shape.floors_m[0])
-    steep, shallow = (round(low_us + us_per_m * (h - shape.floors_m[0])) for h in shape.floors_m)
-    return replace(
-        settings,
-        switches=(SWITCHES.index("goal"), *LAYOUT[1:]),
-        phase_times=tuple(_core.runtime.phase_times(spec)),
-        arm_floor_us=(steep, shallow),
-        arm_top_us=top_us,
-        arm_slew=round(256 * us_per_m * shape.rate_m_s * scene.control.period_s),
-        arm_step=round(256 * us_per_m * shape.step_m),
-        job=job_bits(scene, leads=settings.leads),
-    )
+    places = {GOAL: "goal", BENEATH: "beneath"}
+    switches = (SWITCHES.index(places[k]) if k in places else m for k, m in enumerate(LAYOUT))
+    return replace(settings, switches=tuple(switches), **job)
+
+
+def _arm_us(shape: ArmShape, height_m: float) -> float:
+    """The pulse with which an arm has its pivot at this height."""
+    share = (height_m - shape.floors_m[0]) / (shape.top_m - shape.floors_m[0])
+    return ARM_US[0] + share * (ARM_US[1] - ARM_US[0])
 
 
 def lockstep_settings(scene: Scene, entry: ControllerEntry, side: int) -> BoardSettings:
@@ -107,7 +103,9 @@ class LockstepBoard:
         self.period = settings.period_us * CYCLES_PER_US
         self.sent: list[bytes] = []
         self.rejected = self.late = self.rejected_phases = self.late_phases = 0
-        self.lifts = settings.job != 0
+        self.lifts, self.table = settings.job != 0, settings.table
+        self.sinks_to_floor = self.lifts and not settings.job & ONTO_STAND
+        self.palm = 0
         self.arm_us = 0
         self.phase = ""
         self.instructions: list[int] = []
@@ -132,7 +130,8 @@ class LockstepBoard:
 
     def reboot(self) -> None:
         """The left board loses its supply for a moment; the right one hangs until its watchdog
-        resets it."""
+        resets it. The height of an arm that reaches is not stored: it begins low again."""
+        self.arm_us *= self.phase != "touch"
         if self.side == 0:
             self.board.cut_power()
             self.power_up()
@@ -186,12 +185,13 @@ class LockstepBoard:
     ) -> Any:
         """One tick, as the world asks for it. Nothing measures the arm."""
         self.receive(packets)
-        touches, _, far_enough, *_ = senses
+        touches, _, far_enough, _, beneath = senses
         self.chance = self.chance * 1103515245 + 12345 & 0x7FFFFFFF
-        switches = [one for one in SWITCH_OF_SIGN[sign] if not (self.lifts and one == GOAL)]
+        places = (GOAL, BENEATH) if self.lifts else ()
+        switches = [one for one in SWITCH_OF_SIGN[sign] if one not in places]
         closed = 1 << switches[(self.chance >> 8) % len(switches)]
         if self.lifts:
-            closed = (closed if touches else 0) | far_enough << GOAL
+            closed = (closed if touches else 0) | far_enough << GOAL | beneath << BENEATH
         if palm_at_target:
             closed |= 1 << (STEEP_END if self.palm == 0 else SHALLOW_END)
         self.sent = []
@@ -199,6 +199,7 @@ class LockstepBoard:
         self._check_arm(record["arm"])
         self._check_phase(record["phase"], palm_at_target)
         palm, move, stop = self.command()
+        self.palm = palm
         if (palm, move, stop) != (record["palm"], record["move"], record["stop"]):
             raise Violation("the pulses are not what was decided")
         return self._answer(palm, move, stop, record)
@@ -208,16 +209,17 @@ class LockstepBoard:
         before, self.arm_us = self.arm_us, self.pulses[3] if self.pulses else 0
         if self.lifts and before:
             moved = self.arm_us - before
-            is_right = {FOLLOWS: True, HOLDS: moved == 0, RISES: moved >= 0, SINKS: moved <= 0}[
-                does
-            ]
+            rises = moved >= 0
+            is_right = {
+                FOLLOWS: True, REACHES: rises, HOLDS: moved == 0, RISES: rises, SINKS: moved <= 0,
+            }[does]  # fmt: skip
             if not is_right:
                 raise Violation(f"the arm moves by {moved} us where it should do {does}")
 
     def _check_phase(self, number: int, palm_at_target: bool) -> None:
-        """It is down only with a palm that has turned."""
-        before, self.phase = self.phase, _core.lift_state_numbers[number]
-        if self.lifts and (before, self.phase) == ("lower", "down") and not palm_at_target:
+        """It is down on the floor only with a palm that has turned."""
+        before, self.phase = self.phase, _core.lift_state_numbers[32 * self.table + number]
+        if self.sinks_to_floor and (before, self.phase) == ("lower", "down") and not palm_at_target:
             raise Violation("the board is down while its palm turns")
 
     def feel(self, closed: int, elapsed: int) -> dict[str, int]:
@@ -236,12 +238,6 @@ class LockstepBoard:
     def raw_record(self) -> bytes:
         """The record of the newest tick, as the firmware has it in its memory."""
         return self.board.variable("tick_record")
-
-    @property
-    def palm(self) -> int:
-        """The angle to which the pulses turn the palm."""
-        pulses = self.pulses
-        return PALM_US.index(pulses[0]) if pulses and pulses[0] else 0
 
     def command(self) -> tuple[int, int, bool]:
         """What the pulses command."""
@@ -301,10 +297,10 @@ class LockstepBoards:
             tables = [machines.image(side) for side in (0, 1)]
         self.boards = [
             make(image, lockstep_settings(scene, entry, side), tables[side], seed + side)
-            for side in (0, 1)
+            for side in map(SIDES.index, scene.working_sides)
         ]
         self.dongle: LockstepDongle | None = None
-        if entry.team == "station":
+        if entry.team == "station" and not spec.on_one_palm:
             if dongle is None:
                 raise ValueError("a station needs its radio: give the image of the dongle")
             period_us = round(1e6 * scene.control.period_s)
@@ -334,11 +330,13 @@ class LockstepBoards:
     def exchange(self, tick: int, left: Any, right: Any, station: Any) -> list[Any]:
         """Give each board its input of a tick, and return the answers."""
         answers: list[Any] = []
-        for board, given in zip(self.boards, (left, right), strict=True):
+        of_side = {board.side: board for board in self.boards}
+        for side, given in enumerate((left, right)):
             if given is None:
                 answers.append(None)
                 continue
             elapsed, sign, palm_at_target, boots, packets, senses = given
+            board = of_side[side]
             if boots:
                 board.reboot()
             answers.append(board.step(elapsed, sign, palm_at_target, packets, senses))

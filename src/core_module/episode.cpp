@@ -206,14 +206,18 @@ using Does = std::tuple<int, int, bool, int, int>;
 class FloorEpisode {
  public:
   FloorEpisode(const Spec& spec, std::uint64_t seed) {
-    is_alone(spec) ? begin<Lone>(spec, seed) : begin<Lifting>(spec, seed);
+    with_job_table(spec, [&]<class Table>(Table) { begin<Table>(spec, seed); });
   }
   FloorEpisode(const FloorEpisode&) = delete;  // the team knows where the commands lie
   FloorEpisode& operator=(const FloorEpisode&) = delete;
 
   template <class Visit>
   auto visit(Visit&& what) {
-    return job_.index() == 1 ? what(*std::get<1>(job_)) : what(*std::get<2>(job_));
+    switch (job_.index()) {
+      case 1: return what(*std::get<1>(job_));
+      case 2: return what(*std::get<2>(job_));
+      default: return what(*std::get<3>(job_));
+    }
   }
 
   std::pair<Feels, Feels> seen() {
@@ -271,7 +275,9 @@ class FloorEpisode {
   }
 
   PerSide<LiftCommand> commands_{};
-  std::variant<std::monostate, std::unique_ptr<Job<Lifting>>, std::unique_ptr<Job<Lone>>> job_;
+  std::variant<std::monostate, std::unique_ptr<Job<Lifting>>, std::unique_ptr<Job<Lone>>,
+               std::unique_ptr<Job<HandOver>>>
+      job_;
 };
 
 }  // namespace

@@ -58,16 +58,16 @@ template <class Use>
 auto with_remote_team(const RemoteControllers& remote, const Spec& spec, std::uint64_t seed,
                       Use&& use) {
   PerSide<double> drift{0, 0};
-  const bool alone = is_alone(spec);  // its controllers do nothing, as in sim/no_controller.hpp
-  if (remote.has_clocks && !alone)
+  const bool idle = on_one_palm(spec);  // its controllers do nothing, as in sim/no_controller.hpp
+  if (remote.has_clocks && !idle)
     drift = {spec.robots[left].clock_drift, spec.robots[right].clock_drift};
-  const Command first{Palm::steep, Move::hold, remote.has_clocks || alone};
+  const Command first{Palm::steep, Move::hold, remote.has_clocks || idle};
   const auto team = [&]<bool has_station>() {
     return RemoteTeam<PythonExchange, has_station>(remote.exchange, first, drift, channel_of(spec),
                                                    seed, leader_of(spec), Faults::of(spec, seed));
   };
-  return remote.has_station && !alone ? use(team.template operator()<true>())
-                                      : use(team.template operator()<false>());
+  return remote.has_station && !idle ? use(team.template operator()<true>())
+                                     : use(team.template operator()<false>());
 }
 
 }  // namespace palmbots::bindings

@@ -58,9 +58,11 @@ AnyRobot partner_robot(const Spec& spec, const Start& start, const Controller& c
 }
 
 AnyRobot robot_of(const Spec& spec, const nb::object& controller, const Start& start) {
-  if (is_alone(spec)) {
-    const runtime::NoProgram program;
-    return robot_with<Lone>(spec, start, program, program);
+  if (on_one_palm(spec)) {
+    return with_job_table(spec, [&]<class Table>(Table) {
+      const runtime::NoProgram program;
+      return robot_with<Table>(spec, start, program, program);
+    });
   }
   if (nb::isinstance<Machines>(controller)) {
     return partner_robot(spec, start,
@@ -155,6 +157,7 @@ class RobotHandle {
   int phase() const { return robot_->phase(); }
   const char* phase_name() const { return robot_->phase_name(); }
   bool counts() const { return robot_->counts(); }
+  double share_of_way() const { return 0.5 * robot_->halves_of_way(); }
 
   std::optional<nb::bytes> greet() {
     wire::Bytes bytes{};
@@ -318,6 +321,8 @@ void bind_runtime(nb::module_& core) {
       .def_prop_ro("phase_state", &RobotHandle::phase, "The number of this phase in its table.")
       .def_prop_ro("counts", &RobotHandle::counts,
                    "What it moves counts as a part of the distance.")
+      .def_prop_ro("share_of_way", &RobotHandle::share_of_way,
+                   "The share of the distance after which it is far enough in this phase.")
       .def("greet", &RobotHandle::greet,
            "A hello to the partner, before the carry; None if the controller has no use for it.")
       .def("operate", &RobotHandle::operate, nb::arg("operation"),
@@ -345,13 +350,21 @@ void bind_runtime(nb::module_& core) {
   m.def(
       "phase_times",
       [](const Spec& spec) {
-        const TableTimes<Lifting> times = table_times_of<Lifting>(spec);
-        std::vector<std::uint16_t> all{times.beacon, times.lease};
-        all.insert(all.end(), times.limits.begin(), times.limits.end());
-        return all;
+        return with_job_table(spec, [&]<class Table>(Table) {
+          const TableTimes<Table> times = table_times_of<Table>(spec);
+          std::vector<std::uint16_t> all{times.beacon, times.lease};
+          all.insert(all.end(), times.limits.begin(), times.limits.end());
+          return all;
+        });
       },
       nb::arg("spec"),
       "The times of the table of a job on the floor [ticks]: beacon, lease, limits.");
+  m.def(
+      "job_table",
+      [](const Spec& spec) {
+        return with_job_table(spec, []<class Table>(Table) { return Table::number; });
+      },
+      nb::arg("spec"), "The number of the table of a job on the floor.");
   m.def(
       "arm_step_m", [](const Spec& spec) { return lift_step_of(spec); }, nb::arg("spec"),
       "A step of the table of a job on the floor: what an arm moves in a lease and a delay [m].");

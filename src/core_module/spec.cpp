@@ -15,6 +15,7 @@
 #include "palmbots/sim/object_frame.hpp"
 #include "palmbots/sim/plate_section.hpp"
 #include "palmbots/sim/spec_bytes.hpp"
+#include "palmbots/sim/standing_start.hpp"
 #include "palmbots/sim/wheel_errors.hpp"
 
 namespace palmbots::bindings {
@@ -176,6 +177,8 @@ void bind_spec(nb::module_& m) {
           })
       .def_prop_ro("uses_floor", &uses_floor,
                    "Whether the job begins or ends on the floor or on a stand.")
+      .def_prop_ro("on_one_palm", &on_one_palm,
+                   "Whether one palm at a time holds the object in such a job.")
       .def_prop_rw(
           "start", [](const Spec& s) { return std::pair(s.start[left], s.start[right]); },
           [](Spec& s, std::pair<double, double> start) {

@@ -236,6 +236,8 @@ void bind_world(nb::module_& m) {
       "Heights of the pivot of a steep palm below an object on a stand of this height: at which it "
       "touches the object nowhere, and at which it touches it with its inner end at the latest "
       "[m].");
+  m.def("first_angle", &first_angle, nb::arg("spec"), nb::arg("side"),
+        "The angle of a palm where a job begins [rad].");
   m.def("standing_level", &standing_level, nb::arg("spec"), nb::arg("moved") = 0.0,
         "Height of what is under the object at its start, or after it moved so far [m].");
   m.def("standing_refusal", &standing_refusal, nb::arg("spec"),

@@ -7,6 +7,7 @@ import pytest
 
 from emulator.__main__ import CONTROLLERS, IMAGES, JOB, carried, dongle_image, faults
 from emulator.board import Image
+from live_faults import SHORT_WAY
 
 HARD_RADIO = {
     "radio.loss": 0.1, "radio.latency_s": 0.03, "radio.jitter_s": 0.04, "radio.reorder": True,
@@ -56,10 +57,12 @@ def check(
     assert result.message_log == host.message_log
     assert 0 < row["instructions_per_tick"]["worst"] <= MOST_INSTRUCTIONS
     assert 0 < row["stack_bytes"] <= MOST_STACK
-    if "faults.script" in overrides:
-        # Of the left and the right board, and of the station's radio if there is one.
-        boards = 2 if controller == "centralized" else 1
-        assert row["faults"] == ["power", "watchdog"] * boards
+    script = overrides.get("faults.script", [])
+    robots = [event["robot"] for event in script if event["kind"] == "reboot"]
+    expected = ["power"] * robots.count("left") + ["watchdog"] * robots.count("right")
+    if script and controller == "centralized":
+        expected += ["power", "watchdog"]  # of the station's radio
+    assert row["faults"] == expected
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -96,6 +99,45 @@ def test_boards_do_a_job_on_the_floor_as_one_program(
     images: tuple[Image, Image], case: str
 ) -> None:
     check(images, "shared-sign", JOB | JOBS[case], scene="lift")
+
+
+def rebooted(*reboots: tuple[str, float]) -> dict[str, Any]:
+    """These robots restart at these times. While an arm goes up or down, a board goes on elsewhere
+    than in the simulation."""
+    events = [
+        {"kind": "reboot", "robot": side, "at_s": at_s, "duration_s": 0.5} for side, at_s in reboots
+    ]
+    return {"faults.script": events, "radio.loss": 0.1}
+
+
+STAND: dict[str, Any] = JOB | SHORT_WAY["stand"]
+# The arm arrives, and passes its steps, in the middle of a tick.
+HANDOVER = JOB | {"arm.carry_height_m": 0.15034, "radio.lease_s": 0.874}
+OTHER_JOBS: dict[str, tuple[str, dict[str, Any]]] = {
+    "from a stand onto a stand": ("stand", STAND),
+    "from a stand onto a stand, reboots and losses": (
+        "stand",
+        STAND | rebooted(("left", 2.0), ("right", 8.0), ("left", 17.0)),
+    ),
+    "from a stand onto the floor": (
+        "stand",
+        STAND | {"task.to": "floor", "floor.stands": STAND["floor.stands"][:1]},
+    ),
+    "one robot alone": ("lone", JOB),
+    # On the floor it goes on; in the air it lowers its arm and stands.
+    "one robot alone, reboots": ("lone", JOB | rebooted(("right", 5.0), ("right", 20.0))),
+    "from palm to palm": ("handover", HANDOVER),
+    "from palm to palm, reboots and losses": (
+        "handover",
+        HANDOVER | rebooted(("right", 2.0), ("left", 26.0)),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", OTHER_JOBS)
+def test_boards_do_other_jobs_as_one_program(images: tuple[Image, Image], case: str) -> None:
+    scene, overrides = OTHER_JOBS[case]
+    check(images, "shared-sign", overrides, scene=scene)
 
 
 @pytest.mark.soak

@@ -75,9 +75,11 @@ def test_a_fault_in_a_phase_of_a_job(name: str, phase: str, tmp_path: Path) -> N
         ("lone", "seat", "delivered"),
         # It does not know how far it has carried the object.
         ("lone", "haul", "stopped"),
+        ("handover", "seat", "delivered"),
+        ("handover", "ahead", "stopped"),
     ],
 )
-def test_a_robot_is_killed_at_a_stand_or_while_it_works_alone(
+def test_a_robot_is_killed_in_another_job(
     scene: str, phase: str, ends: str, tmp_path: Path
 ) -> None:
     fault = FAULTS["right robot off for 0.5 s"]

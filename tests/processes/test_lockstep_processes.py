@@ -55,12 +55,17 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         SHORT_WAY["lone"]
         | {"faults.script": [{"kind": "reboot", "robot": "right", "at_s": 5.0, "duration_s": 0.5}]},
     ),
+    "centralized, from palm to palm, losses": (
+        "centralized",
+        SHORT_WAY["handover"] | {"radio.loss": 0.1},
+    ),
     "class in Python": ("CLASS", SHORT),
 }
 """Each kind of program once: tests/robot compares all controllers inside one process."""
 SCENES = {
     "shared-sign, from a stand onto a stand": "stand",
     "shared-sign, one robot alone, which restarts": "lone",
+    "centralized, from palm to palm, losses": "handover",
 }
 """Those that are not the scene `paper`."""
 

@@ -14,7 +14,8 @@ def test_each_carry_counts_from_its_start() -> None:
     ):  # fmt: skip
         odometry.take(distance_m, carries)
         assert odometry.covered_m == pytest.approx(covered_m)
-        assert odometry.is_covered == (covered_m >= 1.0)
+        assert odometry.is_covered() == (covered_m >= 1.0)
+        assert odometry.is_covered(0.5) == (covered_m >= 0.5)
         assert odometry.share == pytest.approx(min(1.0, covered_m))
 
 

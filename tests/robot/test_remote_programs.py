@@ -50,7 +50,7 @@ class Programs:
         self.epoch, self.assists, self.holds = [0, 0], [False, False], [False, False]
         self.robots = [self.booted(side) for side in (0, 1)]
         self.station = _core.runtime.Station(KEY, PAIR, 1)
-        establish_sessions(ends_of(self.entry), self.greet, self.hear)
+        establish_sessions(ends_of(self.entry, scene), self.greet, self.hear)
 
     def greet(self, end: str, other: str) -> bytes | None:
         if end == "station":
@@ -192,6 +192,17 @@ OTHER_JOBS: dict[str, tuple[str, dict[str, Any]]] = {
                 for at_s in (1.0, 14.0)
             ]
             + [{"kind": "freeze", "robot": "right", "at_s": 4.0, "duration_s": 0.5}]
+        },
+    ),
+    "from palm to palm": ("handover", {}),
+    "from palm to palm, everything": ("handover", EVERYTHING),
+    "from palm to palm, both restart": (
+        "handover",
+        {
+            "faults.script": [
+                {"kind": "reboot", "robot": "right", "at_s": 2.0, "duration_s": 0.5},
+                {"kind": "reboot", "robot": "left", "at_s": 12.0, "duration_s": 0.5},
+            ]
         },
     ),
 }

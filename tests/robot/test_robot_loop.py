@@ -75,7 +75,8 @@ class Program:
     def __init__(self, wheels: bool) -> None:
         self.wheels, self.judged, self.to_store = wheels, [], (wheels, False)
         self.stamps = [(1, 1)]
-        self.phase, self.holds, self.counts = "", False, True  # no job on the floor
+        # No job on the floor.
+        self.phase, self.holds, self.counts, self.share_of_way = "", False, True, 1.0
 
     def step(self, elapsed: int, reading: Any, packets: list[bytes]) -> tuple[Any, ...]:
         return 0, 0, not self.wheels, [(1, b"packet", 0)], "", False, True

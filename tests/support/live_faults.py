@@ -189,4 +189,5 @@ SHORT_WAY: dict[str, dict[str, Any]] = {
         ],
     },
     "lone": {"task.distance_m": 0.5},
+    "handover": {"task.distance_m": 0.5},
 }

@@ -201,8 +201,12 @@ struct HandOver : LiftRules<HandOver> {
   static constexpr bool has_ended(State state, bool) { return state == S::done; }
   static constexpr bool is_carrying(State state) { return state == S::haul || state == S::ahead; }
   // The giver carries half of the way; the taker goes as far without the object, and then on with it.
-  static constexpr double share_of_way(State state, bool leads) {
-    return leads && state == S::haul ? 1.0 : 0.5;
+  static constexpr unsigned halves_of_way(State state, bool leads) {
+    return leads && state == S::haul ? 2 : 1;
+  }
+  // A robot says that it has failed until its partner has put the object down, too.
+  static constexpr bool gives_up(State state, MessageKind heard) {
+    return state == S::failed && (heard == M::holding || heard == M::empty);
   }
   static constexpr bool moves_object(State one, State other) {
     const Set without = {S::clear, S::ahead};

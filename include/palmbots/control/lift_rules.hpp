@@ -158,9 +158,11 @@ struct LiftRules {
     if (by == Driver::controller_in_place) command.stop = true;
     return command;
   }
-  // The share of the distance of the task after which a robot has travelled far enough in a state in
-  // which it counts (`Table::is_carrying`).
-  static constexpr double share_of_way(auto, bool) { return 1; }
+  // How many halves of the distance of the task a robot has to travel in a state in which that counts
+  // (`Table::is_carrying`). A board computes without fractions.
+  static constexpr unsigned halves_of_way(auto, bool) { return 2; }
+  // Whether a robot in this state ends its carry as failed, if it has heard this of its partner.
+  static constexpr bool gives_up(auto state, MessageKind) { return state == Table::State::failed; }
   // Whether the object feels the accelerations of the robots in these states.
   static constexpr bool moves_object(auto, auto) { return true; }
 };

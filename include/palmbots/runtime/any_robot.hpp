@@ -26,6 +26,8 @@ class Robot {
   virtual const char* phase_name() const = 0;
   // What it moves counts as a part of the distance.
   virtual bool counts() const = 0;
+  // How many halves of the distance it has to travel until it is far enough.
+  virtual unsigned halves_of_way() const = 0;
   virtual char name() const = 0;
   virtual bool waits() const = 0;
   virtual MessageKind awaits() const = 0;
@@ -58,6 +60,9 @@ class RobotWith final : public Robot {
   }
   bool counts() const override {
     return !runtime_.phases().lifts() || runtime_.phases().is_carrying();
+  }
+  unsigned halves_of_way() const override {
+    return runtime_.phases().lifts() ? runtime_.phases().halves_of_way() : 2;
   }
   char name() const override { return runtime_.name(); }
   bool waits() const override { return runtime_.waits(); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The phases of a job on the floor, on a robot: its table (control/lifting.hpp, control/lone.hpp) as a
-// program beside that of the controller (runtime/robot_program.hpp). It has the packets of the kind
-// phase.
+// The phases of a job on the floor, on a robot: its table (control/lifting.hpp, control/lone.hpp,
+// control/hand_over.hpp) as a program beside that of the controller (runtime/robot_program.hpp). It has
+// the packets of the kind phase.
 //
 // A robot stores whether its table would begin elsewhere after a boot (`Table::assisting`): its partner
 // may have raised its arm, or the object may be up or has been put down.
@@ -80,7 +80,13 @@ class PhaseProgram {
   // The robot travels as its controller says.
   bool travels() const { return Table::driver(state(), senses()) == Driver::controller; }
   bool has_ended() const { return lifts() && Table::has_ended(state(), settings_.ends_low); }
-  bool has_failed() const { return lifts() && state() == State::failed; }
+  bool has_failed() const {
+    return lifts() && Table::gives_up(state(), program_.controller().clock().heard());
+  }
+  // Heights of the arm count from where the object is put down.
+  bool is_ending() const { return Table::ending.has(state()); }
+  // How many halves of the distance the robot has to travel in this state.
+  unsigned halves_of_way() const { return Table::halves_of_way(state(), settings_.leads); }
   // Its partner has to go on even if this robot is done.
   bool ends_alone() const { return lifts() && settings_.ends_low; }
   // The arm, so many steps up, is where a new job begins.

@@ -54,6 +54,7 @@ struct Outputs {
   ModeOutputs mode;
   Decision phase;               // of the table that lifts, in a job on the floor
   ArmMove arm = ArmMove::hold;  // what the arm does
+  bool arm_ends = false;        // its lowest height is that at the end of the job
   bool holds = false;           // to be stored: the arms may be up (runtime/phase_program.hpp)
   std::array<Outgoing, wire::role_count + 1> packets{};
   std::size_t packet_count = 0;

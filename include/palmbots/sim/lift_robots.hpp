@@ -119,7 +119,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
       const double half = 0.5 * spec_.palms[side].length;
       senses[side].touches = pressed[side];
       senses[side].arm_there = arm_there_[side];
-      const double share = Table::share_of_way(team_.state(side), side == this->leader());
+      const double share = 0.5 * Table::halves_of_way(team_.state(side), side == this->leader());
       senses[side].far_enough = travelled_[side] >= share * spec_.distance;
       const double zero = is_ending(side) ? lowest_[true][side] : lifted_from_[side];
       senses[side].steps =

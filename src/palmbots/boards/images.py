@@ -9,7 +9,6 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from palmbots._types import SIDES
 from palmbots._util.atomic_files import folder, write_whole
 from palmbots._util.command import Option, command
 from palmbots._util.optional_imports import require
@@ -60,8 +59,9 @@ def write_images(
 ) -> list[Path]:
     """Make images for boards that are the robots of a pair.
 
-    left.hex and right.hex are the robots, dongle.hex is the radio of the station. No compiler is
-    needed. Each image counts boots of its own: flash it into one board, once.
+    left.hex and right.hex are the robots, dongle.hex is the radio of the station. A robot that
+    stands aside has no image. No compiler is needed. Each image counts boots of its own: flash it
+    into one board, once.
 
     Args:
         pair_file: the pair.toml of both robots.
@@ -88,7 +88,7 @@ def write_images(
         )
     out = folder(out)
     written = []
-    for side in SIDES:
+    for side in boards.scene.working_sides:
         file = pair.state_file(side)
         with held(file):
             state = read_state(file)

@@ -2,8 +2,9 @@
 """The settings of a pair's boards, from its ``pair.toml``, and the refusal of what cannot work."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import palmbots._core as _core
@@ -18,7 +19,7 @@ from palmbots.boards.settings_page import (
     settings_page,
 )
 from palmbots.control.registry import ControllerEntry
-from palmbots.drivers.arm import arm_shape, refuse_stands
+from palmbots.drivers.arm import ArmShape, arm_shape
 from palmbots.drivers.hardware import (
     HardwareParameters,
     arm_servo_angle,
@@ -30,7 +31,7 @@ from palmbots.drivers.hardware import (
     wheel_rates,
 )
 from palmbots.errors import PalmbotsError
-from palmbots.pair.board_keys import PULSES_S
+from palmbots.pair.board_keys import PULSES_S, BoardTable
 from palmbots.pair.drive_table import drive_table
 from palmbots.pair.pair_file import Pair
 from palmbots.pair.stopping_limit import stopping_limit_s
@@ -94,7 +95,7 @@ class BoardPair:
         signs = {"-": "minus", "0": "zero", "+": "plus"}
         along = [SWITCHES.index(signs[zone.sign]) for zone in hardware.switches]
         ends = [SWITCHES.index("steep-end"), SWITCHES.index("shallow-end")]
-        goal = [SWITCHES.index("goal")] if board.goal_switch else []
+        places = [SWITCHES.index(name) for name in _places(board)]
         slew = abs(palm_us[1] - palm_us[0]) * period_s / turn_s if turn_s > 0 else 2000
         return BoardSettings(
             role=SIDES.index(side), key=pair.key, pair=pair.settings.pair.number,
@@ -117,31 +118,19 @@ class BoardPair:
             debounce=max(1, math.ceil((board.bounce_s - 1e-9) / period_s)),
             palm_slew_us=max(1, math.ceil(slew - 1e-9)),
             wheel_slew=self._wheel_slew(hardware, period_s),
-            switches=(*along, *[0] * (PALM_SWITCHES - len(along) - len(goal)), *goal, *ends),
+            switches=(*along, *[0] * (PALM_SWITCHES - len(along) - len(places)), *places, *ends),
             palm_us=(palm_us[0], palm_us[1]), wheels=self._wheels(side, hardware, leads),
             times=tuple(_core.runtime.times(spec, entry.name)),
-            **self._job(side, hardware, leads),
+            **self._job(side, hardware),
         )  # fmt: skip
 
-    def _job(self, side: Side, hardware: HardwareParameters, leads: bool) -> dict[str, Any]:
-        """The settings of a job on the floor; none for another carry."""
-        spec = to_spec(self.scene)
-        if not spec.uses_floor:
-            return {}
-        shape = arm_shape(self.scene, side)
-        low_us, shallow_us, top_us = (
-            1e6 * servo_pulse_s(hardware, arm_servo_angle(hardware, shape, height))
-            for height in (*shape.floors_m, shape.top_m)
-        )
-        per_m = 256 * abs(top_us - low_us) / (shape.top_m - shape.floors_m[0])
-        return {
-            "phase_times": tuple(_core.runtime.phase_times(spec)),
-            "arm_floor_us": (round(low_us), round(shallow_us)),
-            "arm_top_us": round(top_us),
-            "arm_slew": max(1, round(per_m * shape.rate_m_s * self.scene.control.period_s)),
-            "arm_step": max(1, round(per_m * shape.step_m)),
-            "job": job_bits(self.scene, leads=leads),
-        }
+    def _job(self, side: Side, hardware: HardwareParameters) -> dict[str, Any]:
+        """The settings of a job on the floor or at a stand; none for another carry."""
+
+        def pulse_us(shape: ArmShape, height_m: float) -> float:
+            return 1e6 * servo_pulse_s(hardware, arm_servo_angle(hardware, shape, height_m))
+
+        return job_settings(self.scene, side, pulse_us)
 
     def _share(self, power: float) -> int:
         """A share of full power as a pulse [us] or a speed of the motor board."""
@@ -168,12 +157,51 @@ class BoardPair:
         return (*(left for left, _ in found), *(right for _, right in found))
 
 
-def job_bits(scene: Scene, *, leads: bool) -> int:
-    """The bits of a job on the floor (`BoardSettings.job`)."""
-    task = scene.task
-    bits = (True, getattr(task, "from") != "palms", task.to != "palms",
-            task.dock == "one-first" and not leads)  # fmt: skip
+def job_settings(
+    scene: Scene, side: Side, pulse_us: Callable[[ArmShape, float], float]
+) -> dict[str, Any]:
+    """The settings of a job on the floor or at a stand; none for another carry.
+
+    Args:
+        scene: the scene.
+        side: of the robot.
+        pulse_us: the pulse [us] with which an arm has its pivot at a height [m].
+    """
+    spec = to_spec(scene)
+    if not spec.uses_floor:
+        return {}
+    shape = arm_shape(scene, side, at_stands=True)
+    pulses = partial(pulse_us, shape)
+    per_m = abs(pulses(shape.top_m) - pulses(shape.floors_m[0]))
+    per_m *= 256 / (shape.top_m - shape.floors_m[0])
+    steep, shallow = (round(pulses(height)) for height in shape.floors_m)
+    first, last = (round(pulses(height)) for height in shape.lows_m)
+    return {
+        "phase_times": tuple(_core.runtime.phase_times(spec)),
+        "arm_floor_us": (steep, shallow),
+        "arm_low_us": (first, last),
+        "arm_clear_us": round(pulses(shape.clear_m)),
+        "arm_top_us": round(pulses(shape.top_m)),
+        "arm_slew": max(1, round(per_m * shape.rate_m_s * scene.control.period_s)),
+        "arm_step": max(1, round(per_m * shape.step_m)),
+        "job": _job_bits(scene, side),
+        "table": _core.runtime.job_table(spec),
+    }
+
+
+def _job_bits(scene: Scene, side: Side) -> int:
+    """The bits of a job on the floor or at a stand (`BoardSettings.job`)."""
+    begins, ends = scene.task.ends
+    leads = (side == "right") == (scene.task.direction == "forward")
+    bits = (True, begins != "palms", ends != "palms", scene.task.dock == "one-first" and not leads,
+            begins == "stand", ends == "stand")  # fmt: skip
     return sum(bit << place for place, bit in enumerate(bits))
+
+
+def _places(board: BoardTable) -> tuple[str, ...]:
+    """The switches that are not on the palm, the last of the row."""
+    given = {"beneath": board.stand_switch, "goal": board.goal_switch}
+    return tuple(name for name, is_there in given.items() if is_there)
 
 
 def order_periods(core: Mapping[str, Any]) -> int:
@@ -204,9 +232,10 @@ def board_pair(pair: Pair) -> BoardPair:
     _check_times(scene)
     core_settings(pair, scene, entry, 0.0)  # refuses time bounds that cannot be kept
     board = pair.settings.board
-    for side in SIDES:
+    _check_switches(board, scene)
+    for side in scene.working_sides:
         hardware = pair.settings.hardware.of(side)
-        _check_hardware(hardware, side, scene, has_goal=board.goal_switch)
+        _check_hardware(hardware, side, scene, most=PALM_SWITCHES - len(_places(board)))
     if board.wheels == "motor-board" and not 0 < board.motor_timeout_s <= scene.control.watchdog_s:
         kept = "keeps its last speed" if board.motor_timeout_s == 0 else "stops too late"
         raise PalmbotsError(
@@ -245,20 +274,28 @@ def _check_times(scene: Scene) -> None:
             )
 
 
-def _check_arm(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
-    refuse_stands(scene)
-    if len(scene.working_sides) == 1:
+def _check_switches(board: BoardTable, scene: Scene) -> None:
+    """Refuse a job for which the board lacks the switch of a place, or has one that misleads."""
+    if scene.task.ends[0] == "stand" and not board.stand_switch:
         raise PalmbotsError(
-            'task.dock: value is "alone", and boards have the table of two robots; allowed: '
-            '"together" or "one-first"'
+            "board.stand_switch: value is false, and without encoders a board notices only by this "
+            "switch that it is below an object on a stand; allowed: true"
         )
+    if scene.task.dock == "hand-over" and board.goal_switch:
+        raise PalmbotsError(
+            'board.goal_switch: value is true, and with task.dock = "hand-over" the robot that '
+            "takes the object drives past that place twice; allowed: false"
+        )
+
+
+def _check_arm(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
     if hardware.arm_floor_deg == hardware.arm_top_deg:
         raise PalmbotsError(
             f"hardware.arm_top_deg: value is {hardware.arm_top_deg:g}, as arm_floor_deg: the {side}"
             " robot has no arm, which a job on the floor needs; allowed: two different angles"
         )
     least, most = sorted((hardware.servo_min_deg, hardware.servo_max_deg))
-    shape = arm_shape(scene, side)
+    shape = arm_shape(scene, side, at_stands=True)
     for key, height in (("arm_floor_deg", min(shape.floors_m)), ("arm_top_deg", shape.top_m)):
         wanted = math.degrees(arm_servo_angle(hardware, shape, height))
         if not least <= wanted <= most:
@@ -267,7 +304,7 @@ def _check_arm(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
                 f"{wanted:g} degrees; allowed: hardware.servo_min_deg to servo_max_deg, "
                 f"{least:g} to {most:g}"
             )
-    steps = (shape.top_m - shape.floors_m[0]) / shape.step_m
+    steps = (shape.top_m - min(shape.lows_m)) / shape.step_m
     if steps >= MOST_ARM_STEPS:
         raise PalmbotsError(
             f"arm.carry_height_m: the arm of the {side} robot would rise {steps:.1f} steps of "
@@ -276,10 +313,7 @@ def _check_arm(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
         )
 
 
-def _check_hardware(
-    hardware: HardwareParameters, side: Side, scene: Scene, *, has_goal: bool
-) -> None:
-    most = PALM_SWITCHES - has_goal
+def _check_hardware(hardware: HardwareParameters, side: Side, scene: Scene, *, most: int) -> None:
     if len(hardware.switches) > most:
         raise PalmbotsError(
             f"hardware.switches: {len(hardware.switches)} switches on the {side} palm; allowed on "

@@ -25,10 +25,10 @@ PAGE_ADDRESS = 0xF000
 PAGE_SIZE = 0x1000
 TABLE_SIZE = 3265
 """Bytes of the table of a policy."""
-SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end", "goal")
+SWITCHES = ("unused", "minus", "zero", "plus", "steep-end", "shallow-end", "goal", "beneath")
 """What a closed switch of the palm means, in the order of the numbers."""
 _MAGIC = 0x42504D42
-_FORMAT = 2
+_FORMAT = 3
 
 Limits = tuple[int, int]
 """The least and the most."""
@@ -119,16 +119,22 @@ class BoardSettings:
     """Of the table of a job on the floor."""
     arm_floor_us: tuple[int, int] = _at("2H", default=(0, 0))
     """Pulses of the arm at which the nose of a steep and of a shallow palm is on the floor."""
+    arm_low_us: tuple[int, int] = _at("2H", default=(0, 0))
+    """The same at which it is at its lowest at the beginning and at the end of the job."""
+    arm_clear_us: int = _at("H", default=0)
+    """The same at which the palm touches an object on its stand at the latest."""
     arm_top_us: int = _at("H", default=0)
     """The same while the pair carries."""
     arm_slew: int = _at("H", default=0)
     """Change of the arm's pulse in a tick [1/256 us]."""
-    job: int = _at("B", (0, 15), default=0)
-    """Bits of a job on the floor: there is one, it begins low, it ends low, this robot docks after
-    its partner."""
-    unused: int = _at("B", default=0)
+    job: int = _at("B", (0, 63), default=0)
+    """Bits of a job on the floor or at a stand: there is one, it begins low, it ends low, this
+    robot docks after its partner, it begins on a stand, it ends on one."""
+    table: int = _at("B", default=0)
+    """Number of the table of the job."""
+    unused: tuple[int, int] = _at("2B", default=(0, 0))
     arm_step: int = _at("I", default=0)
-    """A step of the table of a job on the floor [1/256 us]."""
+    """A step of this table [1/256 us]."""
 
     def packed(self) -> bytes:
         """The bytes, with their check."""

@@ -36,6 +36,11 @@ class ArmShape:
     """Speed of the pivot."""
     step_m: float
     """A step of the table (`control/lifting.hpp`)."""
+    lows_m: tuple[float, float] = (0.0, 0.0)
+    """Lowest heights at the beginning and at the end of the job, from which the table counts steps:
+    with the nose on the floor at the first angle of the palm, or below an object on a stand."""
+    clear_m: float = 0.0
+    """At which the palm touches an object on the first stand at the latest."""
 
     @property
     def top_edge(self) -> int:
@@ -43,23 +48,39 @@ class ArmShape:
         return math.ceil((self.top_m - self.floors_m[0]) / self.step_m)
 
 
-def arm_shape(scene: Scene, side: Side) -> ArmShape:
+def arm_shape(scene: Scene, side: Side, *, at_stands: bool = False) -> ArmShape:
     """What the job of a scene asks of the arm of one side.
 
+    Args:
+        scene: the scene.
+        side: of the robot.
+        at_stands: the job may begin or end on a stand.
+
     Raises:
-        SceneError: the job begins or ends on a stand.
+        SceneError: it does although it may not.
     """
-    refuse_stands(scene)
+    if not at_stands:
+        refuse_stands(scene)
     spec = to_spec(scene, unrolled=True)
-    palm, arm = spec.palms[SIDES.index(side)], scene.arm.of(side)
+    k = SIDES.index(side)
+    palm, arm = spec.palms[k], scene.arm.of(side)
     steep, shallow = (
         math.radians(getattr(scene.palm_of(side), f"{which}_deg")) for which in ("steep", "shallow")
+    )
+    floor_m = palm.lowest_pivot(_core.first_angle(spec, k))
+    (first_m, clear_m), (last_m, _) = (
+        _core.stand_heights(spec, k, _core.standing_level(spec, moved))
+        if on == "stand"
+        else (floor_m, floor_m)
+        for on, moved in zip(scene.task.ends, (0.0, spec.direction * spec.distance), strict=True)
     )
     return ArmShape(
         (palm.lowest_pivot(steep), palm.lowest_pivot(shallow)),
         arm.carry_height_m,
         arm.rate_m_per_s,
         _core.runtime.arm_step_m(spec),
+        (first_m, last_m),
+        clear_m,
     )
 
 
@@ -69,7 +90,8 @@ def refuse_stands(scene: Scene) -> None:
     for key in ("from", "to"):
         if getattr(scene.task, key) == "stand":
             raise SceneError(
-                f'task.{key}: "stand" is for simulated robots; allowed for others: floor or palms'
+                f'task.{key}: "stand" is for simulated robots and boards; allowed for others: '
+                "floor or palms"
             )
 
 

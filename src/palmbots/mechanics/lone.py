@@ -30,6 +30,7 @@ from palmbots.mechanics.lifting_bodies import (
 from palmbots.mechanics.lifting_forces import floor_friction_to_stay, least_partner_angle
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import as_given
+from palmbots.scene.spec import to_spec
 
 _G = _core.standard_gravity
 _LEVEL = math.pi / 2
@@ -38,7 +39,7 @@ _STEEP = math.radians(60)  # of the partner's palm; its least lean does not depe
 
 def on_one_palm(scene: Scene) -> bool:
     """Whether one palm at a time holds the object of a scene."""
-    return scene.task.dock in ("alone", "hand-over") and scene.task.ends != ("palms", "palms")
+    return to_spec(scene, unrolled=True).on_one_palm
 
 
 @dataclass(frozen=True)

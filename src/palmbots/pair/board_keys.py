@@ -40,6 +40,9 @@ class BoardTable(Section):
     goal_switch: Switch = False
     """In a job on the floor, switch 6 closes where the object is to be put down. Without it a robot
     travels for the time that the distance takes at its speed."""
+    stand_switch: Switch = False
+    """In a job from a stand, a switch closes where the robot is below the object: switch 6, or 5
+    with goal_switch. Such a job needs it."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:

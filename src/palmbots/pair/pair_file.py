@@ -111,17 +111,11 @@ def check_on_robots(scene: Scene) -> None:
     """Check a scene against what robots as processes can carry.
 
     Raises:
-        SceneError: its object is too heavy or cannot be lifted, or it needs turns, or one robot
-            hands the object to the other one.
+        SceneError: its object is too heavy or cannot be lifted, or it needs turns.
     """
     refuse_curved(scene)
     check_load(scene)
     if to_spec(scene).uses_floor:
-        if scene.task.dock == "hand-over":
-            raise SceneError(
-                'task.dock: value is "hand-over", which robots as processes cannot do; allowed: '
-                '"together", "one-first" or "alone", or palmbots carry'
-            )
         from palmbots.mechanics.lifting import check_lift  # loads numpy
 
         check_lift(scene)

@@ -37,10 +37,9 @@ class Odometry:
         self._newest_m = distance_m
         self.covered_m = distance_m - self._start_m
 
-    @property
-    def is_covered(self) -> bool:
-        """The distance of the carry is covered."""
-        return self.covered_m >= self._goal_m
+    def is_covered(self, share: float = 1.0) -> bool:
+        """This share of the distance of the carry is covered."""
+        return self.covered_m >= share * self._goal_m
 
     @property
     def share(self) -> float:

@@ -52,10 +52,17 @@ class ReadingGauge:
         return self._odometry.to_store_m if self.has_encoders else 0.0
 
     def take(
-        self, seen: Reading, *, carries: bool, counts: bool = True, **others: Any
+        self,
+        seen: Reading,
+        *,
+        carries: bool,
+        counts: bool = True,
+        share_of_way: float = 1.0,
+        **others: Any,
     ) -> dict[str, Any]:
         """The arguments of the core's `Reading`; `carries`: after the last step the wheels may
-        turn; `counts`: what the robot moves counts as a part of the distance."""
+        turn; `counts`: what the robot moves counts as a part of the distance; `share_of_way`: the
+        share of the distance after which it is covered for this robot."""
         if self.has_encoders:
             self._odometry.take(seen.distance_m, carries, counts)
         battery_v = seen.battery_v
@@ -66,7 +73,7 @@ class ReadingGauge:
             "contact": seen.has_contact,
             "battery_ok": battery_v is None or battery_v >= self._hardware.battery_low_v,
             "battery_mv": max(0, battery_mv),
-            "covered": self._odometry.is_covered or seen.far_enough,
+            "covered": self._odometry.is_covered(share_of_way) or seen.far_enough,
             "progress": round(65535 * self._odometry.share),
             "stopping": self._stopping,
             "arm_there": seen.arm_there,

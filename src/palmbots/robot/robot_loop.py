@@ -170,6 +170,7 @@ class RobotLoop:
             seen,
             carries=self._carries,
             counts=self.robot.counts,
+            share_of_way=self.robot.share_of_way,
             driver_ok=works(self._driver),
             storage_ok=self._keeper.works,
             overruns=min(self.clock.recent_overruns, 0xFFFF),

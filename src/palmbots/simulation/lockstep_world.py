@@ -14,6 +14,8 @@ import palmbots._core as _core
 from palmbots._types import SIDES
 from palmbots.control.registry import ControllerEntry, check_on_robots
 from palmbots.links.local_connection import Connection, ConnectionLost
+from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 from palmbots.simulation.entrance import Entrance
 
 _ANSWER_WITHIN_S = 30.0
@@ -116,9 +118,10 @@ def establish_sessions(
         hear(receiver, hello)
 
 
-def ends_of(entry: ControllerEntry, sides: tuple[str, ...] = SIDES) -> tuple[str, ...]:
-    """Whose programs a controller needs, if these robots work."""
-    return (*sides, "station") if entry.team == "station" and len(sides) > 1 else sides
+def ends_of(entry: ControllerEntry, scene: Scene) -> tuple[str, ...]:
+    """Whose programs a carry needs. If one palm at a time holds the object, no controller acts."""
+    has_station = entry.team == "station" and not to_spec(scene).on_one_palm
+    return (*scene.working_sides, *(["station"] if has_station else []))
 
 
 @dataclass(frozen=True)

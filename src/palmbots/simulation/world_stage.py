@@ -162,7 +162,7 @@ class FloorStage:
         self._ends_low = scene.task.to != "palms"
         self._low = getattr(scene.task, "from") != "palms"
         leads = scene.task.direction == "forward"
-        self._sides = (int(leads),) if scene.task.dock == "alone" else (0, 1)
+        self._sides = (int(leads),) if prepared.spec.on_one_palm else (0, 1)
 
     @property
     def midpoint(self) -> float:
@@ -181,7 +181,8 @@ class FloorStage:
 
     @property
     def carried_m(self) -> float:
-        """What the robots moved while they carried the object, on average."""
+        """What the robots moved while they carried the object, on average. If one palm at a time
+        holds it, the robot that leads counts: what it goes ahead is what its partner carries."""
         travelled = self._job.travelled
         return float(sum(travelled[side] for side in self._sides) / len(self._sides))
 

@@ -95,7 +95,7 @@ def up(
         )
     if lockstep:
         options += ["--precision", precision, "--called", scene]
-        has_station = "station" in ends_of(entry, chosen.working_sides)
+        has_station = "station" in ends_of(entry, chosen)
         return run_lockstep(chosen, controller, options, has_station=has_station)
     if entry.team == "station":
         raise PalmbotsError(

@@ -96,7 +96,7 @@ def _lockstep(
 
     check_precision(world_entry(world), precision)
     with listen(serve, "--serve") as door:
-        programs = Programs(door, ends_of(entry, scene.working_sides), scene_number(scene))
+        programs = Programs(door, ends_of(entry, scene), scene_number(scene))
         remote_entry = remote(entry, programs.exchange)
         try:
             programs.wait()
