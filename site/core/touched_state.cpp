@@ -107,11 +107,11 @@ std::string TouchedState::kinds() const {
 }
 
 void TouchedState::append(std::vector<double>& out) const {
-  out.insert(out.end(), {balances(supports_, {}, slope_) ? 1.0 : 0.0, double(supports_.count)});
-  for (std::size_t i = 0; i < supports_.count; ++i) {
-    const Support& s = supports_.at[i];
-    out.insert(out.end(),
-               {double(touched_[i].carrier), touched_[i].place, s.x, s.y, s.nx, s.ny, s.friction});
+  out.insert(out.end(), {balances(supports_, {}, slope_) ? 1.0 : 0.0, double(supports_.size())});
+  for (std::size_t i = 0; i < supports_.size(); ++i) {
+    const Support& s = supports_[i];
+    out.insert(out.end(), {double(touched_[i].carrier), touched_[i].place, s.point.x, s.point.y,
+                           s.normal.x, s.normal.y, s.friction});
   }
   out.insert(out.end(), places_.begin(), places_.end());
 }
@@ -119,19 +119,17 @@ void TouchedState::append(std::vector<double>& out) const {
 void TouchedState::append_modes(const PerSide<PalmMotion>& palms, std::vector<double>& out) const {
   Velocities velocities{};
   SurfaceNumbers surfaces{};
-  for (std::size_t i = 0; i < supports_.count; ++i) {
+  for (std::size_t i = 0; i < supports_.size(); ++i) {
     const std::size_t carrier = touched_[i].carrier;
     surfaces[i] = carrier > right ? 0 : carrier + 1;  // by name, as in Python
     if (carrier > right) continue;
-    const Vec pivot = pivots_[carrier];
-    velocities[i] =
-        velocity_at(palms[carrier], supports_.at[i].x - pivot.x, supports_.at[i].y - pivot.y);
+    velocities[i] = velocity_at(palms[carrier], supports_[i].point - pivots_[carrier]);
   }
   each_outcome(supports_, velocities, slope_, [&](const Motions& motions) {
     const auto forces = contact_forces(supports_, motions, slope_);
     const ModeMargin margin = margin_of(supports_, motions, slope_, surfaces);
     const Motions at_limit = loaded_edges(margin.supports, motions, slope_);
-    for (std::size_t i = 0; i < supports_.count; ++i) {
+    for (std::size_t i = 0; i < supports_.size(); ++i) {
       out.insert(out.end(), {double(motions[i]), forces[i].normal.low, forces[i].normal.high,
                              forces[i].friction.low, forces[i].friction.high, double(at_limit[i])});
     }
@@ -140,8 +138,8 @@ void TouchedState::append_modes(const PerSide<PalmMotion>& palms, std::vector<do
 }
 
 void TouchedState::add(const Touched& one) {
-  if (supports_.count == max_supports) return;
-  supports_.at[supports_.count++] = one.support;
+  if (supports_.full()) return;
+  supports_.push_back(one.support);
   touched_.push_back(one);
 }
 

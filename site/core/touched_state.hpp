@@ -60,7 +60,7 @@ class TouchedState {
   std::string end_;
   std::string refusal_;
   std::vector<Touched> touched_;
-  Supports supports_{};
+  Supports supports_;
   PerSide<Vec> pivots_{};  // from the COM
   std::vector<double> places_;
 };

@@ -25,10 +25,10 @@ using PalmTuple = std::tuple<double, double, double>;  // vx, vy, spin
 
 Supports supports_of(const std::vector<SupportTuple>& given) {
   if (given.size() > max_supports) throw std::invalid_argument("at most 8 supports");
-  Supports supports{};
+  Supports supports;
   for (const auto& [side, x, y, nx, ny, friction] : given) {
     if (side > 1) throw std::out_of_range("side is 0 or 1");
-    supports.at[supports.count++] = {side, x, y, nx, ny, friction};
+    supports.push_back(Support::at(side, {x, y}, {nx, ny}, friction));
   }
   return supports;
 }
@@ -62,8 +62,9 @@ nb::tuple contacts_of(const Spec& spec, Numbers2 angles, Numbers2 places) {
   std::vector<std::tuple<std::string, std::size_t, double, double, double, SupportTuple>> points;
   for (const StateContact& t : found.touched) {
     const Support& s = t.support;
-    points.emplace_back(t.kind, t.carrier, t.place, t.point.x, t.point.y,
-                        SupportTuple{s.side, s.x, s.y, s.nx, s.ny, s.friction});
+    points.emplace_back(
+        t.kind, t.carrier, t.place, t.point.x, t.point.y,
+        SupportTuple{s.side, s.point.x, s.point.y, s.normal.x, s.normal.y, s.friction});
   }
   const auto pivot = [&](std::size_t side) {
     return Numbers2{found.pivots[side].x, found.pivots[side].y};
@@ -77,11 +78,10 @@ std::vector<Numbers2> palm_velocities(const std::vector<SupportTuple>& given,
                                       std::pair<PalmTuple, PalmTuple> palms) {
   const Supports supports = supports_of(given);
   std::vector<Numbers2> found;
-  for (std::size_t i = 0; i < supports.count; ++i) {
-    const Support& s = supports.at[i];
+  for (const Support& s : supports) {
     const Numbers2 pivot = s.side == left ? pivots.first : pivots.second;
     const auto [vx, vy, spin] = s.side == left ? palms.first : palms.second;
-    const Vec v = velocity_at({vx, vy, spin}, s.x - pivot.first, s.y - pivot.second);
+    const Vec v = velocity_at({vx, vy, spin}, s.point - Vec{pivot.first, pivot.second});
     found.emplace_back(v.x, v.y);
   }
   return found;
@@ -91,9 +91,9 @@ std::vector<std::vector<int>> possible(const std::vector<SupportTuple>& given,
                                        const std::vector<Numbers2>& velocities) {
   const Supports supports = supports_of(given);
   std::vector<std::vector<int>> found;
-  Twists(supports, velocities_of(velocities, supports.count))
-      .each({}, BalancingRays(),
-            [&](const Motions& m, std::size_t) { found.push_back(listed(m, supports.count)); });
+  Twists(supports, velocities_of(velocities, supports.size()))
+      .each({0}, BalancingRays(),
+            [&](const Motions& m, std::size_t) { found.push_back(listed(m, supports.size())); });
   return found;
 }
 
@@ -101,8 +101,8 @@ std::vector<std::vector<int>> outcomes(const std::vector<SupportTuple>& given,
                                        const std::vector<Numbers2>& velocities, double slope) {
   const Supports supports = supports_of(given);
   std::vector<std::vector<int>> found;
-  each_outcome(supports, velocities_of(velocities, supports.count), slope,
-               [&](const Motions& m) { found.push_back(listed(m, supports.count)); });
+  each_outcome(supports, velocities_of(velocities, supports.size()), slope,
+               [&](const Motions& m) { found.push_back(listed(m, supports.size())); });
   return found;
 }
 
@@ -112,8 +112,8 @@ std::tuple<std::vector<std::pair<Ends, Ends>>, double, std::optional<std::vector
     const std::vector<SupportTuple>& given, const std::vector<int>& codes, double slope,
     const std::vector<std::size_t>& surfaces) {
   const Supports supports = supports_of(given);
-  const Motions motions = motions_of(codes, supports.count);
-  if (surfaces.size() != supports.count)
+  const Motions motions = motions_of(codes, supports.size());
+  if (surfaces.size() != supports.size())
     throw std::invalid_argument("one surface for each support");
   SurfaceNumbers numbers{};
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
@@ -122,14 +122,14 @@ std::tuple<std::vector<std::pair<Ends, Ends>>, double, std::optional<std::vector
   }
   std::vector<std::pair<Ends, Ends>> forces;
   const auto found = contact_forces(supports, motions, slope);
-  for (std::size_t i = 0; i < supports.count; ++i) {
+  for (std::size_t i = 0; i < supports.size(); ++i) {
     forces.emplace_back(Ends{found[i].normal.low, found[i].normal.high},
                         Ends{found[i].friction.low, found[i].friction.high});
   }
   const ModeMargin margin = margin_of(supports, motions, slope, numbers);
   std::optional<std::vector<int>> at_limit;
   if (std::isfinite(margin.angle)) {
-    at_limit = listed(loaded_edges(margin.supports, motions, slope), supports.count);
+    at_limit = listed(loaded_edges(margin.supports, motions, slope), supports.size());
   }
   return {forces, margin.angle, at_limit};
 }
@@ -150,7 +150,7 @@ void bind_multi_contact(nb::module_& m) {
       "balances",
       [](const std::vector<SupportTuple>& given, const std::vector<int>& motions, double slope) {
         const Supports supports = supports_of(given);
-        return balances(supports, motions_of(motions, supports.count), slope);
+        return balances(supports, motions_of(motions, supports.size()), slope);
       },
       nb::arg("supports"), nb::arg("motions"), nb::arg("slope") = 0.0,
       "Whether these contacts hold the object. A motion is 0 stick, 1 up, -1 down, 2 leave.");

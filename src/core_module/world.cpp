@@ -42,8 +42,9 @@ std::vector<std::tuple<std::string, std::size_t, double, SupportTuple>> touching
   std::vector<std::tuple<std::string, std::size_t, double, SupportTuple>> found;
   for (const Touched& one : w.touched_in(within)) {
     const Support& s = one.support;
-    found.emplace_back(one.kind, one.carrier, one.place,
-                       SupportTuple{s.side, s.x, s.y, s.nx, s.ny, s.friction});
+    found.emplace_back(
+        one.kind, one.carrier, one.place,
+        SupportTuple{s.side, s.point.x, s.point.y, s.normal.x, s.normal.y, s.friction});
   }
   return found;
 }
@@ -87,12 +88,10 @@ void bind_world(nb::module_& m) {
           "constraints",
           [](const W& w) {
             std::vector<std::tuple<std::size_t, bool, std::size_t, double>> contacts;
-            const Regime& regime = w.regime();
-            for (std::size_t i = 0; i < regime.count; ++i) {
-              const FeaturePair pair = regime.active[i].pair;
-              const Surface& surface = w.shapes().surfaces.at[pair.surface];
+            for (const ActivePair& active : w.regime().active) {
+              const Surface& surface = w.shapes().surfaces[active.pair.surface];
               contacts.emplace_back(static_cast<std::size_t>(surface.carrier), surface.tip,
-                                    pair.feature, surface.tip ? surface.at.x : 0.0);
+                                    active.pair.feature, surface.tip ? surface.at.x : 0.0);
             }
             std::ranges::sort(contacts);
             return contacts;
@@ -151,9 +150,8 @@ void bind_world(nb::module_& m) {
           "grounds",
           [](const W& w) {
             std::set<std::string> names;
-            const Regime& regime = w.regime();
-            for (std::size_t i = 0; i < regime.count; ++i) {
-              const Surface& surface = w.shapes().surfaces.at[regime.active[i].pair.surface];
+            for (const ActivePair& active : w.regime().active) {
+              const Surface& surface = w.shapes().surfaces[active.pair.surface];
               if (surface.carrier == Carrier::ground) names.insert(name_of(surface));
             }
             return std::vector(names.begin(), names.end());

@@ -58,8 +58,7 @@ constexpr bool feasible(const Contacts<Real>& at, ContactMode mode) {
   const Interval<Real> both = intersect(l, r);
   if (mode[left] == SlipDirection::stick || mode[right] == SlipDirection::stick)
     return !both.empty();
-  const Real size = (l.low < 0 ? -l.low : l.low) + (r.low < 0 ? -r.low : r.low);
-  return both.low - both.high <= squeeze_tolerance<Real> * size;
+  return both.low - both.high <= squeeze_tolerance<Real> * (magnitude(l.low) + magnitude(r.low));
 }
 
 // True if the contact mode can occur in this direction: closing needs a contact that slides up,
@@ -92,9 +91,7 @@ constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection dir
   ContactMode mode{SlipDirection::stick, SlipDirection::stick};
   for (const std::size_t side : {left, right}) {
     const Real own = closing ? ends[side].high : ends[side].low;
-    const Real size = end < 0 ? -end : end;
-    const Real gap = own < end ? end - own : own - end;
-    if (own == end || gap <= squeeze_tolerance<Real> * size) {
+    if (own == end || magnitude(own - end) <= squeeze_tolerance<Real> * magnitude(end)) {
       // The end that binds must be the edge that slides in this direction. If the COM lies beyond a
       // contact it can be the other edge; then no contact can slide.
       const Interval<Real> slide = squeeze_in(at, side, direction);
@@ -120,12 +117,9 @@ constexpr Real friction_margin(const Moments<Real>& moments, PerSide<SinCos<Real
     return !both.empty();
   };
   // A cone shrinks to nothing at φ and grows to a half plane at φ − π/2.
-  const Real smaller =
-      friction_angle[left] < friction_angle[right] ? friction_angle[left] : friction_angle[right];
-  const Real larger =
-      friction_angle[left] < friction_angle[right] ? friction_angle[right] : friction_angle[left];
-  Real held_at = larger - Real(0.5) * pi<Real> + Real(1e-6);
-  Real lost_at = smaller;
+  Real held_at =
+      larger(friction_angle[left], friction_angle[right]) - Real(0.5) * pi<Real> + Real(1e-6);
+  Real lost_at = smaller(friction_angle[left], friction_angle[right]);
   if (!held(held_at)) return held_at;
   for (int i = 0; i < 60; ++i) {
     const Real middle = Real(0.5) * (held_at + lost_at);

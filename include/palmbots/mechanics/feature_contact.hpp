@@ -14,6 +14,7 @@
 
 #include "palmbots/mechanics/rounded_body.hpp"
 #include "palmbots/mechanics/surface.hpp"
+#include "palmbots/mechanics/wrench_cone.hpp"
 
 namespace palmbots {
 
@@ -43,22 +44,17 @@ struct FeaturePair {
   constexpr bool operator==(const FeaturePair&) const = default;
 };
 
-// A pair in one pose. World coordinates, the point from the COM.
-struct FeatureContact {
-  double gap;     // [m]; negative where they overlap
-  Vec point;      // where they touch
-  Vec normal;     // of unit size, into the object
-  Vec tangent;    // in which the object moves where it slides up, that is outward
-  double run;     // how far it has slid: constant while it sticks [m]
-  double place;   // of the contact on the face; of the tip from the middle of the edge [m]
-  Vec on_body;    // the outward normal of the object there, in its own frame
-  double inside;  // ≥ 0 where the pair is that of nearest points: distance to where it ends,
-                  // divided by the size of the object, or the sine of an angle
+// A pair in one pose, as a support. World coordinates.
+struct FeatureContact : Support {
+  FeaturePair pair;
+  std::size_t carrier;  // as in Carrier
+  double gap;           // [m]; negative where they overlap
+  double run;           // how far it has slid: constant while it sticks [m]
+  double place;         // of the contact on the face; of the tip from the middle of the edge [m]
+  Vec on_body;          // the outward normal of the object there, in its own frame
+  double inside;        // ≥ 0 where the pair is that of nearest points: distance to where it ends,
+                        // divided by the size of the object, or the sine of an angle
 };
-
-constexpr Vec tangent_of(double sense, Vec normal) {
-  return {sense * normal.y, -(sense * normal.x)};
-}
 
 // By how much a normal into the object lies between those of the two faces beside a tip.
 constexpr double within_tip(const Surface& tip, Vec normal) {
@@ -71,7 +67,11 @@ inline FeatureContact contact_of(const RoundedBody& body, const Surface& surface
                                  const Frame& frame, const Pose& pose, FeaturePair pair,
                                  Vec reference = {}) {
   const Corner& corner = body.corners[pair.feature];
-  FeatureContact c{};
+  FeatureContact c;
+  c.side = frame.sense < 0.0 ? left : right;
+  c.friction = surface.friction;
+  c.pair = pair;
+  c.carrier = static_cast<std::size_t>(surface.carrier);
   if (pair.kind == PairKind::corner_on_face) {
     const Vec centre = pose.to_world(corner.centre);
     const Vec seen = frame.from_world((pose.at + centre) - frame.origin) - surface.at;

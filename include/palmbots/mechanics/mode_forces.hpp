@@ -10,6 +10,7 @@
 // Source: docs/theory/contacts.md.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -43,83 +44,71 @@ namespace detail {
 
 using Shares = std::array<double, 2 * max_supports>;  // of the edges
 
-// The shares of the edges that balance the weight.
-class EdgeShares {
- public:
-  EdgeShares(const Supports& supports, const Motions& motions, double slope)
-      : rays_(rays_of(supports, motions)), load_{slope, 1.0, 0.0} {
-    for (std::size_t i = 0; i < supports.count; ++i) {
-      const Support& s = supports.at[i];
+// An edge of a friction cone on which a force can lie.
+struct Edge {
+  std::size_t contact;
+  double along;   // friction force per unit of normal force
+  double normal;  // normal force of its ray
+};
+
+// The edges, and the shares of them that balance the weight.
+struct EdgeShares {
+  std::vector<Edge> edges;
+  std::vector<Shares> corners;     // of the polyhedron; there are some: the mode is in balance
+  std::vector<Shares> directions;  // in which it is endless
+
+  EdgeShares(const Supports& supports, const Motions& motions, double slope) {
+    const Rays rays = rays_of(supports, motions);
+    for (std::size_t i = 0; i < supports.size(); ++i) {
+      const Support& s = supports[i];
       each_edge(motions[i], s.friction, [&](double along) {
-        const Triple& ray = rays_.ray[edges_.size()];
-        edges_.push_back({i, -outward<double>(s.side) * along, s.nx * ray.x + s.ny * ray.y});
+        const Triple& ray = rays[edges.size()];
+        edges.push_back({i, -outward<double>(s.side) * along, dot(s.normal, Vec{ray.x, ray.y})});
       });
     }
-  }
-
-  std::size_t count() const { return edges_.size(); }
-  std::size_t contact(std::size_t edge) const { return edges_[edge].contact; }
-  double along(std::size_t edge) const { return edges_[edge].along; }
-
-  // The corners of the polyhedron. There are some: the mode is in balance.
-  std::vector<Shares> corners() const { return balancing(load_); }
-
-  // The directions in which the polyhedron is endless.
-  std::vector<Shares> directions() const {
-    std::vector<Shares> found;
-    for (std::size_t k = 0; k < count(); ++k) {
-      for (Shares& shares : balancing(rays_.ray[k] * -1.0)) {
-        shares[k] += edges_[k].normal;
-        found.push_back(shares);
+    corners = balancing(rays, {slope, 1.0, 0.0});
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      for (Shares& shares : balancing(rays, rays[k] * -1.0)) {
+        shares[k] += edges[k].normal;
+        directions.push_back(shares);
       }
     }
-    return found;
   }
 
  private:
-  struct Edge {
-    std::size_t contact;
-    double along;   // friction force per unit of normal force
-    double normal;  // normal force of its ray
-  };
-
   // The shares, as normal forces, of each minimal set of edges that balances a wrench.
-  std::vector<Shares> balancing(Triple wrench) const {
+  std::vector<Shares> balancing(const Rays& rays, Triple wrench) const {
     std::vector<Shares> found;
-    const BalancingRays balancing(rays_, wrench);
-    for (const std::uint32_t set : balancing.all()) {
-      Shares shares{};
+    const BalancingRays sets(rays, wrench);
+    for (const std::uint32_t set : sets.all()) {
       std::array<Triple, 3> ray;
-      std::array<std::size_t, 3> edge;
-      std::size_t n = 0;
-      for (std::size_t k = 0; k < count(); ++k)
-        if ((set >> k & 1) != 0) edge[n] = k, ray[n++] = rays_.ray[k];
+      FixedList<std::size_t, 3> used;
+      for (std::size_t k = 0; k < edges.size(); ++k) {
+        if ((set >> k & 1) == 0) continue;
+        ray[used.size()] = rays[k];
+        used.push_back(k);
+      }
       // What is at right angles to fewer than three rays has no share.
-      if (n == 1) ray[1] = Triple{-ray[0].y, ray[0].x, 0.0};
-      if (n < 3) ray[2] = cross(ray[0], ray[1]);
+      if (used.size() == 1) ray[1] = Triple{-ray[0].y, ray[0].x, 0.0};
+      if (used.size() < 3) ray[2] = cross(ray[0], ray[1]);
       const std::array<double, 3> parts = parts_along(ray, wrench);
-      for (std::size_t k = 0; k < n; ++k)
-        shares[edge[k]] = larger(parts[k], 0.0) * edges_[edge[k]].normal;
-      found.push_back(shares);
+      Shares& shares = found.emplace_back();
+      for (std::size_t k = 0; k < used.size(); ++k)
+        shares[used[k]] = larger(parts[k], 0.0) * edges[used[k]].normal;
     }
     return found;
   }
-
-  Rays rays_;
-  Triple load_;
-  std::vector<Edge> edges_;
 };
 
 // The supports with other friction angles, kept from 0° to 89°.
-inline Supports at_friction_angles(const Supports& supports,
+inline Supports at_friction_angles(Supports supports,
                                    const std::array<double, max_supports>& changes) {
   constexpr double steepest = 89.0 * radians_per_degree<double>;
-  Supports changed = supports;
-  for (std::size_t i = 0; i < supports.count; ++i) {
-    const double own = std::atan(supports.at[i].friction);
-    changed.at[i].friction = std::tan(clamp(own + changes[i], 0.0, larger(steepest, own)));
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    const double own = std::atan(supports[i].friction);
+    supports[i].friction = std::tan(clamp(own + changes[i], 0.0, larger(steepest, own)));
   }
-  return changed;
+  return supports;
 }
 
 // The first change [rad] up to `most` at which something no longer holds; infinite: none.
@@ -147,25 +136,23 @@ double first_end(Holds holds, double most) {
 // The ranges of the forces in a contact mode that is in balance.
 inline std::array<ContactForce, max_supports> contact_forces(const Supports& supports,
                                                              const Motions& motions, double slope) {
-  const detail::EdgeShares edges(supports, motions, slope);
-  const auto corners = edges.corners();
-  const auto directions = edges.directions();
+  const detail::EdgeShares all(supports, motions, slope);
   constexpr double grows = 1e-9;
   constexpr double inf = std::numeric_limits<double>::infinity();
   std::array<ContactForce, max_supports> forces{};
-  for (std::size_t i = 0; i < supports.count; ++i) {
+  for (std::size_t i = 0; i < supports.size(); ++i) {
     const auto extent = [&](bool is_normal) {
       const auto of = [&](const detail::Shares& shares) {
         double value = 0.0;
-        for (std::size_t k = 0; k < edges.count(); ++k)
-          if (edges.contact(k) == i) value += shares[k] * (is_normal ? 1.0 : edges.along(k));
+        for (std::size_t k = 0; k < all.edges.size(); ++k)
+          if (all.edges[k].contact == i)
+            value += shares[k] * (is_normal ? 1.0 : all.edges[k].along);
         return value;
       };
       Interval<double> range{inf, -inf};
-      for (const detail::Shares& corner : corners) {
+      for (const detail::Shares& corner : all.corners)
         range = {smaller(range.low, of(corner)), larger(range.high, of(corner))};
-      }
-      for (const detail::Shares& direction : directions) {
+      for (const detail::Shares& direction : all.directions) {
         if (of(direction) < -grows) range.low = -inf;
         if (of(direction) > grows) range.high = inf;
       }
@@ -184,7 +171,7 @@ inline ModeMargin margin_of(const Supports& supports, const Motions& motions, do
   // only less of it can end the mode.
   std::uint32_t stay = 0;    // bits of the surfaces with contacts that stay
   std::uint32_t slides = 0;  // those of them with a contact that slides
-  for (std::size_t i = 0; i < supports.count; ++i) {
+  for (std::size_t i = 0; i < supports.size(); ++i) {
     const std::uint32_t bit = std::uint32_t{1} << surfaces[i];
     if (motions[i] != Motion::leave) stay |= bit;
     if (motions[i] == Motion::up || motions[i] == Motion::down) slides |= bit;
@@ -194,7 +181,7 @@ inline ModeMargin margin_of(const Supports& supports, const Motions& motions, do
        grow = (grow - slides) & slides) {  // each subset of those that slide
     const auto changed = [&](double by) {
       std::array<double, max_supports> changes{};
-      for (std::size_t i = 0; i < supports.count; ++i) {
+      for (std::size_t i = 0; i < supports.size(); ++i) {
         if ((stay >> surfaces[i] & 1) != 0) changes[i] = (grow >> surfaces[i] & 1) != 0 ? by : -by;
       }
       return detail::at_friction_angles(supports, changes);
@@ -211,25 +198,21 @@ inline ModeMargin margin_of(const Supports& supports, const Motions& motions, do
 // it left if it carries nothing.
 inline Motions loaded_edges(const Supports& supports, const Motions& motions, double slope) {
   constexpr double carries = 1e-5;  // weights; a contact with less carries nothing
-  const detail::EdgeShares edges(supports, motions, slope);
-  const auto corners = edges.corners();
+  const detail::EdgeShares all(supports, motions, slope);
   Motions found{};
-  for (std::size_t i = 0; i < supports.count; ++i) {
+  for (std::size_t i = 0; i < supports.size(); ++i) {
     std::size_t count = 0;
-    double along = 0.0;
-    for (std::size_t k = 0; k < edges.count(); ++k) {
-      double share = 0.0;
-      for (const detail::Shares& corner : corners) share = larger(share, corner[k]);
-      if (edges.contact(k) != i || !(share > carries)) continue;
-      if (count++ == 0) along = edges.along(k);
+    double along = 0.0;  // of the first edge that is loaded
+    for (std::size_t k = 0; k < all.edges.size(); ++k) {
+      const auto is_loaded = [&](const detail::Shares& corner) { return corner[k] > carries; };
+      if (all.edges[k].contact != i || std::ranges::none_of(all.corners, is_loaded)) continue;
+      if (count++ == 0) along = all.edges[k].along;
     }
-    const bool slides_left = along < 0.0;
+    found[i] = motions[i];
     if (count == 0) {
       found[i] = Motion::leave;
-    } else if (motions[i] != Motion::stick || count == 2) {
-      found[i] = motions[i];
-    } else {
-      found[i] = slides_left == (supports.at[i].side == left) ? Motion::up : Motion::down;
+    } else if (motions[i] == Motion::stick && count == 1) {
+      found[i] = (along < 0.0) == (supports[i].side == left) ? Motion::up : Motion::down;
     }
   }
   return found;

@@ -6,10 +6,10 @@
 // the two palms are described by the same numbers. On the ground they are x and y.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "palmbots/base/fixed_list.hpp"
 #include "palmbots/base/side.hpp"
 #include "palmbots/base/vec.hpp"
 
@@ -67,15 +67,12 @@ struct Surface {
 inline constexpr std::size_t max_surfaces = 24;
 inline constexpr std::size_t max_palm_surfaces = 6;  // with a nose and a heel
 
-struct Surfaces {
-  std::array<Surface, max_surfaces> at{};
-  std::size_t count = 0;
+struct Surfaces : FixedList<Surface, max_surfaces> {
   std::size_t ordered = max_surfaces;  // from this one on, they are listed from left to right
 
-  constexpr void add(const Surface& surface) { at[count++] = surface; }
   // The i-th of them if the ordered ones are walked from this side: in the mirror it is the same walk.
   constexpr std::size_t walked(std::size_t side, std::size_t i) const {
-    return side == left || i < ordered ? i : ordered + (count - 1 - i);
+    return side == left || i < ordered ? i : ordered + (size() - 1 - i);
   }
 };
 

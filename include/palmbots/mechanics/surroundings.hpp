@@ -2,21 +2,15 @@
 // What stands still around object and palms: fixed surfaces on the ground. x forward, y up [m].
 #pragma once
 
+#include "palmbots/base/few_sorted.hpp"
 #include "palmbots/mechanics/surface.hpp"
 
 namespace palmbots {
 
 // First the floor; then the other surfaces, from left to right.
-struct Surroundings {
-  static constexpr std::size_t most = max_surfaces - 2 * max_palm_surfaces;
+struct Surroundings : FixedList<Surface, max_surfaces - 2 * max_palm_surfaces> {
   static constexpr std::size_t ordered = 1;  // the first one after the floor
   static constexpr double endless = 1e6;     // [m]
-
-  std::array<Surface, most> at{};  // up to `count`
-  std::size_t count = 0;
-  bool fits = true;  // false: there were more surfaces than `most`
-
-  constexpr bool none() const { return count == 0; }
 
   // An endless level floor at height 0. It comes first.
   static constexpr Surroundings on_floor(double friction) {
@@ -61,13 +55,10 @@ struct Surroundings {
 
   // Behind the surfaces that are not farther right.
   constexpr void add(const Surface& surface) {
-    if (count == most) {
-      fits = false;
-      return;
-    }
-    std::size_t i = count++;
-    for (; i > ordered && at[i - 1].at.x > surface.at.x; --i) at[i] = at[i - 1];
-    at[i] = surface;
+    if (full()) return;  // scenes with more of them are refused
+    push_back(surface);
+    sort_few(begin() + ordered, size() - ordered,
+             [](const Surface& a, const Surface& b) { return a.at.x < b.at.x; });
   }
 };
 

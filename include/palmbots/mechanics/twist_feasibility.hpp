@@ -15,10 +15,8 @@
 // sufficient to test pairs, triples and quadruples.
 #pragma once
 
-#include <algorithm>
 #include <bit>
 
-#include "palmbots/base/vec.hpp"
 #include "palmbots/mechanics/wrench_cone.hpp"
 
 namespace palmbots {
@@ -33,9 +31,9 @@ struct PalmMotion {
 // The velocities of the palms at the contacts.
 using Velocities = std::array<Vec, max_supports>;
 
-// The velocity of the point of a palm at (x, y) from its pivot [m].
-constexpr Vec velocity_at(const PalmMotion& palm, double x, double y) {
-  return {palm.vx - palm.spin * y, palm.vy + palm.spin * x};
+// The velocity of a point of a palm, at a place from its pivot [m].
+constexpr Vec velocity_at(const PalmMotion& palm, Vec place) {
+  return {palm.vx - palm.spin * place.y, palm.vy + palm.spin * place.x};
 }
 
 // A condition row · twist = value, or row · twist > value. The row has unit size.
@@ -87,7 +85,7 @@ struct TwistSpace {
 };
 
 // Strict inequalities in a twist space, as half spaces g · z > h with |g| = 1.
-class HalfSpaces {
+class HalfSpaces : public FixedList<Condition, max_supports> {
  public:
   // Adds an inequality. It may hold nowhere, everywhere or in a half space. Returns false if it holds
   // nowhere where the earlier ones hold.
@@ -98,28 +96,22 @@ class HalfSpaces {
     g.x = n > 0 ? dot(above.row, space.basis[0]) : 0.0;
     g.y = n > 1 ? dot(above.row, space.basis[1]) : 0.0;
     g.z = n > 2 ? dot(above.row, space.basis[2]) : 0.0;
-    const double part = size(g);
+    const double part = palmbots::size(g);
     if (!(part > wrench_tolerance)) return h < -wrench_tolerance;
-    const Side last{g * (1.0 / part), h / part};
-    for (std::size_t i = 0; i < count_; ++i) {
-      if (contradict(sides_[i], last)) return false;
-      for (std::size_t j = i + 1; j < count_ && n > 1; ++j) {
-        if (contradict(sides_[i], sides_[j], last)) return false;
-        for (std::size_t k = j + 1; k < count_ && n > 2; ++k)
-          if (contradict(sides_[i], sides_[j], sides_[k], last)) return false;
+    const Condition last{g * (1.0 / part), h / part};
+    for (const Condition* a = begin(); a != end(); ++a) {
+      if (contradict(*a, last)) return false;
+      for (const Condition* b = a + 1; b != end() && n > 1; ++b) {
+        if (contradict(*a, *b, last)) return false;
+        for (const Condition* c = b + 1; c != end() && n > 2; ++c)
+          if (contradict(*a, *b, *c, last)) return false;
       }
     }
-    sides_[count_++] = last;
+    push_back(last);
     return true;
   }
 
-  std::size_t count() const { return count_; }
-  // Only the first ones.
-  void keep(std::size_t count) { count_ = count; }
-
  private:
-  using Side = Condition;
-
   // Whether Σ share g = 0 and, up to rounding, Σ share h ≥ 0 for some shares > 0. If one share is
   // (almost) zero, fewer inequalities decide.
   template <class... Sides>
@@ -141,38 +133,28 @@ class HalfSpaces {
     }
     return value >= -wrench_tolerance * (sign * total + sizes);
   }
-
-  std::array<Side, max_supports> sides_;  // up to `count_`
-  std::size_t count_ = 0;
 };
 
 // Selections of contacts: which ones each of them leaves out, as bits.
-struct Selections {
-  static constexpr std::size_t most = 27;
-  std::array<std::uint32_t, most> out{};  // up to `count`
-  std::size_t count = 1;
-
-  void add(std::uint32_t one) {
-    if (std::find(out.begin(), out.begin() + count, one) == out.begin() + count) out[count++] = one;
-  }
-};
+using Selections = FixedList<std::uint32_t, 27>;
 
 // The body's possible twists, built up contact by contact.
 class Twists {
  public:
-  Twists(const Supports& supports, const Velocities& palms) : count_(supports.count) {
-    const double reach = supports.reach();
+  Twists(const Supports& supports, const Velocities& palms) : count_(supports.size()) {
+    const double reach = reach_of(supports);
     double fastest = 0.0;
-    for (std::size_t i = 0; i < count_; ++i) {
-      const double square = palms[i].x * palms[i].x + palms[i].y * palms[i].y;
-      if (square > fastest) fastest = square;
-    }
+    for (std::size_t i = 0; i < count_; ++i) fastest = larger(fastest, dot(palms[i], palms[i]));
     // Rates have no scale of their own. Only which of them are zero or positive matters.
     const double pace = fastest > 0.0 ? 1.0 / square_root(fastest) : 1.0;
     for (std::size_t i = 0; i < count_; ++i) {
-      const Support& s = supports.at[i];
-      normal_[i] = condition(s, s.nx, s.ny, reach, palms[i], pace);
-      tangent_[i] = condition(s, s.tx(), s.ty(), reach, palms[i], pace);
+      const auto condition = [&](Vec direction) {
+        const Triple row = supports[i].row(direction, reach);
+        const double scale = 1.0 / size(row);
+        return Condition{row * scale, dot(direction, palms[i]) * pace * scale};
+      };
+      normal_[i] = condition(supports[i].normal);
+      tangent_[i] = condition(supports[i].tangent);
     }
   }
 
@@ -184,10 +166,10 @@ class Twists {
     Search<Found> search{balancing, found, {}, {}};
     std::uint32_t hold = 0;  // selections that balance where all of their contacts stick
     std::uint32_t edges = 0;
-    for (std::size_t k = 0; k < selections.count; ++k) {
+    for (std::size_t k = 0; k < selections.size(); ++k) {
       std::uint32_t own = 0;
       for (std::size_t i = 0; i < count_; ++i) {
-        const std::uint32_t is_out = selections.out[k] >> i & 1;
+        const std::uint32_t is_out = selections[k] >> i & 1;
         search.without[i] |= is_out << k;
         if (is_out == 0) own |= edges_of(Motion::stick) << (2 * i);
       }
@@ -204,13 +186,6 @@ class Twists {
   using Open = HalfSpaces;
   using Forces = BalancingRays::Some;  // sets of edges on which forces can lie and that balance
   static constexpr std::uint32_t all_edges = (std::uint32_t{1} << 2 * max_supports) - 1;
-
-  static Condition condition(const Support& s, double dx, double dy, double reach, Vec palm,
-                             double pace) {
-    const Triple row{dx, dy, (s.x * dy - s.y * dx) / reach};
-    const double scale = 1.0 / size(row);
-    return {row * scale, (dx * palm.x + dy * palm.y) * pace * scale};
-  }
 
   // Adds the inequality of a contact. False if no twist of the space satisfies it as well.
   bool add(Open& open, const Space& space, std::size_t i, Motion motion) const {
@@ -249,7 +224,7 @@ class Twists {
     }
     const auto go_on = [&](Motion motion, const Forces& rest, const Space& in, Open& there) {
       motions[i] = motion;
-      const std::size_t before = there.count();
+      const std::size_t before = there.size();
       if (search.balances(rest) && add(there, in, i, motion))
         descend(search, i + 1, selections, rest, in, there);
       there.keep(before);
@@ -298,7 +273,7 @@ inline BalancingRays balancing_edges(const Supports& supports, double slope) {
 template <class Found>
 void each_outcome(const Supports& supports, const Velocities& palms, double slope, Found found) {
   const BalancingRays balancing = balancing_edges(supports, slope);
-  Twists(supports, palms).each({}, balancing, [&](const Motions& motions, std::size_t) {
+  Twists(supports, palms).each({0}, balancing, [&](const Motions& motions, std::size_t) {
     found(motions);
   });
 }

@@ -19,10 +19,10 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
-#include <span>
 
-#include "palmbots/base/scalar.hpp"
+#include "palmbots/base/fixed_list.hpp"
 #include "palmbots/base/side.hpp"
+#include "palmbots/base/vec.hpp"
 
 namespace palmbots {
 
@@ -32,40 +32,8 @@ inline constexpr std::size_t max_supports = 8;
 // How a contact moves on its palm: as `SlipDirection` (up is outward), or it leaves the palm.
 enum class Motion : std::int8_t { down = -1, stick = 0, up = 1, leave = 2 };
 
-// A point at which a palm supports the body.
-struct Support {
-  std::size_t side;
-  double x;  // from the COM [m]
-  double y;
-  double nx;  // unit normal, into the body
-  double ny;
-  double friction;
-
-  // Unit tangent: the direction in which the body moves along the palm where it slides up, that is
-  // outward.
-  constexpr double tx() const { return outward<double>(side) * ny; }
-  constexpr double ty() const { return -outward<double>(side) * nx; }
-};
-
-// The points at which the palms support a body, in a fixed order.
-struct Supports {
-  std::array<Support, max_supports> at{};
-  std::size_t count = 0;
-
-  // The largest distance of a support from the COM [m], by which moments are divided; 1 if it is
-  // zero.
-  double reach() const {
-    double most = 0.0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double square = at[i].x * at[i].x + at[i].y * at[i].y;
-      if (square > most) most = square;
-    }
-    return most > 0.0 ? square_root(most) : 1.0;
-  }
-};
-
-// How each support moves, in the order of Supports.
-using Motions = std::array<Motion, max_supports>;
+// +1 of a contact that slides up, −1 of one that slides down, 0 of one that sticks.
+constexpr double way_of(Motion motion) { return double(static_cast<int>(motion)); }
 
 // Three numbers: a wrench (force, moment / reach), or the row of a condition on a twist.
 struct Triple {
@@ -82,6 +50,41 @@ constexpr Triple cross(Triple p, Triple q) {
   return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
 }
 inline double size(Triple p) { return square_root(dot(p, p)); }
+
+// The tangent at a normal; `sense` is +1 where outward is towards +x, −1 where it is towards −x.
+constexpr Vec tangent_of(double sense, Vec normal) {
+  return {sense * normal.y, -(sense * normal.x)};
+}
+
+// A point at which a surface supports the body.
+struct Support {
+  std::size_t side;  // whose outward direction is that of the tangent
+  Vec point;         // from the COM [m]
+  Vec normal;        // of unit size, into the body
+  Vec tangent;       // in which the body moves where it slides up, that is outward
+  double friction;
+
+  static constexpr Support at(std::size_t side, Vec point, Vec normal, double friction) {
+    return {side, point, normal, tangent_of(outward<double>(side), normal), friction};
+  }
+  // The wrench of a force at the point; also the row of a condition on its motion in a direction.
+  constexpr Triple row(Vec direction, double reach) const {
+    return {direction.x, direction.y, cross(point, direction) / reach};
+  }
+};
+
+// The points at which the palms support a body, in a fixed order.
+using Supports = FixedList<Support, max_supports>;
+
+// The largest distance of a support from the COM [m], by which moments are divided; 1 if it is zero.
+inline double reach_of(const Supports& supports) {
+  double most = 0.0;
+  for (const Support& s : supports) most = larger(most, dot(s.point, s.point));
+  return most > 0.0 ? square_root(most) : 1.0;
+}
+
+// How each support moves, in the order of Supports.
+using Motions = std::array<Motion, max_supports>;
 
 // Tolerance below which unit vectors, wrenches [weights] and rates count as equal.
 inline constexpr double wrench_tolerance = 1e-9;
@@ -122,10 +125,7 @@ inline std::array<double, 3> parts_along(const std::array<Triple, 3>& v, Triple 
 }
 
 // The extreme rays of a wrench cone, with unit size.
-struct Rays {
-  std::array<Triple, 2 * max_supports> ray;  // up to `count`
-  std::size_t count = 0;
-};
+using Rays = FixedList<Triple, 2 * max_supports>;
 
 // The edges of a contact's friction cone on which its force can lie, as bits: 1 up, 2 down.
 constexpr std::uint32_t edges_of(Motion motion) {
@@ -141,19 +141,19 @@ void each_edge(Motion motion, double friction, Visit visit) {
   if ((edges_of(motion) & 2) != 0) visit(friction);
 }
 
+// Adds the forces of a contact that moves in this way, as rays of unit size.
+inline void add_rays(Rays& rays, const Support& s, Motion motion, double reach) {
+  each_edge(motion, s.friction, [&](double along) {
+    const Triple wrench = s.row(s.normal + s.tangent * along, reach);
+    rays.push_back(wrench * (1.0 / size(wrench)));
+  });
+}
+
 // The rays that the supports add to the wrench cone while they move in this way.
 inline Rays rays_of(const Supports& supports, const Motions& motions) {
-  const double reach = supports.reach();
-  Rays rays{};
-  for (std::size_t i = 0; i < supports.count; ++i) {
-    const Support& s = supports.at[i];
-    each_edge(motions[i], s.friction, [&](double along) {
-      const double fx = s.nx + along * s.tx();
-      const double fy = s.ny + along * s.ty();
-      const Triple wrench{fx, fy, (s.x * fy - s.y * fx) / reach};
-      rays.ray[rays.count++] = wrench * (1.0 / size(wrench));
-    });
-  }
+  const double reach = reach_of(supports);
+  Rays rays;
+  for (std::size_t i = 0; i < supports.size(); ++i) add_rays(rays, supports[i], motions[i], reach);
   return rays;
 }
 
@@ -173,19 +173,17 @@ struct RayShares {
 // whose balance is an equation of the regime: the shares in their plane.
 template <class Each>
 void for_each_combination(const Rays& rays, Triple wrench, Each&& each) {
-  if (rays.count == 2) {
-    const Triple n = cross(rays.ray[0], rays.ray[1]);
+  if (rays.size() == 2) {
+    const Triple n = cross(rays[0], rays[1]);
     const double area = dot(n, n);
     each(RayShares{
-        {0, 1},
-        {dot(cross(wrench, rays.ray[1]), n) / area, dot(cross(rays.ray[0], wrench), n) / area},
-        2});
+        {0, 1}, {dot(cross(wrench, rays[1]), n) / area, dot(cross(rays[0], wrench), n) / area}, 2});
     return;
   }
-  for (std::size_t i = 0; i < rays.count; ++i) {
-    for (std::size_t j = i + 1; j < rays.count; ++j) {
-      for (std::size_t k = j + 1; k < rays.count; ++k) {
-        const std::array<Triple, 3> ray{rays.ray[i], rays.ray[j], rays.ray[k]};
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    for (std::size_t j = i + 1; j < rays.size(); ++j) {
+      for (std::size_t k = j + 1; k < rays.size(); ++k) {
+        const std::array<Triple, 3> ray{rays[i], rays[j], rays[k]};
         if (magnitude(dot(ray[0], cross(ray[1], ray[2]))) > wrench_tolerance)
           each(RayShares{{i, j, k}, parts_along(ray, wrench), 3});
       }
@@ -198,17 +196,17 @@ void for_each_combination(const Rays& rays, Triple wrench, Each&& each) {
 inline double depth_in(const Rays& rays, Triple wrench) {
   double depth = std::numeric_limits<double>::infinity();
   bool spans = false;
-  for (std::size_t i = 0; i < rays.count; ++i) {
-    for (std::size_t j = i + 1; j < rays.count; ++j) {
-      Triple normal = cross(rays.ray[i], rays.ray[j]);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    for (std::size_t j = i + 1; j < rays.size(); ++j) {
+      Triple normal = cross(rays[i], rays[j]);
       const double area = size(normal);
       if (!(area > wrench_tolerance)) continue;
       spans = true;
       normal = normal * (1.0 / area);
       double low = 0.0;
       double high = 0.0;
-      for (std::size_t k = 0; k < rays.count; ++k) {
-        const double above = dot(normal, rays.ray[k]);
+      for (const Triple& ray : rays) {
+        const double above = dot(normal, ray);
         low = smaller(low, above);
         high = larger(high, above);
       }
@@ -268,14 +266,13 @@ class BalancingRays {
   // No wrench: nothing has to balance it.
   BalancingRays() { add(0); }
 
-  BalancingRays(const Rays& rays, Triple wrench) {
-    const auto& ray = rays.ray;
+  BalancingRays(const Rays& ray, Triple wrench) {
     const auto bit = [](std::size_t i) { return std::uint32_t{1} << i; };
     // The volume that two rays span with the wrench; it is no larger than its distance from them.
     std::array<std::array<double, n>, n> volume;
     std::array<std::uint32_t, n> with;  // of each ray: those with which it balances the wrench
     std::uint32_t alone = 0;            // rays that balance it alone
-    for (std::size_t i = 0; i < rays.count; ++i) {
+    for (std::size_t i = 0; i < ray.size(); ++i) {
       with[i] = 0;
       if (detail::distance_from_pair(ray[i], ray[i], wrench) <= wrench_tolerance) {
         alone |= bit(i);
@@ -295,10 +292,10 @@ class BalancingRays {
         add(bit(i) | bit(j));
       }
     }
-    for (std::size_t i = 0; i < rays.count; ++i) {
-      for (std::size_t j = i + 1; j < rays.count; ++j) {
+    for (std::size_t i = 0; i < ray.size(); ++i) {
+      for (std::size_t j = i + 1; j < ray.size(); ++j) {
         if ((with[i] & bit(j)) != 0) continue;
-        for (std::size_t k = j + 1; k < rays.count; ++k) {
+        for (std::size_t k = j + 1; k < ray.size(); ++k) {
           if (((with[i] | with[j]) & bit(k)) != 0) continue;
           const double least = smaller(smaller(volume[i][j], volume[j][k]), -volume[i][k]);
           const double most = larger(larger(volume[i][j], volume[j][k]), -volume[i][k]);
@@ -315,36 +312,36 @@ class BalancingRays {
   // Those that need none of these rays (as bits).
   Some without(std::uint32_t rays) const {
     Some all{};
-    for (std::size_t k = 0; k < count_; ++k) all[k / 64] |= std::uint64_t{1} << k % 64;
+    for (std::size_t k = 0; k < sets_.size(); ++k) all[k / 64] |= std::uint64_t{1} << k % 64;
     return without(rays, all);
   }
   Some without(std::uint32_t rays, Some sets) const {
     for (; rays != 0; rays &= rays - 1) {
       const Some& with = with_[std::size_t(std::countr_zero(rays))];
-      for (std::size_t w = 0; 64 * w < count_; ++w) sets[w] &= ~with[w];
+      for (std::size_t w = 0; 64 * w < sets_.size(); ++w) sets[w] &= ~with[w];
     }
     return sets;
   }
   bool any(const Some& sets) const {
     std::uint64_t found = 0;
-    for (std::size_t w = 0; 64 * w < count_; ++w) found |= sets[w];
+    for (std::size_t w = 0; 64 * w < sets_.size(); ++w) found |= sets[w];
     return found != 0;
   }
-  std::span<const std::uint32_t> all() const { return {sets_.data(), count_}; }
+  const FixedList<std::uint32_t, capacity>& all() const { return sets_; }
 
  private:
   void add(std::uint32_t set) {
-    const std::size_t word = count_ / 64;
-    if (count_ % 64 == 0)
+    const std::size_t word = sets_.size() / 64;
+    const std::uint64_t bit = std::uint64_t{1} << sets_.size() % 64;
+    if (bit == 1)
       for (Some& with : with_) with[word] = 0;
     for (std::uint32_t rays = set; rays != 0; rays &= rays - 1)
-      with_[std::size_t(std::countr_zero(rays))][word] |= std::uint64_t{1} << count_ % 64;
-    sets_[count_++] = set;
+      with_[std::size_t(std::countr_zero(rays))][word] |= bit;
+    sets_.push_back(set);
   }
 
-  std::array<std::uint32_t, capacity> sets_;  // up to `count_`
-  std::array<Some, n> with_{};                // of each ray: the sets that need it
-  std::size_t count_ = 0;
+  FixedList<std::uint32_t, capacity> sets_;
+  std::array<Some, n> with_{};  // of each ray: the sets that need it
 };
 
 // Whether the contacts in these motions balance the body, up to rounding.

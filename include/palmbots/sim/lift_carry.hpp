@@ -130,10 +130,8 @@ class LiftCarry : public LiftRobots<Inner, Recorder, Table> {
 
   // What closes switches of a palm: where on it, if anything does [m].
   bool feels(std::size_t side, double& at) const {
-    const Regime& regime = world_.regime();
-    for (std::size_t i = 0; i < regime.count; ++i) {
-      const FeaturePair pair = regime.active[i].pair;
-      const Surface& surface = world_.shapes().surfaces.at[pair.surface];
+    for (const ActivePair& active : world_.regime().active) {
+      const Surface& surface = world_.shapes().surfaces[active.pair.surface];
       if (static_cast<std::size_t>(surface.carrier) != side || surface.tip) continue;
       const bool is_heel = surface.normal.x < -0.5 && surface.at.x > 0;
       const double half = 0.5 * spec_.palms[side].length;

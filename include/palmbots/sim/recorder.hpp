@@ -144,9 +144,8 @@ class TraceRecorder {
     ambiguous_ = world.ambiguous_events();
     for (const AmbiguousChoice& choice : world.choices()) {
       ChoiceRow row{double(tick) + choice.fraction, {}};
-      for (std::size_t i = 0; i < choice.regime.count; ++i) {
-        const ActivePair& active = choice.regime.active[i];
-        const Carrier carrier = world.shapes().surfaces.at[active.pair.surface].carrier;
+      for (const ActivePair& active : choice.regime.active) {
+        const Carrier carrier = world.shapes().surfaces[active.pair.surface].carrier;
         row.contacts.push_back({carrier, active.motion});
       }
       choices_.push_back(std::move(row));

@@ -72,18 +72,15 @@ inline StateContacts contacts_of_state(const Spec& spec, const PerSide<double>& 
     const Vec normal{-outward<double>(side) * at.palms[side].sin, at.palms[side].cos};
     const Vec point = pose.to_world(vertex_of(model, side)) - normal * radius[side];
     const Vec from_centre = pose.from_world(normal * -radius[side]);
-    all.push_back({{"vertex",
-                    side,
-                    places[side],
-                    {side, point.x, point.y, normal.x, normal.y, model.friction[side]}},
-                   from_centre + Vec{side == left ? 0.0 : spec.width, 0.0}});
+    all.push_back(
+        {{"vertex", side, places[side], Support::at(side, point, normal, model.friction[side])},
+         from_centre + Vec{side == left ? 0.0 : spec.width, 0.0}});
   }
   found.pierced = world.pierced_palm(near);
   for (const Touched& one : world.touched_in(near)) {
-    const Vec from_com{one.support.x, one.support.y};
+    const Vec from_com = one.support.point;
     const auto known = std::find_if(all.begin(), all.end(), [&](const Touched& other) {
-      return other.carrier == one.carrier &&
-             length(Vec{other.support.x, other.support.y} - from_com) <= 4 * near;
+      return other.carrier == one.carrier && length(other.support.point - from_com) <= 4 * near;
     });
     if (known == all.end()) {
       all.push_back({one, pose.from_world(from_com) + Vec{spec.com_left, spec.com_height}});

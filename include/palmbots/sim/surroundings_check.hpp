@@ -55,11 +55,11 @@ inline void check_surroundings(const SceneValues& scene, Problems& problems) {
              {wall(i)});
     }
   }
-  if (surfaces > Surroundings::most) {
+  if (surfaces > Surroundings::capacity) {
     report(problems, "floor.stands[]", stands.size() - 1,
            "makes {0} surfaces of floor, walls and stands",
            "at most {1} (the floor 1, an endless wall 1, any other wall 3, a stand 5)",
-           {double(surfaces), double(Surroundings::most)});
+           {double(surfaces), double(Surroundings::capacity)});
   }
 }
 

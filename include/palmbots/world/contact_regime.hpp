@@ -3,6 +3,8 @@
 // the object is while the surfaces move (world/regime_equations.hpp).
 #pragma once
 
+#include <algorithm>
+
 #include "palmbots/mechanics/twist_feasibility.hpp"
 #include "palmbots/world/travel.hpp"
 
@@ -20,42 +22,39 @@ struct ActivePair {
 enum class Drive : std::uint8_t { as_commanded, yields, stands };
 
 struct Regime {
-  std::array<ActivePair, max_supports> active;  // up to `count`
-  std::size_t count = 0;
+  FixedList<ActivePair, max_supports> active;
   PerSide<Drive> drives{};
   double alike = 0.0;  // difference of the runs of both sides, where nothing else decides [m]
   bool pushed = true;  // whether forces balance with the push, or only without it
 
-  constexpr bool none() const { return count == 0; }
-  constexpr bool yields() const {
-    return drives[left] == Drive::yields || drives[right] == Drive::yields;
+  constexpr bool none() const { return active.empty(); }
+  // The robot that yields; 3, which is no carrier: neither does.
+  constexpr std::size_t yielding() const {
+    return drives[left] == Drive::yields ? left : (drives[right] == Drive::yields ? right : 3);
   }
   constexpr bool stalls() const { return drives != PerSide<Drive>{}; }
-  // Whether balance alone determines the forces: at most three of them are unknown.
-  constexpr bool has_unique_forces() const {
-    std::size_t rays = count;
-    for (std::size_t i = 0; i < count; ++i) rays += active[i].motion == Motion::stick ? 1 : 0;
-    return rays <= 3;
+  // How many forces are unknown: on the edges of the friction cones.
+  constexpr std::size_t unknown_forces() const {
+    std::size_t count = active.size();
+    for (const ActivePair& a : active) count += a.motion == Motion::stick ? 1 : 0;
+    return count;
   }
+  // Whether balance alone determines the forces.
+  constexpr bool has_unique_forces() const { return unknown_forces() <= 3; }
   constexpr bool has(FeaturePair pair) const {
-    for (std::size_t i = 0; i < count; ++i)
-      if (active[i].pair == pair) return true;
-    return false;
+    return std::ranges::find(active, pair, &ActivePair::pair) != active.end();
   }
   // Drops the contacts that leave.
   constexpr void let_go() {
-    const std::size_t before = count;
-    count = 0;
-    for (std::size_t i = 0; i < before; ++i)
-      if (active[i].motion != Motion::leave) active[count++] = active[i];
+    const auto leaves = [](const ActivePair& a) { return a.motion == Motion::leave; };
+    active.keep(std::size_t(std::remove_if(active.begin(), active.end(), leaves) - active.begin()));
   }
   // Whether the same pairs move alike.
   constexpr bool is_like(const Regime& other) const {
-    if (count != other.count || pushed != other.pushed) return false;
-    for (std::size_t i = 0; i < count; ++i)
-      if (active[i].pair != other.active[i].pair || active[i].motion != other.active[i].motion)
-        return false;
-    return true;
+    const auto is_same = [](const ActivePair& a, const ActivePair& b) {
+      return a.pair == b.pair && a.motion == b.motion;
+    };
+    return pushed == other.pushed && std::ranges::equal(active, other.active, is_same);
   }
 };
 
@@ -81,7 +80,9 @@ struct ContactProblem {
   PerSide<double> commanded{};  // the way of each robot along x in the step [m]
 
   bool is_limited() const { return limit != no_limits<double>; }
-  const Surface& surface(FeaturePair pair) const { return shapes.surfaces.at[pair.surface]; }
+  // The direction in which a robot drives along x.
+  double sense(std::size_t side) const { return commanded[side] < 0.0 ? -1.0 : 1.0; }
+  const Surface& surface(FeaturePair pair) const { return shapes.surfaces[pair.surface]; }
   std::size_t carrier(FeaturePair pair) const {
     return static_cast<std::size_t>(surface(pair).carrier);
   }
@@ -89,75 +90,82 @@ struct ContactProblem {
                          Vec reference = {}) const {
     return contact_of(shapes.body, surface(pair), frames[carrier(pair)], pose, pair, reference);
   }
-  // The palm on which this is the contact corner of the object; 2 if it is another pair.
-  std::size_t own_side(FeaturePair pair) const {
-    return pair == shapes.own[left] ? left : (pair == shapes.own[right] ? right : 2);
-  }
   // The first contact of a regime on each palm; nullptr: the palm is not touched.
   PerSide<const ActivePair*> first_on_palms(const Regime& regime) const {
     PerSide<const ActivePair*> first{};
-    for (std::size_t i = regime.count; i-- > 0;)
-      if (const std::size_t side = carrier(regime.active[i].pair); side <= right)
-        first[side] = &regime.active[i];
+    for (const ActivePair& a : regime.active) {
+      const std::size_t side = carrier(a.pair);
+      if (side <= right && first[side] == nullptr) first[side] = &a;
+    }
     return first;
   }
   bool is_on_both(const Regime& regime) const {
     const PerSide<const ActivePair*> first = first_on_palms(regime);
     return first[left] != nullptr && first[right] != nullptr;
   }
+  // The number of the first contact on another carrier than the first one of all.
+  std::size_t other_carrier(const Regime& regime) const {
+    const auto& active = regime.active;
+    const auto is_there = [&](const ActivePair& a) {
+      return carrier(a.pair) != carrier(active[0].pair);
+    };
+    return std::size_t(std::ranges::find_if(active, is_there) - active.begin());
+  }
   // How far such a contact is from the end of what may be used of its palm. A little before it
   // counts as there, because the palm may end there, too.
-  double left_of_reach(std::size_t side, const FeatureContact& c) const {
-    const double from = shapes.stops[side] ? -c.place : magnitude(c.place);
-    return shapes.reach[side] - from - 4e-10 * shapes.size;
+  double left_of_reach(const FeatureContact& c) const {
+    const double from = shapes.stops[c.carrier] ? -c.place : magnitude(c.place);
+    return shapes.reach[c.carrier] - from - 4e-10 * shapes.size;
   }
   // The weight that the contacts carry, with the push of an acceleration or without it.
   Triple weight(bool pushed) const { return {slope + (pushed ? push : 0.0), 1.0, 0.0}; }
-  // The velocity that the surface of a pair gives to the contact in a direction.
-  double given(const Frames& frames, const Pose& pose, FeaturePair pair, const FeatureContact& c,
-               Vec direction) const {
-    return dot(direction, frames[carrier(pair)].velocity_at(pose.at + c.point));
-  }
-  Triple row(const FeatureContact& c, Vec direction) const {
-    return {direction.x, direction.y, cross(c.point, direction) / shapes.size};
-  }
-  // The forces of a contact that moves in this way, as rays of unit size (mechanics/wrench_cone.hpp).
-  void add_rays(Rays& rays, const FeatureContact& c, double friction, Motion motion) const {
-    each_edge(motion, friction, [&](double along) {
-      const Triple wrench = row(c, c.normal + c.tangent * along);
-      rays.ray[rays.count++] = wrench * (1.0 / palmbots::size(wrench));
-    });
-  }
+  Triple row(const FeatureContact& c, Vec direction) const { return c.row(direction, shapes.size); }
 };
 
-// The first contact on another carrier than the first one of all.
-inline std::size_t other_carrier(const ContactProblem& problem, const Regime& regime) {
-  std::size_t second = 0;
-  while (second < regime.count &&
-         problem.carrier(regime.active[second].pair) == problem.carrier(regime.active[0].pair))
-    ++second;
-  return second;
+// The velocity that the surface of a contact gives to it in a direction.
+inline double given(const Frames& frames, const Pose& pose, const FeatureContact& c,
+                    Vec direction) {
+  return dot(direction, frames[c.carrier].velocity_at(pose.at + c.point));
 }
 
-using ActiveContacts = std::array<FeatureContact, max_supports>;
+// A contact that persists, in a pose.
+struct ActiveContact : FeatureContact {
+  Motion motion;
+  double held;
 
-inline ActiveContacts contacts_of(const ContactProblem& problem, const Regime& regime,
-                                  const Frames& frames, const Pose& pose) {
-  ActiveContacts found;
-  for (std::size_t i = 0; i < regime.count; ++i) {
-    found[i] = problem.contact(frames, pose, regime.active[i].pair, regime.active[i].reference);
+  // How far it has slipped since it began to stick [m].
+  double slipped() const { return run - held; }
+};
+
+// A regime with the object in a pose, between surfaces at an instant.
+struct PosedRegime {
+  const ContactProblem& problem;
+  const Regime& regime;
+  Frames frames;
+  Pose pose;
+  FixedList<ActiveContact, max_supports> contacts;
+
+  PosedRegime(const ContactProblem& of, const Regime& with, const Frames& between, const Pose& in)
+      : problem(of), regime(with), frames(between) {
+    put(in);
   }
-  return found;
-}
-
-inline Rays rays_of(const ContactProblem& problem, const Regime& regime,
-                    const ActiveContacts& contacts) {
-  Rays rays{};
-  for (std::size_t i = 0; i < regime.count; ++i) {
-    problem.add_rays(rays, contacts[i], problem.surface(regime.active[i].pair).friction,
-                     regime.active[i].motion);
+  void put(const Pose& there) {
+    pose = there;
+    contacts.clear();
+    for (const ActivePair& a : regime.active)
+      contacts.push_back({problem.contact(frames, pose, a.pair, a.reference), a.motion, a.held});
   }
-  return rays;
-}
+
+  double given(const FeatureContact& c, Vec direction) const {
+    return palmbots::given(frames, pose, c, direction);
+  }
+  Triple weight() const { return problem.weight(regime.pushed); }
+  // The forces of the contacts.
+  Rays rays() const {
+    Rays rays;
+    for (const ActiveContact& c : contacts) add_rays(rays, c, c.motion, problem.shapes.size);
+    return rays;
+  }
+};
 
 }  // namespace palmbots

@@ -17,10 +17,10 @@ inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double hal
   constexpr Vec inward{-1.0, 0.0};
   const Vec under{profile.under_along, profile.under_across};
   const auto face = [&](Vec at, Vec normal, double low, double high) {
-    surfaces.add({palm, false, at, normal, {}, low, high, friction});
+    surfaces.push_back({palm, false, at, normal, {}, low, high, friction});
   };
   const auto tip = [&](Vec at, Vec from, Vec to) {
-    surfaces.add({palm, true, at, from, to, 0.0, 0.0, friction});
+    surfaces.push_back({palm, true, at, from, to, 0.0, 0.0, friction});
   };
   face({0.0, offset}, up, -half, half);
   if (profile.nose > 0.0) {
@@ -56,8 +56,8 @@ int lopsided(const Model<Real>& model) {
       seen.insert(seen.end(), {double(v.along[side]), double(v.height), double(v.radius)});
     }
     const Surroundings& around = model.surroundings;
-    for (std::size_t i = around.ordered; i < around.count; ++i) {
-      const Surface& s = around.at[side == left ? i : around.count - i];
+    for (std::size_t i = around.ordered; i < around.size(); ++i) {
+      const Surface& s = around[side == left ? i : around.size() - i];
       seen.insert(seen.end(), {outward<double>(side) * s.at.x, s.at.y, s.friction});
     }
     return seen;
@@ -79,15 +79,15 @@ ContactShapes shapes_of(const Model<Real>& model) {
     const bool stops = model.profile[side].stops;
     shapes.reach[side] = double(stops ? model.half_length[side] : model.reach[side]);
     shapes.stops[side] = stops;
-    shapes.own[side] = {PairKind::corner_on_face, static_cast<std::uint8_t>(shapes.surfaces.count),
+    shapes.own[side] = {PairKind::corner_on_face, static_cast<std::uint8_t>(shapes.surfaces.size()),
                         static_cast<std::uint8_t>(own)};
     add_palm(shapes.surfaces, side == left ? Carrier::left_palm : Carrier::right_palm,
              double(model.offset[side]) - shapes.body.corners[own].radius,
              double(model.half_length[side]), double(model.friction[side]), model.profile[side]);
   }
   const Surroundings& around = model.surroundings;
-  shapes.surfaces.ordered = shapes.surfaces.count + around.ordered;
-  for (std::size_t i = 0; i < around.count; ++i) shapes.surfaces.add(around.at[i]);
+  shapes.surfaces.ordered = shapes.surfaces.size() + around.ordered;
+  for (const Surface& surface : around) shapes.surfaces.push_back(surface);
   shapes.lopsided = lopsided(model);
   return shapes;
 }
@@ -120,8 +120,7 @@ inline bool is_pierced(const RoundedBody& body, const Pose& pose, const Frame& f
 // The carrier of a face that, moved by `deep` into it, lies in the object anywhere; palms come first.
 inline std::optional<std::size_t> pierced_carrier(const ContactShapes& shapes, const Pose& pose,
                                                   const Frames& frames, double deep) {
-  for (std::size_t i = 0; i < shapes.surfaces.count; ++i) {
-    const Surface& face = shapes.surfaces.at[i];
+  for (const Surface& face : shapes.surfaces) {
     const auto carrier = static_cast<std::size_t>(face.carrier);
     if (!face.tip && is_pierced(shapes.body, pose, frames[carrier], face, deep)) return carrier;
   }

@@ -10,11 +10,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "palmbots/base/philox.hpp"
 #include "palmbots/base/root_finding.hpp"
-#include "palmbots/world/advance.hpp"
 #include "palmbots/world/contact_trial.hpp"
+#include "palmbots/world/state.hpp"
 
 namespace palmbots {
 
@@ -82,7 +83,7 @@ class ContactStep : ContactTrial {
     }
     double ahead = look_;
     while (now_.t < 1.0) {
-      const double goal = now_.t + ahead < 1.0 ? now_.t + ahead : 1.0;
+      const double goal = after(ahead);
       Place there = here();
       const Conditions then = reach(goal, there, regime_);
       if (then.settled && goal - now_.t > shortest && moved(there.pose) > near_move()) {
@@ -111,7 +112,7 @@ class ContactStep : ContactTrial {
   // Moves object and pivots to the first instant at which a condition that fails at `goal` does. Only
   // those take part in the search: others may be near zero all the time.
   void go_to_event(double goal, Conditions then) {
-    const Conditions now = conditions_here();
+    const Conditions now = conditions_of(posed(regime_), near_, pace_);
     const Place start = here();
     const double done = now_.t;
     for (int i = 0; i < most_events; ++i) {
@@ -121,12 +122,12 @@ class ContactStep : ContactTrial {
       const auto worst = [&](const Conditions& at) {
         if (!at.settled) return jumps;
         double least = Conditions::met;
-        for (std::size_t k = 0; k < at.count; ++k) {
-          if (!(then.value[k] < -Conditions::rounding) && then.settled) continue;
+        for (std::size_t k = 0; k < at.size(); ++k) {
+          if (!(then[k] < -Conditions::rounding) && then.settled) continue;
           // What starts at zero, such as a corner of an edge that lies flush, does not show when it
           // fails before it does.
-          const bool blank = now.value[k] < Tolerance::blank && (&at == &now || at.value[k] >= 0.0);
-          if (!blank) least = smaller(least, at.value[k]);
+          const bool blank = now[k] < Tolerance::blank && (&at == &now || at[k] >= 0.0);
+          if (!blank) least = smaller(least, at[k]);
         }
         return least == Conditions::behind ? jumps : least;
       };
@@ -189,10 +190,10 @@ class ContactStep : ContactTrial {
     // A tip that moves along an arc leaves it without a speed, as may what touches a palm that turns:
     // that shows only a little later.
     constexpr double later = 1e-3;  // of a step
-    const auto is_on_arc = [](const ClosedPair& c) { return c.pair.kind == PairKind::tip_on_arc; };
-    const bool looks_later =
-        travel_.turns() ||
-        std::any_of(closed.at.begin(), closed.at.begin() + closed.count, is_on_arc);
+    const auto is_on_arc = [](const FeatureContact& c) {
+      return c.pair.kind == PairKind::tip_on_arc;
+    };
+    const bool looks_later = travel_.turns() || std::ranges::any_of(closed, is_on_arc);
     const RegimeSearch search(problem_, frames, pose_, closed);
     RegimeCandidates as_commanded = search.candidates(frames);
     std::optional<DropReason> driven = go_on_with(as_commanded);
@@ -206,18 +207,16 @@ class ContactStep : ContactTrial {
     // What has run off its feature holds the object no more. What is at the end of its feature because
     // an edge lies flush there does.
     ClosedPairs rest;
-    for (std::size_t i = 0; i < closed.count; ++i) {
-      const ClosedPair& c = closed.at[i];
-      const auto lies_flush_with = [&](const ClosedPair& other) {
-        return problem_.carrier(c.pair) == problem_.carrier(other.pair) &&
-               detail::in_one_direction(c.contact, other.contact) &&
-               !detail::at_one_point(c.contact, other.contact, problem_.shapes.size);
+    for (const FeatureContact& c : closed) {
+      const auto lies_flush_with = [&](const FeatureContact& other) {
+        return c.carrier == other.carrier && detail::in_one_direction(c, other) &&
+               !detail::at_one_point(c, other, problem_.shapes.size);
       };
-      if (!regime_.has(c.pair) || c.contact.inside > Tolerance::blank ||
-          std::any_of(closed.at.begin(), closed.at.begin() + closed.count, lies_flush_with))
-        rest.at[rest.count++] = c;
+      if (!regime_.has(c.pair) || c.inside > Tolerance::blank ||
+          std::ranges::any_of(closed, lies_flush_with))
+        rest.push_back(c);
     }
-    const DropReason then = rest.count < closed.count ? reason_of(problem_, rest) : why;
+    const DropReason then = rest.size() < closed.size() ? reason_of(problem_, rest) : why;
     if (then != DropReason::none) return then;
     const bool stalls = problem_.is_limited() && stall(search, as_commanded, closed, frames);
     return stalls ? DropReason::none : DropReason::jammed;
@@ -230,52 +229,55 @@ class ContactStep : ContactTrial {
     constexpr auto ground = static_cast<std::size_t>(Carrier::ground);
     const PerSide<double>& limit = problem_.limit;
     std::size_t weaker = limit[left] < limit[right] ? left : right;
-    if (limit[left] == limit[right]) weaker = leading_side(problem_, regime_, frames, pose_);
+    if (limit[left] == limit[right]) weaker = leading(frames);
+    const std::size_t stronger = other(weaker);
     // While this robot stands, or both do (2): made when first needed.
     std::array<RegimeCandidates, 3> made;
     std::array<bool, 3> is_made{};
-    for (const bool both : {false, true}) {
-      for (const std::size_t side :
-           {both ? other(weaker) : weaker, both ? weaker : other(weaker)}) {
-        const std::size_t partner = other(side);
-        const double fastest = problem_.commanded[side];
-        const double sense = fastest < 0.0 ? -1.0 : 1.0;
-        if (fastest == 0.0 || (both && problem_.commanded[partner] == 0.0)) continue;
-        Frames moving = frames;
-        PerSide<Drive> drives{};
-        if (both) {
-          drives[partner] = Drive::stands;
-          moving[partner].velocity.x = 0.0;
-        }
-        const auto goes = [&](RegimeCandidates& all, Drive drive, bool at_limit = false) {
-          drives[side] = drive;
-          for (std::size_t k = 0; k < all.count; ++k) all.at[k].regime.drives = drives;
-          return go_on_with(all, at_limit) == DropReason::none;
-        };
-        const auto at = [&](double speed) {
-          moving[side].velocity.x = speed;
-          return search.candidates(moving);
-        };
-        for (const std::size_t held_by : {partner, ground}) {
-          moving[side].velocity.x = 0.0;
-          const double speed = speed_with(closed, moving, side, held_by);
-          const double least = Tolerance::rate * pace_;
-          if (!(sense * speed > least && sense * (fastest - speed) > -least)) continue;
-          RegimeCandidates all = at(speed);
-          if (goes(all, Drive::yields)) return true;
-        }
-        // A contact slides while the robot exerts its greatest force. Its direction does not depend
-        // on whether the robot is as fast as this, or slower.
-        const auto known = [&](std::size_t standing, double speed) -> RegimeCandidates& {
-          if (!is_made[standing]) made[standing] = at(speed);
-          is_made[standing] = true;
-          return made[standing];
-        };
-        const std::size_t still = both ? 2 : side;
-        if (goes(both ? known(partner, fastest) : as_commanded, Drive::yields, true)) return true;
-        if (goes(known(still, 0.0), Drive::yields, true)) return true;
-        if ((!both || side == weaker) && goes(known(still, 0.0), Drive::stands)) return true;
+    struct Attempt {
+      std::size_t side;
+      bool both;
+    };
+    for (const auto [side, both] : {Attempt{weaker, false}, Attempt{stronger, false},
+                                    Attempt{stronger, true}, Attempt{weaker, true}}) {
+      const std::size_t partner = other(side);
+      const double fastest = problem_.commanded[side];
+      const double sense = problem_.sense(side);
+      if (fastest == 0.0 || (both && problem_.commanded[partner] == 0.0)) continue;
+      Frames moving = frames;
+      PerSide<Drive> drives{};
+      if (both) {
+        drives[partner] = Drive::stands;
+        moving[partner].velocity.x = 0.0;
       }
+      const auto goes = [&, side = side](RegimeCandidates& all, Drive drive, bool at_limit) {
+        drives[side] = drive;
+        for (RegimeCandidate& one : all) one.regime.drives = drives;
+        return go_on_with(all, at_limit) == DropReason::none;
+      };
+      const auto at = [&, side = side](double speed) {
+        moving[side].velocity.x = speed;
+        return search.candidates(moving);
+      };
+      for (const std::size_t held_by : {partner, ground}) {
+        moving[side].velocity.x = 0.0;
+        const double speed = speed_with(closed, moving, side, held_by);
+        const double least = Tolerance::rate * pace_;
+        if (!(sense * speed > least && sense * (fastest - speed) > -least)) continue;
+        RegimeCandidates all = at(speed);
+        if (goes(all, Drive::yields, false)) return true;
+      }
+      // A contact slides while the robot exerts its greatest force. Its direction does not depend on
+      // whether the robot is as fast as this, or slower.
+      const auto known = [&](std::size_t standing, double speed) -> RegimeCandidates& {
+        if (!std::exchange(is_made[standing], true)) made[standing] = at(speed);
+        return made[standing];
+      };
+      RegimeCandidates& fast = both ? known(partner, fastest) : as_commanded;
+      if (goes(fast, Drive::yields, true)) return true;
+      RegimeCandidates& still = known(both ? 2 : side, 0.0);
+      if (goes(still, Drive::yields, true)) return true;
+      if ((!both || side == weaker) && goes(still, Drive::stands, false)) return true;
     }
     return false;
   }
@@ -286,15 +288,14 @@ class ContactStep : ContactTrial {
   std::optional<DropReason> go_on_with(const RegimeCandidates& found, bool at_limit = false) {
     constexpr double elsewhere = 1e-3;  // of the way of the surfaces
     constexpr double lost = -1e-3;      // far beyond what rounding does to a condition
-    std::array<double, RegimeCandidates::most> missed{};  // what fails of each
+    std::array<double, RegimeCandidates::capacity> missed{};  // what fails of each
     for (double ahead = trial_; ahead < 0.1; ahead *= grown) {
-      const double then = now_.t + ahead * look_ < 1.0 ? now_.t + ahead * look_ : 1.0;
-      std::array<const RegimeCandidate*, RegimeCandidates::most> best;
-      std::array<Pose, RegimeCandidates::most> ends;
-      std::size_t count = 0;
-      for (std::size_t k = 0; k < found.count; ++k) {
-        const RegimeCandidate& one = found.at[k];
-        if (count > 0 && !one.is_as_good_as(*best[0])) break;
+      const double then = after(ahead * look_);
+      FixedList<const RegimeCandidate*, RegimeCandidates::capacity> best;
+      FixedList<Pose, RegimeCandidates::capacity> ends;
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        const RegimeCandidate& one = found[k];
+        if (!best.empty() && !one.is_as_good_as(*best[0])) break;
         if (at_limit && ahead == trial_ && !is_at_limit(one.regime)) missed[k] = 2.0 * lost;
         if (missed[k] < lost) continue;
         Place end = here();
@@ -303,16 +304,16 @@ class ContactStep : ContactTrial {
         const bool grows =
             missed[k] < -Conditions::rounding && trial.least < 0.5 * grown * missed[k];
         missed[k] = grows ? 2.0 * lost : trial.least;
-        if (!trial.goes_on) continue;
-        ends[count] = end.pose;
         const auto is_there = [&](const Pose& other) {
-          return apart(ends[count], other) < elsewhere * (then - now_.t) * pace_;
+          return apart(end.pose, other) < elsewhere * (then - now_.t) * pace_;
         };
-        if (std::none_of(ends.begin(), ends.begin() + count, is_there)) best[count++] = &one;
+        if (!trial.goes_on || std::ranges::any_of(ends, is_there)) continue;
+        best.push_back(&one);
+        ends.push_back(end.pose);
       }
-      if (count == 0) continue;
+      if (best.empty()) continue;
       if (problem_.on_both && !best[0]->on_both) return DropReason::lifting;
-      regime_ = best[ambiguous_.pick(count)]->regime;
+      regime_ = best[ambiguous_.pick(best.size())]->regime;
       return DropReason::none;
     }
     return choose_later(found) ? std::optional(DropReason::none) : std::nullopt;
@@ -323,39 +324,38 @@ class ContactStep : ContactTrial {
   // the regimes that go on follows; as many contacts as possible stay, and at most two change. Robots
   // that stall take part if both stand.
   bool choose_later(const RegimeCandidates& found) {
-    if (found.count == 0) return false;
-    const PerSide<Drive> drives = found.at[0].regime.drives;
+    if (found.empty()) return false;
+    const PerSide<Drive> drives = found[0].regime.drives;
     if (drives[left] != drives[right] || drives[left] == Drive::yields) return false;
     const auto is_instant = [&](const RegimeCandidate& one) {
       return (one.on_both || !problem_.on_both) && !lasts(one.regime);
     };
-    const auto first = std::find_if(found.at.begin(), found.at.begin() + found.count, is_instant);
-    if (first == found.at.begin() + found.count) return false;
+    const auto first = std::ranges::find_if(found, is_instant);
+    if (first == found.end()) return false;
     const Regime& instant = first->regime;
+    const std::size_t most = instant.active.size();
     // What each contact may do: it leaves or, if it sticks, slides.
     struct Change {
       std::size_t contact;
       Motion motion;
     };
-    std::array<Change, 3 * max_supports> changes;
-    std::size_t count = 0;
+    FixedList<Change, 3 * max_supports> changes;
     const bool may_slide = !is_still(drives);
-    for (std::size_t i = 0; i < instant.count; ++i)
+    for (std::size_t i = 0; i < most; ++i)
       for (const Motion motion : {Motion::up, Motion::down, Motion::leave})
         if (motion == Motion::leave || (may_slide && instant.active[i].motion == Motion::stick))
-          changes[count++] = {i, motion};
-    const double later = now_.t + 1e-3 * look_;
-    for (std::size_t stay = instant.count; stay > 0 && stay + 2 >= instant.count; --stay) {
-      for (std::size_t b = 0; b < count; ++b) {
-        for (std::size_t a = b + 1; a-- > 0;) {  // a = b: one change
-          if (a != b && changes[a].contact == changes[b].contact) continue;
+          changes.push_back({i, motion});
+    for (std::size_t stay = most; stay > 0 && stay + 2 >= most; --stay) {
+      for (std::size_t j = 0; j < changes.size(); ++j) {
+        for (std::size_t i = j + 1; i-- > 0;) {  // i = j: one change
+          if (i != j && changes[i].contact == changes[j].contact) continue;
           Regime regime = instant;
-          for (const std::size_t k : {a, b})
-            regime.active[changes[k].contact].motion = changes[k].motion;
+          for (const Change& change : {changes[i], changes[j]})
+            regime.active[change.contact].motion = change.motion;
           regime.let_go();
           Place end = here();
-          if (regime.count != stay || (problem_.on_both && !problem_.is_on_both(regime)) ||
-              !try_out(later < 1.0 ? later : 1.0, regime, end).goes_on)
+          if (regime.active.size() != stay || (problem_.on_both && !problem_.is_on_both(regime)) ||
+              !try_out(after(1e-3 * look_), regime, end).goes_on)
             continue;
           regime_ = regime;
           return true;

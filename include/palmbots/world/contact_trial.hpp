@@ -61,6 +61,9 @@ class ContactTrial {
   }
   Frames frames(const Pivots& at) const { return frames(at.t, at, {}); }
 
+  // The instant so much later, at most the end of the step.
+  double after(double ahead) const { return smaller(now_.t + ahead, 1.0); }
+
   // How far a point of the object may move between two looks at what is near, and how far it has.
   double near_move() const { return 0.02 * problem_.shapes.size; }
   double apart(const Pose& one, const Pose& other) const {
@@ -68,44 +71,41 @@ class ContactTrial {
   }
   double moved(const Pose& there) const { return apart(there, pose_); }
 
+  std::size_t leading(const Frames& frames) const {
+    return leading_side(problem_, regime_, frames, pose_);
+  }
   void look_around() {
     const Frames frames = this->frames(now_);
-    near_ = around_.near(problem_, leading_side(problem_, regime_, frames, pose_), frames, pose_,
-                         near_move() + look_ * pace_, closed_);
+    near_ = around_.near(problem_, leading(frames), frames, pose_, near_move() + look_ * pace_,
+                         closed_);
   }
 
-  // Moves a place to where a regime has the object at an instant. False: there is no such place near.
-  bool settles(double t, Place& place, const Regime& regime, Frames& frames,
-               ActiveContacts& contacts) const {
-    frames = this->frames(t, place, regime.drives);
-    if (!settle(problem_, regime, frames, place.pose, contacts)) return false;
+  // A regime between the surfaces at an instant, with the object where it was in a place before.
+  PosedRegime posed(double t, const Place& place, const Regime& regime) const {
+    return {problem_, regime, frames(t, place, regime.drives), place.pose};
+  }
+  PosedRegime posed(const Regime& regime) const { return posed(now_.t, here(), regime); }
+
+  // Moves it, and the place, to where the regime has the object. False: there is no such place near.
+  bool settles(double t, PosedRegime& at, Place& place) const {
+    if (!settle(at)) return false;
     place.t = t;
+    place.pose = at.pose;
     for (const std::size_t side : {left, right}) {
-      if (regime.drives[side] == Drive::as_commanded) continue;
+      if (at.regime.drives[side] == Drive::as_commanded) continue;
       place.lag[side] =
-          frames[side].origin.x - travel_.palms[side].pivot.x - problem_.commanded[side] * t;
+          at.frames[side].origin.x - travel_.palms[side].pivot.x - problem_.commanded[side] * t;
     }
     return true;
   }
-
   // The same, and the conditions there (regime_conditions.hpp).
   Conditions reach(double t, Place& place, const Regime& regime,
                    const Conditions* failing = nullptr, bool all = true) const {
-    Frames frames;
-    ActiveContacts contacts;
-    if (settles(t, place, regime, frames, contacts))
-      return conditions_of(problem_, regime, frames, place.pose, contacts, near_, pace_, failing,
-                           all);
+    PosedRegime at = posed(t, place, regime);
+    if (settles(t, at, place)) return conditions_of(at, near_, pace_, failing, all);
     Conditions none;
     none.settled = false;
     return none;
-  }
-
-  // The same where the object is.
-  Conditions conditions_here() const {
-    const Frames frames = this->frames(now_.t, now_, regime_.drives);
-    return conditions_of(problem_, regime_, frames, pose_,
-                         contacts_of(problem_, regime_, frames, pose_), near_, pace_);
   }
 
   // Whether a regime goes on, and its worst condition.
@@ -124,57 +124,48 @@ class ContactTrial {
     if (!(least >= -Conditions::rounding) || !lasts(regime)) return fails;
     const double middle = 0.5 * (now_.t + to);
     Place half = here();
-    Frames before;
-    ActiveContacts contacts;
-    if (!settles(middle, half, regime, before, contacts)) return fails;
+    PosedRegime at = posed(middle, half, regime);
+    if (!settles(middle, at, half)) return fails;
     const double jump = apart(pose_, half.pose) - 8.0 * apart(half.pose, end.pose);
     if (jump > Tolerance::jump * problem_.shapes.size) return fails;
-    before = frames(half);
+    const Frames before = frames(half);
     const Frames after = frames(end);
-    for (std::size_t i = 0; i < regime.count; ++i) {
-      const ActivePair& a = regime.active[i];
+    for (const ActivePair& a : regime.active) {
       if (a.motion == Motion::stick) continue;
       const double ran = problem_.contact(after, end.pose, a.pair, a.reference).run -
                          problem_.contact(before, half.pose, a.pair, a.reference).run;
-      if (double(static_cast<int>(a.motion)) * ran < -8.0 * Tolerance::epsilon) return fails;
+      if (way_of(a.motion) * ran < -8.0 * Tolerance::epsilon) return fails;
     }
     return {true, least};
   }
 
-  // Whether the regime of the last step also holds in the motion of this one. The pose is the same.
+  // Whether the regime of the last step, in which no robot stalls, also holds in the motion of this
+  // one. The pose is the same.
   bool goes_along() const {
-    const Frames frames = this->frames(now_);
-    const ActiveContacts contacts = contacts_of(problem_, regime_, frames, pose_);
-    const auto twist = detail::equations(problem_, regime_, frames, pose_, contacts, true);
+    const PosedRegime at = posed(regime_);
+    const RegimeEquations twist(at, true);
     if (!twist.system.full()) return false;
     Conditions all;
-    all.add(balance_of(problem_, regime_, contacts));
-    add_motion(all, problem_, regime_, frames, pose_, contacts, twist, pace_);
+    all.push_back(balance_of(at));
+    add_motion(all, at, twist, pace_);
     return all.hold() && (!twist.balance || is_here()) && lasts(regime_, twist);
   }
 
   // Whether the pose in which the forces of the regime balance is that of the object. Another push
   // than in the last step moves that pose, but not the object.
   bool is_here() const {
-    Pose there = pose_;
-    Frames frames = this->frames(now_);
-    ActiveContacts contacts;
-    return settle(problem_, regime_, frames, there, contacts) && moved(there) <= closed_;
+    PosedRegime there = posed(regime_);
+    return settle(there) && moved(there.pose) <= closed_;
   }
 
   bool lasts(const Regime& regime) const {
-    const Frames now = frames(now_.t, now_, regime.drives);
-    const ActiveContacts contacts = contacts_of(problem_, regime, now, pose_);
-    return lasts(regime, detail::equations(problem_, regime, now, pose_, contacts, true));
+    return lasts(regime, RegimeEquations(posed(regime), true));
   }
   // Whether more contacts stick than the pose has unknowns, and do so for longer than an instant.
-  bool lasts(const Regime& regime, const detail::RegimeEquations& twist) const {
+  bool lasts(const Regime& regime, const RegimeEquations& twist) const {
     if (!twist.spare) return true;
-    const double later = now_.t + 0.01 * look_ < 1.0 ? now_.t + 0.01 * look_ : 1.0;
-    Pose there = pose_;
-    Frames frames = this->frames(later, now_, regime.drives);
-    ActiveContacts then;
-    return settle(problem_, regime, frames, there, then);
+    PosedRegime later = posed(after(0.01 * look_), here(), regime);
+    return settle(later);
   }
 
   // Whether no surface moves.
@@ -189,16 +180,15 @@ class ContactTrial {
   // The pairs that touch, those of the palm that leads first, and of each those of the regime.
   ClosedPairs closed_pairs(const Frames& frames) const {
     const ClosedPairs touching = closed_among(problem_, frames, pose_, near_, closed_);
-    const std::size_t first = leading_side(problem_, regime_, frames, pose_);
+    const std::size_t first = leading(frames);
     ClosedPairs closed;
     for (const std::size_t carrier : {first, other(first), std::size_t(Carrier::ground)}) {
-      const auto add = [&](FeaturePair pair) {
-        if (problem_.carrier(pair) == carrier && closed.count < ClosedPairs::most)
-          closed.at[closed.count++] = {pair, problem_.contact(frames, pose_, pair)};
+      const auto add = [&](const FeatureContact& c) {
+        if (c.carrier == carrier && !closed.full()) closed.push_back(c);
       };
-      for (std::size_t i = 0; i < regime_.count; ++i) add(regime_.active[i].pair);
-      for (std::size_t k = 0; k < touching.count; ++k)
-        if (!regime_.has(touching.at[k].pair)) add(touching.at[k].pair);
+      for (const ActivePair& a : regime_.active) add(problem_.contact(frames, pose_, a.pair));
+      for (const FeatureContact& c : touching)
+        if (!regime_.has(c.pair)) add(c);
     }
     return closed;
   }
@@ -206,24 +196,20 @@ class ContactTrial {
   // Whether the force of a robot that yields is unique and, here, its greatest one.
   bool is_at_limit(const Regime& regime) const {
     constexpr double near = 1e-6;  // [weights]: the regime finds the place to rounding
-    if (!regime.has_unique_forces()) return false;
-    const ActiveContacts contacts = contacts_of(problem_, regime, frames(now_), pose_);
-    return magnitude(detail::above_limit(problem_, regime, contacts)) < near;
+    return regime.has_unique_forces() && magnitude(detail::above_limit(posed(regime))) < near;
   }
 
   // The speed of a palm along x if its contacts, and those of another carrier, stick; not a number: they
   // do not determine it.
   double speed_with(const ClosedPairs& closed, const Frames& frames, std::size_t side,
                     std::size_t partner) const {
-    EchelonForm<double, 4> system;
-    for (std::size_t i = 0; i < closed.count; ++i) {
-      const auto& [pair, c] = closed.at[i];
-      const std::size_t carrier = problem_.carrier(pair);
-      if (carrier != side && carrier != partner) continue;
+    RegimeEquations::System system;
+    for (const FeatureContact& c : closed) {
+      if (c.carrier != side && c.carrier != partner) continue;
       for (const Vec direction : {c.normal, c.tangent}) {
         const Triple row = problem_.row(c, direction);
-        system.add({row.x, row.y, row.z, carrier == side ? -direction.x : 0.0},
-                   problem_.given(frames, pose_, pair, c, direction));
+        system.add({row.x, row.y, row.z, c.carrier == side ? -direction.x : 0.0},
+                   given(frames, pose_, c, direction));
       }
     }
     return system.full() ? system.solution()[3] : std::numeric_limits<double>::quiet_NaN();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fast step of the world: one contact slides through the whole step, or first one and, from a
-// tie on, the other one (world/fast_step_tie.hpp).
+// tie on, the other one. While palms turn, a tie is the most frequent event inside a step.
 //
 // It is written for one carry or for several side by side (base/simd_lanes.hpp), without branches
 // that lanes could not share. Few steps need the second half, which evaluates all conditions that
@@ -12,7 +12,10 @@
 // Source: docs/theory/mechanics.md.
 #pragma once
 
-#include "palmbots/world/fast_step_tie.hpp"
+#include "palmbots/base/root_finding.hpp"
+#include "palmbots/mechanics/drop_reason.hpp"
+#include "palmbots/mechanics/sliding.hpp"
+#include "palmbots/mechanics/slip_rule.hpp"
 #include "palmbots/world/state.hpp"
 
 namespace palmbots {
@@ -124,6 +127,70 @@ template <class V>
   step.lead = lead;
 }
 
+// A step that passes a tie: where it is done, and the contacts at its end.
+template <class V>
+struct TieStep {
+  MaskOf<V> done;
+  Slipped<V> end;
+};
+
+// From a tie on, the other contact slides: in the lanes `wanted`. `done` is true in the lanes where
+// nothing else happens. A lane may be wanted if the object would still be held, with neither edge
+// wedged, if the sliding contact continued to the end, where the palms are `turned`.
+template <class V>
+[[gnu::noinline, gnu::flatten]] TieStep<V> pass_tie(const ModelParams<V>& params,
+                                                    const Configuration<V>& from,
+                                                    const FastStep<V>& step, V change,
+                                                    const PerSide<PalmAngle<V>>& turned, V push,
+                                                    V way, MaskOf<V> wanted) {
+  using Mask = MaskOf<V>;
+  const Moments<V> pushed = moments_under(params.object, push);
+  const PerSide<V> turn{turned[left].angle - from.palms[left].angle,
+                        turned[right].angle - from.palms[right].angle};
+  // The lead of the contact that slid first over the other.
+  const auto lead_at = [&](const PerSide<PalmAngle<V>>& palms,
+                           const ContactVector<V>& contact_vector) {
+    const PerSide<ConeEdge<V>> edges = edges_at(params.friction, palms, way);
+    return SlipOnset<V>::at(pushed, edges, contact_vector, way).own_lead(step.on_left);
+  };
+  // The last state that still leads, next to the tie. The start of the step is evaluated only in
+  // lanes that are done and have found no tie.
+  PerSide<V> contacts = from.contacts;
+  V lead(0);
+  bracketed_root(wanted, V(0), step.lead_before, V(1), step.lead, [&](V t) {
+    PerSide<PalmAngle<V>> palms;  // one that does not turn keeps its sine and cosine
+    on_both_sides([&](std::size_t side) {
+      palms[side] = PalmAngle<V>::at(from.palms[side].angle + t * turn[side]);
+    });
+    const Slipped<V> there = slip(step.on_left, from.separation + t * change, palms, from.contacts,
+                                  params.offset, params.object.width);
+    const V now = lead_at(palms, there.contact_vector);
+    const Mask leads = (now >= V(0)) & (t > V(0));
+    lead = select(leads, now, lead);
+    // The lead mostly holds in all lanes that matter. A predicted branch lets the following work
+    // start early.
+    if (all(leads | !wanted)) [[likely]] {
+      contacts = there.contacts;
+    } else {
+      on_both_sides([&](std::size_t side) {
+        contacts[side] = select(leads, there.contacts[side], contacts[side]);
+      });
+    }
+    return now;
+  });
+  Mask good = wanted & (lead > V(0));
+
+  const Slipped<V> end = slip<V>(!step.on_left, from.separation + change, turned, contacts,
+                                 params.offset, params.object.width);
+  good = good & (lead_at(turned, end.contact_vector) < V(0));
+  const V rate = drive_rate(turned, end.contacts, params.offset, end.contact_vector, change, turn);
+  const Mask drives = rate * way < V(0);
+  const Mask left_turns = turn[left] != V(0);
+  const Mask right_turns = turn[right] != V(0);
+  good = good & (drives | (!left_turns & !right_turns));
+  return {good, end};
+}
+
 // The second half of a step that is not done in all lanes. In lanes where it is still not done
 // afterwards, nothing has changed.
 template <class V>
@@ -147,9 +214,8 @@ template <class V>
     // The step is mostly done at all ties. A predicted branch lets the following work start early.
     if (all(wanted | !step.ties)) [[likely]]
       wanted = step.ties;
-    const TieStep<V> over = pass_tie<V>(
-        params, from.configuration,
-        {step.on_left, way, change, turned, slip.push, step.lead_before, step.lead}, wanted);
+    const TieStep<V> over =
+        pass_tie<V>(params, from.configuration, step, change, turned, slip.push, way, wanted);
     step.switched = over.done;
     step.on_left = step.on_left ^ over.done;
     good = good | over.done;

@@ -20,36 +20,31 @@ using RobotForces = PerSide<double>;
 // The forces of the contacts of a regime: all are convex combinations of these.
 class BalancedForces {
  public:
-  BalancedForces(const ContactProblem& problem, const Regime& regime,
-                 const ActiveContacts& contacts, double slack)
-      : limit_(problem.limit) {
-    const Rays rays = rays_of(problem, regime, contacts);
-    const Triple weight = problem.weight(regime.pushed);
-    std::array<std::size_t, 2 * max_supports> carrier{};
-    std::size_t ray = 0;
-    for (std::size_t i = 0; i < regime.count; ++i) {
-      const std::size_t n = regime.active[i].motion == Motion::stick ? 2 : 1;
-      for (std::size_t k = 0; k < n; ++k) carrier[ray++] = problem.carrier(regime.active[i].pair);
-    }
-    for_each_combination(rays, weight, [&](const RayShares& shares) {
-      if (count_ == capacity || shares.least() < -slack) return;
+  BalancedForces(const PosedRegime& at, double slack) : limit_(at.problem.limit) {
+    const Rays rays = at.rays();
+    FixedList<std::size_t, Rays::capacity> carriers;  // of the rays
+    for (const ActiveContact& c : at.contacts)
+      each_edge(c.motion, c.friction, [&](double) { carriers.push_back(c.carrier); });
+    for_each_combination(rays, at.weight(), [&](const RayShares& shares) {
+      if (forces_.full() || shares.least() < -slack) return;
       RobotForces force{};
       for (std::size_t k = 0; k < shares.count; ++k) {
-        const std::size_t at = shares.ray[k];
-        if (carrier[at] < 2) force[carrier[at]] += shares.share[k] * rays.ray[at].x;
+        const std::size_t ray = shares.ray[k];
+        if (carriers[ray] <= right) force[carriers[ray]] += shares.share[k] * rays[ray].x;
       }
-      at_[count_++] = force;
+      forces_.push_back(force);
     });
   }
 
   // By how much the least forces exceed the limits; ≤ 0: robots can exert them [weights].
   double least_excess() const {
-    if (count_ == 0) return 0.0;  // no forces balance at all: another condition
-    double least = excess(at_[0]);
-    for (std::size_t i = 1; i < count_; ++i) least = smaller(least, excess(at_[i]));
+    if (forces_.empty()) return 0.0;  // no forces balance at all: another condition
+    double least = excess(forces_[0]);
+    for (const RobotForces& force : forces_) least = smaller(least, excess(force));
     if (least <= 0.0) return least;
-    for (std::size_t i = 0; i < count_; ++i)
-      for (std::size_t j = 0; j < i; ++j) least = smaller(least, least_between(at_[i], at_[j]));
+    for (const RobotForces& a : forces_)
+      for (const RobotForces* b = forces_.begin(); b != &a; ++b)
+        least = smaller(least, least_between(a, *b));
     if (least > 0.0 && contain_none()) return -smaller(limit_[left], limit_[right]);
     return least;
   }
@@ -57,17 +52,15 @@ class BalancedForces {
   // By how much the push of a robot towards its `sense` along x, or the partner's push against it, can
   // exceed a limit.
   double most_push(std::size_t side, double sense) const {
-    double most = count_ == 0 ? 0.0 : -1.0;
-    for (std::size_t i = 0; i < count_; ++i) {
-      most = larger(most, larger(sense * at_[i][side] - limit_[side],
-                                 -sense * at_[i][other(side)] - limit_[other(side)]));
+    double most = forces_.empty() ? 0.0 : -1.0;
+    for (const RobotForces& force : forces_) {
+      most = larger(most, larger(sense * force[side] - limit_[side],
+                                 -sense * force[other(side)] - limit_[other(side)]));
     }
     return most;
   }
 
  private:
-  static constexpr std::size_t capacity = 128;
-
   double excess(const RobotForces& h) const {
     return larger(magnitude(h[left]) - limit_[left], magnitude(h[right]) - limit_[right]);
   }
@@ -96,21 +89,17 @@ class BalancedForces {
 
   // Whether no force at all is a combination. If it is not, all are on one side of a line through 0.
   bool contain_none() const {
-    for (std::size_t i = 0; i < count_; ++i) {
-      bool is_extreme = true;
-      for (std::size_t j = 0; j < count_ && is_extreme; ++j) {
-        const Vec p{at_[i][left], at_[i][right]};
-        const Vec q{at_[j][left], at_[j][right]};
-        is_extreme = cross(p, q) > 0.0 || (cross(p, q) == 0.0 && dot(p, q) > 0.0);
-      }
-      if (is_extreme) return false;
-    }
-    return true;
+    return std::ranges::none_of(forces_, [&](const RobotForces& a) {
+      return std::ranges::all_of(forces_, [&](const RobotForces& b) {
+        const Vec p{a[left], a[right]};
+        const Vec q{b[left], b[right]};
+        return cross(p, q) > 0.0 || (cross(p, q) == 0.0 && dot(p, q) > 0.0);
+      });
+    });
   }
 
   PerSide<double> limit_;
-  std::array<RobotForces, capacity> at_;  // up to `count_`
-  std::size_t count_ = 0;
+  FixedList<RobotForces, 128> forces_;
 };
 
 }  // namespace palmbots

@@ -29,7 +29,6 @@
 
 #include "palmbots/base/root_finding.hpp"
 #include "palmbots/mechanics/acting_object.hpp"
-#include "palmbots/world/advance.hpp"
 #include "palmbots/world/fast_step.hpp"
 
 namespace palmbots {
@@ -145,24 +144,17 @@ struct GeneralStep {
            }));
     }
     if (iteration_limit) return first;
-    const auto drives_on = [&](const State& s) {
-      return direction == SlipDirection::up ? -drive(s) : drive(s);
+    // Where a condition of the regime falls below 0.
+    const auto note_root = [&](Event event, auto condition) {
+      const Real last = condition(then);
+      if (!(last < Real(0))) return;
+      note(event, bracketed_root(true, done, condition(now), goal, last,
+                                 [&](Real t) { return condition(at(t)); }));
     };
-    if (turning && direction != SlipDirection::stick && reverses) {
-      const Real last = drives_on(then);
-      if (last < Real(0)) {
-        note(Event::reversal, bracketed_root(true, done, drives_on(now), goal, last,
-                                             [&](Real t) { return drives_on(at(t)); }));
-      }
-    }
-    if (slides_alone(slider)) {
-      const auto ahead = [&](const State& s) { return own_lead(s, slider, direction); };
-      const Real last = ahead(then);
-      if (last < Real(0)) {
-        note(Event::tie, bracketed_root(true, done, ahead(now), goal, last,
-                                        [&](Real t) { return ahead(at(t)); }));
-      }
-    }
+    if (turning && direction != SlipDirection::stick && reverses)
+      note_root(Event::reversal, [&](const State& s) { return -sense_of(direction) * drive(s); });
+    if (slides_alone(slider))
+      note_root(Event::tie, [&](const State& s) { return own_lead(s, slider, direction); });
     return first;
   }
 
@@ -320,7 +312,7 @@ struct GeneralStep {
 
   // True if both contacts moved as this direction allows.
   bool legal(const State& now, const State& then, SlipDirection direction) const {
-    const Real sense = direction == SlipDirection::up ? Real(1) : Real(-1);
+    const Real sense = sense_of(direction);
     const auto& p = now.configuration.contacts;
     const auto& q = then.configuration.contacts;
     const Real slack = Real(16) * std::numeric_limits<Real>::epsilon() * model.object.width;

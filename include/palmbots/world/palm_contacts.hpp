@@ -3,6 +3,7 @@
 // and how its contact moves.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -39,14 +40,10 @@ namespace detail {
 
 // Whether an earlier pair is the same contact: a feature and its neighbour, where one hands over to
 // the other.
-inline bool is_known(const ClosedPairs& closed, std::size_t i, double near) {
-  const FeatureContact& own = closed.at[i].contact;
-  for (std::size_t k = 0; k < i; ++k) {
-    const FeatureContact& other = closed.at[k].contact;
-    if (length(other.point - own.point) <= near && length(other.normal - own.normal) <= 1e-4)
-      return true;
-  }
-  return false;
+inline bool is_known(const ClosedPairs& closed, const FeatureContact& own, double near) {
+  return std::any_of(closed.begin(), &own, [&](const FeatureContact& other) {
+    return length(other.point - own.point) <= near && length(other.normal - own.normal) <= 1e-4;
+  });
 }
 
 // Whether an edge of the object joins two pairs.
@@ -63,19 +60,14 @@ inline bool share_edge(const RoundedBody& body, const FeaturePair& a, const Feat
 }
 
 // Whether a contact with a palm is an end of an edge that lies flush on it.
-inline bool is_flush(const ContactShapes& shapes, const ClosedPairs& closed, std::size_t i) {
-  const auto carrier = [&](std::size_t k) {
-    return shapes.surfaces.at[closed.at[k].pair.surface].carrier;
-  };
-  if (carrier(i) == Carrier::ground) return false;
+inline bool is_flush(const RoundedBody& body, const ClosedPairs& closed,
+                     const FeatureContact& own) {
   constexpr double parallel = 0.01;  // an edge that leans on a heel slants more
-  for (std::size_t k = 0; k < closed.count; ++k) {
-    const Vec apart = closed.at[k].contact.normal - closed.at[i].contact.normal;
-    if (k != i && carrier(k) == carrier(i) && length(apart) <= parallel &&
-        share_edge(shapes.body, closed.at[i].pair, closed.at[k].pair))
-      return true;
-  }
-  return false;
+  return own.carrier <= right && std::ranges::any_of(closed, [&](const FeatureContact& other) {
+           return &other != &own && other.carrier == own.carrier &&
+                  length(other.normal - own.normal) <= parallel &&
+                  share_edge(body, own.pair, other.pair);
+         });
 }
 
 }  // namespace detail
@@ -84,16 +76,11 @@ inline bool is_flush(const ContactShapes& shapes, const ClosedPairs& closed, std
 inline std::vector<Touched> touched_by(const ContactShapes& shapes, const ClosedPairs& closed,
                                        double within) {
   std::vector<Touched> found;
-  for (std::size_t i = 0; i < closed.count; ++i) {
-    if (detail::is_known(closed, i, 2.0 * within)) continue;
-    const auto& [pair, c] = closed.at[i];
-    const Surface& surface = shapes.surfaces.at[pair.surface];
-    const auto carrier = static_cast<std::size_t>(surface.carrier);
-    found.push_back({detail::is_flush(shapes, closed, i) ? "flush" : name_of(surface),
-                     carrier,
-                     surface.tip ? surface.at.x : c.place,
-                     {carrier == left ? left : right, c.point.x, c.point.y, c.normal.x, c.normal.y,
-                      surface.friction}});
+  for (const FeatureContact& c : closed) {
+    if (detail::is_known(closed, c, 2.0 * within)) continue;
+    const Surface& surface = shapes.surfaces[c.pair.surface];
+    found.push_back({detail::is_flush(shapes.body, closed, c) ? "flush" : name_of(surface),
+                     c.carrier, surface.tip ? surface.at.x : c.place, c});
   }
   return found;
 }
@@ -131,14 +118,13 @@ struct FurtherContact {
 inline std::optional<FurtherContact> first_further(const ContactProblem& problem,
                                                    const Regime& regime, const Frames& frames,
                                                    const Pose& pose) {
-  for (std::size_t i = 0; i < regime.count; ++i) {
-    const FeaturePair pair = regime.active[i].pair;
-    if (problem.own_side(pair) < 2) continue;
-    const std::size_t side = problem.carrier(pair);
-    const Surface& surface = problem.surface(pair);
-    const Vec normal = frames[side].from_world(problem.contact(frames, pose, pair).normal);
+  for (const ActivePair& a : regime.active) {
+    if (std::ranges::find(problem.shapes.own, a.pair) != problem.shapes.own.end()) continue;
+    const Surface& surface = problem.surface(a.pair);
+    const FeatureContact c = problem.contact(frames, pose, a.pair);
+    const Vec normal = frames[c.carrier].from_world(c.normal);
     const bool slants = magnitude(within_tip(surface, normal)) > contact_tolerance<double>;
-    return FurtherContact{surface.tip && slants ? ContactKind::tip : ContactKind::flush, side};
+    return FurtherContact{surface.tip && slants ? ContactKind::tip : ContactKind::flush, c.carrier};
   }
   return std::nullopt;
 }

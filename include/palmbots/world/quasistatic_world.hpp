@@ -18,6 +18,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "palmbots/world/contact_shapes.hpp"
@@ -121,7 +122,7 @@ class World {
   const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
   // The contacts whose gap is at most `within` [m].
   std::vector<Touched> touched_in(double within) const {
-    return touched_by(shapes(), touching(within), within);
+    return touched_by(shapes(), touching(problem(), here(), pose(), within), within);
   }
   // The palm whose faces, moved by `deep` into it, still lie in the object.
   std::optional<std::size_t> pierced_palm(double deep) const {
@@ -165,7 +166,7 @@ class World {
   const Advance<Real>& advance(const PerSide<Vec>& by, const PerSide<Real>& angles,
                                Real push = Real(0)) {
     const bool level = height_[left] == height_[right] && by[left].y == by[right].y;
-    if (model_.surroundings.none() && level && !posed_ && !is_limited()) {
+    if (model_.surroundings.empty() && level && !posed_ && !is_limited()) {
       height_ = {height_[left] + by[left].y, height_[right] + by[right].y};
       middle_ += 0.5 * (by[left].x + by[right].x);
       return advance(Real(by[right].x - by[left].x), angles, push);
@@ -235,19 +236,14 @@ class World {
 
   // Why all contacts together do not hold the object.
   DropReason check_all() const {
-    const Real closed = closed_tolerance<Real> * Real(shapes().size);
+    const ContactProblem problem = this->problem();
+    const double closed = double(closed_tolerance<Real> * Real(shapes().size));
     // Smaller than the gap of a closed contact: a corner penetrates a palm deeper than the palm
     // penetrates the corner.
-    const Real deep = closed / Real(64);
-    if (pierced_carrier(shapes(), pose(), here(), double(deep))) return DropReason::flush;
-    return off_palm(problem(), here(), pose(), double(closed))
-               ? DropReason::off_palm
-               : reason_of(problem(), touching(double(closed)));
-  }
-
-  // All pairs whose gap is at most `closed` [m].
-  ClosedPairs touching(double closed) const {
-    return palmbots::touching(problem(), here(), pose(), closed);
+    const double deep = closed / 64.0;
+    if (pierced_carrier(shapes(), pose(), here(), deep)) return DropReason::flush;
+    if (off_palm(problem, here(), pose(), closed)) return DropReason::off_palm;
+    return reason_of(problem, touching(problem, here(), pose(), closed));
   }
 
   ContactProblem problem() const {
@@ -292,7 +288,7 @@ class World {
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
     bool on_vertices = rests_on_vertices();
     if (!posed_) {
-      const bool alone = model_.surroundings.none() && by[left].y == by[right].y && !is_general();
+      const bool alone = model_.surroundings.empty() && by[left].y == by[right].y && !is_general();
       if (alone) total = GeneralStep<Real>{model_, state_, Real(widens), goals}.run();
       const bool continues =
           goes_on(total.reason) || (total.reason == DropReason::off_palm && may_leave_reach());
@@ -311,10 +307,11 @@ class World {
     const auto note = [&](const Frames& frames, double t) {
       if (ambiguous_.count != seen) choices_.push_back({t, regime_});
       seen = ambiguous_.count;
-      const bool before = on_vertices;
-      on_vertices = rests_on_vertices();
-      if (before && !on_vertices) begin_contact_event(frames, Real(t));
+      const bool before = std::exchange(on_vertices, rests_on_vertices());
       if (!before && on_vertices) contact_events_.ended = Real(t);
+      if (!before || on_vertices) return;
+      if (const auto one = first_further(problem, regime_, frames, pose_))
+        contact_events_ = {contact_events_.count + 1, one->kind, one->side, Real(t), Real(t)};
     };
     ContactStep contact_step(problem, step, pose_, regime_, around_, ambiguous_, rounding, note);
     const Advance<double> done = contact_step.run(double(total.fraction));
@@ -328,7 +325,7 @@ class World {
       for (const std::size_t side : {left, right}) step.palms[side].pivot.x += done.lag[side];
     }
     place(step.frames(done.fraction));
-    if (on_vertices && !is_general() && model_.surroundings.none() &&
+    if (on_vertices && !is_general() && model_.surroundings.empty() &&
         height_[left] == height_[right] && !(may_leave_reach() && is_beyond_reach())) {
       regime_ = {};
       posed_ = false;
@@ -342,11 +339,6 @@ class World {
     for (const std::size_t side : {left, right}) height_[side] += done * by[side].y;
   }
 
-  void begin_contact_event(const Frames& frames, Real t) {
-    if (const auto one = first_further(problem(), regime_, frames, pose_))
-      contact_events_ = {contact_events_.count + 1, one->kind, one->side, t, t};
-  }
-
   // The moving state at an instant of a step, from the pose.
   void place(const Frames& frames) {
     separation_ = frames[right].origin.x - frames[left].origin.x;
@@ -357,7 +349,7 @@ class World {
 
   bool rests_on_vertices() const {
     if (!posed_) return true;
-    return regime_.count == 2 && regime_.has(shapes().own[left]) &&
+    return regime_.active.size() == 2 && regime_.has(shapes().own[left]) &&
            regime_.has(shapes().own[right]);
   }
 

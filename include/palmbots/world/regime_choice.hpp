@@ -16,6 +16,7 @@
 #pragma once
 
 #include <algorithm>
+#include <tuple>
 
 #include "palmbots/base/few_sorted.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
@@ -30,26 +31,15 @@ struct RegimeCandidate {
   std::size_t selection;  // of the closed pairs, the first one in which it is possible
 
   constexpr bool is_as_good_as(const RegimeCandidate& other) const {
-    return on_both == other.on_both && regime.count == other.regime.count;
+    return on_both == other.on_both && regime.active.size() == other.regime.active.size();
   }
 };
 
-struct RegimeCandidates {
-  static constexpr std::size_t most = 64;
-  std::array<RegimeCandidate, most> at;  // up to `count`
-  std::size_t count = 0;
-};
+using RegimeCandidates = FixedList<RegimeCandidate, 64>;
 
-// A pair that is closed, as it is at the event.
-struct ClosedPair {
-  FeaturePair pair;
-  FeatureContact contact;
-};
-
-// It persists in this way.
-inline ActivePair active_of(const ClosedPair& one, Motion motion) {
-  const double held = one.pair.kind == PairKind::tip_on_arc ? 0.0 : one.contact.run;
-  return {one.pair, motion, held, one.contact.on_body};
+// A pair that is closed persists in this way.
+inline ActivePair active_of(const FeatureContact& one, Motion motion) {
+  return {one.pair, motion, one.pair.kind == PairKind::tip_on_arc ? 0.0 : one.run, one.on_body};
 }
 
 // A gap (times w) below this counts as closed where people look at the object: 2.5 µm for the paper's
@@ -61,11 +51,8 @@ inline constexpr Real contact_tolerance = Real(1e-5);
 template <class Real>
 inline constexpr Real closed_tolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-4);
 
-struct ClosedPairs {
-  static constexpr std::size_t most = 2 * max_supports;
-  std::array<ClosedPair, most> at;  // up to `count`
-  std::size_t count = 0;
-};
+// The pairs that are closed, as they are at the event.
+using ClosedPairs = FixedList<FeatureContact, 2 * max_supports>;
 
 // The near pairs whose gap is at most `closed` [m], and that are at most `beyond` beyond the end of a
 // feature.
@@ -73,10 +60,9 @@ inline ClosedPairs closed_among(const ContactProblem& problem, const Frames& fra
                                 const Pose& pose, const NearPairs& near, double closed,
                                 double beyond = 100.0 * ContactTolerance::blank) {
   ClosedPairs found;
-  for (std::size_t k = 0; k < near.count && found.count < ClosedPairs::most; ++k) {
-    const FeatureContact c = problem.contact(frames, pose, near.at[k].pair);
-    if (magnitude(c.gap) <= closed && c.inside >= -beyond)
-      found.at[found.count++] = {near.at[k].pair, c};
+  for (const NearPair& one : near) {
+    const FeatureContact c = problem.contact(frames, pose, one.pair);
+    if (!found.full() && magnitude(c.gap) <= closed && c.inside >= -beyond) found.push_back(c);
   }
   return found;
 }
@@ -88,18 +74,15 @@ inline std::size_t leading_side(const ContactProblem& problem, const Regime& reg
   const auto ranks = [&](std::size_t side) {
     const Frame& frame = frames[side];
     const Vec com = frame.from_world(pose.at - frame.origin);
-    std::array<std::size_t, 2> touching{};
-    for (std::size_t i = 0; i < regime.count; ++i) {
-      if (problem.carrier(regime.active[i].pair) == side)
-        ++touching[regime.active[i].motion == Motion::stick ? 1 : 0];
+    double touching = 0.0;
+    double sticking = 0.0;
+    for (const ActivePair& a : regime.active) {
+      if (problem.carrier(a.pair) != side) continue;
+      touching += 1.0;
+      sticking += a.motion == Motion::stick ? 1.0 : 0.0;
     }
-    return std::array<double, 7>{double(touching[0] + touching[1]),
-                                 frame.angle,
-                                 frame.rate,
-                                 com.x,
-                                 com.y,
-                                 double(touching[1]),
-                                 mirrored(side, problem.weight(true).x)};
+    const double pushed = mirrored(side, problem.weight(true).x);
+    return std::array{touching, frame.angle, frame.rate, com.x, com.y, sticking, pushed};
   };
   const auto of_left = ranks(left);
   const auto of_right = ranks(right);
@@ -123,31 +106,25 @@ inline bool in_one_direction(const FeatureContact& a, const FeatureContact& b) {
 inline void add_candidate(const ContactProblem& problem, const ClosedPairs& closed,
                           const Motions& motions, bool pushed, std::size_t selection,
                           RegimeCandidates& found) {
-  if (found.count == RegimeCandidates::most) return;
+  if (found.full()) return;
   RegimeCandidate made;
-  made.regime.pushed = pushed;
-  std::size_t slide = 0;
-  for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
-    if (motions[i] == Motion::leave) continue;
-    made.regime.active[made.regime.count++] = active_of(closed.at[i], motions[i]);
-    slide += motions[i] != Motion::stick ? 1 : 0;
-  }
-  const std::size_t second = other_carrier(problem, made.regime);
-  if (second < made.regime.count)
-    made.regime.alike = made.regime.active[0].held - made.regime.active[second].held;
-  made.on_both = problem.is_on_both(made.regime);
-  made.alike = slide == made.regime.count;
-  // On both palms in one direction: nothing but balance drives the object, which falls off.
-  const auto& active = made.regime.active;
-  if (problem.on_both && made.alike && slide == 2 && active[0].motion != active[1].motion) return;
+  Regime& regime = made.regime;
+  auto& active = regime.active;
+  regime.pushed = pushed;
+  for (std::size_t i = 0; i < closed.size() && i < max_supports; ++i)
+    if (motions[i] != Motion::leave) active.push_back(active_of(closed[i], motions[i]));
+  const std::size_t second = problem.other_carrier(regime);
+  if (second < active.size()) regime.alike = active[0].held - active[second].held;
+  made.on_both = problem.is_on_both(regime);
+  made.alike = regime.unknown_forces() == active.size();
   made.selection = selection;
-  for (std::size_t k = 0; k < found.count; ++k) {
-    RegimeCandidate& other = found.at[k];
-    if (!other.regime.is_like(made.regime)) continue;
-    other.selection = selection < other.selection ? selection : other.selection;
+  // On both palms in one direction: nothing but balance drives the object, which falls off.
+  if (problem.on_both && made.alike && active.size() == 2 && active[0].motion != active[1].motion)
     return;
-  }
-  found.at[found.count++] = made;
+  const auto is_same = [&](const RegimeCandidate& one) { return one.regime.is_like(regime); };
+  RegimeCandidate* const known = std::ranges::find_if(found, is_same);
+  if (known == found.end()) return found.push_back(made);
+  known->selection = std::min(known->selection, selection);
 }
 
 }  // namespace detail
@@ -160,7 +137,7 @@ inline bool off_palm(const ContactProblem& problem, const Frames& frames, const 
   const double near = ContactTolerance::blank * problem.shapes.size;
   for (const FeaturePair pair : problem.shapes.own) {
     const FeatureContact c = problem.contact(frames, pose, pair);
-    if (c.gap <= closed && problem.left_of_reach(problem.carrier(pair), c) <= near) return true;
+    if (c.gap <= closed && problem.left_of_reach(c) <= near) return true;
   }
   return false;
 }
@@ -170,16 +147,15 @@ inline bool off_palm(const ContactProblem& problem, const Frames& frames, const 
 inline DropReason reason_of(const ContactProblem& problem, const ClosedPairs& closed) {
   PerSide<bool> touched{};
   PerSide<bool> beside{true, true};  // of the line of gravity: all contacts
-  Rays rays{};
-  for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
-    const auto& [pair, c] = closed.at[i];
-    const std::size_t carrier = problem.carrier(pair);
-    if (carrier < 2) touched[carrier] = true;
+  Rays rays;
+  for (std::size_t i = 0; i < closed.size() && i < max_supports; ++i) {
+    const FeatureContact& c = closed[i];
+    if (c.carrier <= right) touched[c.carrier] = true;
     const double x = c.point.x - problem.slope * c.point.y;
     const double slack = ContactTolerance::blank * problem.shapes.size;
     beside[left] = beside[left] && x < slack;
     beside[right] = beside[right] && x > -slack;
-    problem.add_rays(rays, c, problem.surface(pair).friction, Motion::stick);
+    add_rays(rays, c, Motion::stick, problem.shapes.size);
   }
   if (problem.on_both && (!touched[left] || !touched[right])) return DropReason::lifting;
   if (beside[left] || beside[right]) return DropReason::tipping;
@@ -193,16 +169,8 @@ class RegimeSearch {
   RegimeSearch(const ContactProblem& problem, const Frames& frames, const Pose& pose,
                const ClosedPairs& closed)
       : problem_(problem), pose_(pose), closed_(closed) {
-    for (std::size_t i = 0; i < closed.count && i < max_supports; ++i) {
-      const FeaturePair pair = closed.at[i].pair;
-      const FeatureContact c = problem.contact(frames, pose, pair);
-      supports_.at[supports_.count++] = {frames[problem.carrier(pair)].sense < 0.0 ? left : right,
-                                         c.point.x,
-                                         c.point.y,
-                                         c.normal.x,
-                                         c.normal.y,
-                                         problem.surface(pair).friction};
-    }
+    for (std::size_t i = 0; i < closed.size() && i < max_supports; ++i)
+      supports_.push_back(problem.contact(frames, pose, closed[i].pair));
     balancing_ = balancing_edges(supports_, problem.weight(true).x);
     select();
   }
@@ -210,10 +178,8 @@ class RegimeSearch {
   // The best first.
   RegimeCandidates candidates(const Frames& moving) const {
     Velocities velocities{};
-    for (std::size_t i = 0; i < supports_.count; ++i) {
-      const Vec point{supports_.at[i].x, supports_.at[i].y};
-      velocities[i] = moving[problem_.carrier(closed_.at[i].pair)].velocity_at(pose_.at + point);
-    }
+    for (std::size_t i = 0; i < supports_.size(); ++i)
+      velocities[i] = moving[closed_[i].carrier].velocity_at(pose_.at + supports_[i].point);
     const Twists twists(supports_, velocities);
     RegimeCandidates found;
     const auto add_all = [&](const BalancingRays& balancing, bool pushed) {
@@ -222,13 +188,14 @@ class RegimeSearch {
       });
     };
     add_all(balancing_, true);
-    if (found.count == 0 && problem_.push != 0.0)
+    if (found.empty() && problem_.push != 0.0)
       add_all(balancing_edges(supports_, problem_.weight(false).x), false);
-    sort_few(found.at.data(), found.count, [](const RegimeCandidate& a, const RegimeCandidate& b) {
-      if (a.on_both != b.on_both) return a.on_both;
-      if (a.regime.count != b.regime.count) return a.regime.count > b.regime.count;
-      return a.alike != b.alike ? a.alike : a.selection < b.selection;
-    });
+    const auto rank = [](const RegimeCandidate& one) {
+      return std::tuple(!one.on_both, max_supports - one.regime.active.size(), !one.alike,
+                        one.selection);
+    };
+    sort_few(found.begin(), found.size(),
+             [&](const RegimeCandidate& a, const RegimeCandidate& b) { return rank(a) < rank(b); });
     return found;
   }
 
@@ -237,18 +204,19 @@ class RegimeSearch {
   // first, the second or both take part.
   void select() {
     int doubled = 0;
-    for (std::size_t j = 0; j < closed_.count; ++j) {
+    for (std::size_t j = 0; j < closed_.size(); ++j) {
       for (std::size_t i = 0; i < j && doubled < 3; ++i) {
-        const FeatureContact& a = closed_.at[i].contact;
-        const FeatureContact& b = closed_.at[j].contact;
+        const FeatureContact& a = closed_[i];
+        const FeatureContact& b = closed_[j];
         if (!detail::at_one_point(a, b, problem_.shapes.size)) continue;
         ++doubled;
         const Selections before = selections_;
-        selections_.count = 0;
+        selections_.clear();
         for (const std::uint32_t out : {1U << j, 1U << i, 0U}) {
           // Where both touch in one direction they are the same contact.
           if (out == 0 && detail::in_one_direction(a, b)) continue;
-          for (std::size_t k = 0; k < before.count; ++k) selections_.add(before.out[k] | out);
+          for (const std::uint32_t one : before)
+            if (!selections_.contains(one | out)) selections_.push_back(one | out);
         }
       }
     }
@@ -257,8 +225,8 @@ class RegimeSearch {
   const ContactProblem& problem_;
   const Pose& pose_;
   const ClosedPairs& closed_;
-  Selections selections_;
-  Supports supports_{};
+  Selections selections_{0};
+  Supports supports_;
   BalancingRays balancing_;
 };
 

@@ -33,8 +33,6 @@ struct ContactTolerance {
   static constexpr double balanced_rate = 1e-6;  // the same, where balance takes part
 };
 
-inline constexpr std::size_t most_near = 64;
-
 // A pair of features that may close soon. One that overlaps is behind: it was not a pair of nearest
 // points when its gap closed. (Surfaces have one side only.)
 struct NearPair {
@@ -42,10 +40,7 @@ struct NearPair {
   bool behind;
 };
 
-struct NearPairs {
-  std::array<NearPair, most_near> at;  // up to `count`
-  std::size_t count = 0;
-};
+using NearPairs = FixedList<NearPair, 64>;
 
 // Calls visit(pair) for every pair of features that can touch. Those of a palm are walked from its
 // own contact corner inward, those of the ground as those of the palm that comes `first`: in the
@@ -54,9 +49,9 @@ template <class Visit>
 void each_pair(const ContactProblem& problem, std::size_t first, Visit visit) {
   const RoundedBody& body = problem.shapes.body;
   const Surfaces& surfaces = problem.shapes.surfaces;
-  for (std::size_t i = 0; i < surfaces.count; ++i) {
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const std::size_t s = surfaces.walked(first, i);
-    const Surface& surface = surfaces.at[s];
+    const Surface& surface = surfaces[s];
     const auto carrier = static_cast<std::size_t>(surface.carrier);
     const std::size_t side = carrier < 2 ? carrier : first;
     std::size_t corner = problem.shapes.own[side].feature;
@@ -78,12 +73,10 @@ void each_pair(const ContactProblem& problem, std::size_t first, Visit visit) {
 
 // Adds a pair if its gap is at most `reach` [m]. A pair that overlaps by more than `closed` [m] is
 // marked as behind.
-inline void add_near(NearPairs& found, FeaturePair pair, const FeatureContact& c, double reach,
-                     double closed) {
-  if (!(magnitude(c.gap) <= reach)) return;
+inline void add_near(NearPairs& found, const FeatureContact& c, double reach, double closed) {
+  if (found.full() || !(magnitude(c.gap) <= reach)) return;
   const bool behind = c.gap < -closed;
-  if (behind && c.inside > ContactTolerance::blank) return;
-  if (found.count < most_near) found.at[found.count++] = {pair, behind};
+  if (!behind || !(c.inside > ContactTolerance::blank)) found.push_back({c.pair, behind});
 }
 
 // Finds the near pairs repeatedly while object and surfaces move. It remembers the pairs of a wider
@@ -95,8 +88,8 @@ class Neighbourhood {
     if (first != first_ || !(reach + moved(frames, pose) <= reach_))
       collect(problem, first, frames, pose, reach);
     NearPairs found;
-    for (std::size_t k = 0; k < count_; ++k)
-      add_near(found, pairs_[k], problem.contact(frames, pose, pairs_[k]), reach, closed);
+    for (const FeaturePair pair : pairs_)
+      add_near(found, problem.contact(frames, pose, pair), reach, closed);
     return found;
   }
 
@@ -108,19 +101,18 @@ class Neighbourhood {
     first_ = first;
     frames_ = frames;
     pose_ = pose;
-    count_ = 0;
     extent_ = reach;
     for (std::size_t i = 0; i < problem.shapes.body.count; ++i)
       extent_ = larger(extent_, length(problem.shapes.body.corners[i].centre));
     double palm = 0.0;
-    for (std::size_t s = 0; s < problem.shapes.surfaces.count; ++s) {
-      const Surface& surface = problem.shapes.surfaces.at[s];
+    for (const Surface& surface : problem.shapes.surfaces) {
       const double end = larger(magnitude(surface.low), magnitude(surface.high));
       if (surface.carrier != Carrier::ground) palm = larger(palm, length(surface.at) + end);
     }
     extent_ += palm;
+    pairs_.clear();
     each_pair(problem, first, [&](FeaturePair pair) {
-      if (magnitude(problem.contact(frames, pose, pair).gap) <= reach_) pairs_[count_++] = pair;
+      if (magnitude(problem.contact(frames, pose, pair).gap) <= reach_) pairs_.push_back(pair);
     });
   }
 
@@ -135,8 +127,7 @@ class Neighbourhood {
     return most + length(pose.at - pose_.at) + magnitude(pose.angle - pose_.angle) * extent_;
   }
 
-  std::array<FeaturePair, 2 * max_surfaces * max_outline> pairs_;  // there are no more
-  std::size_t count_ = 0;
+  FixedList<FeaturePair, 2 * max_surfaces * max_outline> pairs_;  // there are no more
   std::size_t first_ = 2;  // no side: nothing is collected yet
   double reach_ = -1.0;
   // The farthest point of the object from its COM, plus that of the palms from their pivots [m].
@@ -145,10 +136,7 @@ class Neighbourhood {
   Pose pose_{};
 };
 
-struct Conditions {
-  static constexpr std::size_t most = 2 * max_supports + most_near + 8;
-  std::array<double, most> value;  // up to `count`
-  std::size_t count = 0;
+struct Conditions : FixedList<double, 2 * max_supports + NearPairs::capacity + 8> {
   std::size_t of_motion = 0;  // the first of them: they depend on how the surfaces move
   bool settled = true;
 
@@ -156,151 +144,129 @@ struct Conditions {
   static constexpr double rounding = 8.0 * ContactTolerance::epsilon;
   static constexpr double met = 1.0;  // that of a condition without a measure
 
-  void add(double v) { value[count++] = v; }
   // Adds the next `n` conditions as met where none of them fails in `elsewhere`, conditions of the
   // same regime. False: they have to be evaluated.
   bool skips(const Conditions* elsewhere, std::size_t n = 1) {
     if (elsewhere == nullptr) return false;
-    const auto begin = elsewhere->value.begin() + count;
-    if (std::any_of(begin, begin + n, [](double v) { return v < 0.0; })) return false;
-    std::fill_n(value.begin() + count, n, met);
-    count += n;
+    const double* next = elsewhere->begin() + size();
+    if (std::any_of(next, next + n, [](double v) { return v < 0.0; })) return false;
+    for (std::size_t k = 0; k < n; ++k) push_back(met);
     return true;
   }
   // Takes pairs that are behind as met if another condition fails. False: none does.
   bool spare_behind() {
     const auto fails = [](double v) { return v < 0.0 && v != behind; };
-    if (!std::any_of(value.begin(), value.begin() + count, fails)) return false;
-    std::replace(value.begin(), value.begin() + count, behind, met);
+    if (std::ranges::none_of(*this, fails)) return false;
+    std::ranges::replace(*this, behind, met);
     return true;
   }
   // Whether all hold. One that an event leaves at 0 may fall below it by rounding.
   bool hold() const { return least() >= -rounding; }
   // The worst of them; negative where one fails or the object cannot be there.
   double least() const {
-    if (!settled) return -1.0;
-    double worst = value[0];
-    for (std::size_t i = 1; i < count; ++i) worst = smaller(worst, value[i]);
+    double worst = settled ? (*this)[0] : -1.0;
+    for (std::size_t k = 1; settled && k < size(); ++k) worst = smaller(worst, (*this)[k]);
     return worst;
   }
 };
 
-// ≥ 0 iff the rays contain the weight: the best, over all combinations, of the least share of a ray.
-inline double balance(const Rays& rays, Triple weight) {
-  double best = -1.0;
-  for_each_combination(rays, weight,
-                       [&](const RayShares& shares) { best = larger(best, shares.least()); });
-  return best;
-}
-
 // Whether a pair that is behind is apart. A sharp corner below a face is if its edges pass the end of
 // the face. A tip behind an edge is if it is nearer to another edge and in front of that.
 inline bool is_clear(const ContactProblem& problem, const Frames& frames, const Pose& pose,
-                     const NearPairs& near, FeaturePair behind, double gap) {
-  if (behind.kind == PairKind::corner_on_face) {
-    if (problem.shapes.body.corners[behind.feature].radius > 0.0) return false;
+                     const NearPairs& near, const FeatureContact& behind) {
+  const RoundedBody& body = problem.shapes.body;
+  if (behind.pair.kind == PairKind::corner_on_face) {
+    if (body.corners[behind.pair.feature].radius > 0.0) return false;
     const double deep = ContactTolerance::blank * problem.shapes.size;
-    return !is_pierced(problem.shapes.body, pose, frames[problem.carrier(behind)],
-                       problem.surface(behind), deep);
+    return !is_pierced(body, pose, frames[behind.carrier], problem.surface(behind.pair), deep);
   }
-  for (std::size_t k = 0; k < near.count; ++k) {
-    const FeaturePair pair = near.at[k].pair;
-    if (pair.surface != behind.surface || pair.kind != PairKind::tip_on_edge) continue;
+  return std::ranges::any_of(near, [&](const NearPair& one) {
+    const FeaturePair pair = one.pair;
+    if (pair.surface != behind.pair.surface || pair.kind != PairKind::tip_on_edge) return false;
     const FeatureContact c = problem.contact(frames, pose, pair);
-    const bool beside = magnitude(c.place) > problem.shapes.body.corners[pair.feature].half_length;
-    if (!beside && c.gap > 0.5 * gap) return true;
-  }
-  return false;
+    const bool beside = magnitude(c.place) > body.corners[pair.feature].half_length;
+    return !beside && c.gap > 0.5 * behind.gap;
+  });
+}
+
+// ≥ 0 iff the forces of the regime balance: the best, over all combinations, of the least share of a
+// force.
+inline double balance_of(const PosedRegime& at) {
+  double best = -1.0;
+  for_each_combination(at.rays(), at.weight(),
+                       [&](const RayShares& shares) { best = larger(best, shares.least()); });
+  return best + ContactTolerance::force;
 }
 
 // Adds those of robots with limits. `speed` is that of one that yields; it is known to `slack`, as a
 // share of the pace.
-inline void add_limits(Conditions& all, const ContactProblem& problem, const Regime& regime,
-                       const ActiveContacts& contacts, double speed, double slack, double pace) {
+inline void add_limits(Conditions& all, const PosedRegime& at, double speed, double slack,
+                       double pace) {
   using Tolerance = ContactTolerance;
-  const BalancedForces forces(problem, regime, contacts, Tolerance::force);
-  all.add(Tolerance::force - forces.least_excess());
-  if (!regime.stalls()) return;
+  const BalancedForces forces(at, Tolerance::force);
+  all.push_back(Tolerance::force - forces.least_excess());
+  if (!at.regime.stalls()) return;
   double most = -1.0;
   for (const std::size_t side : {left, right}) {
-    const double commanded = problem.commanded[side];
-    const double sense = commanded < 0.0 ? -1.0 : 1.0;
-    if (regime.drives[side] != Drive::as_commanded)
+    const double sense = at.problem.sense(side);
+    if (at.regime.drives[side] != Drive::as_commanded)
       most = larger(most, forces.most_push(side, sense));
-    if (regime.drives[side] != Drive::yields) continue;
-    all.add(sense * speed / pace + slack);
-    all.add(sense * (commanded - speed) / pace + slack);
+    if (at.regime.drives[side] != Drive::yields) continue;
+    all.push_back(sense * speed / pace + slack);
+    all.push_back(sense * (at.problem.commanded[side] - speed) / pace + slack);
   }
-  all.add(most + 10.0 * Tolerance::force);
+  all.push_back(most + 10.0 * Tolerance::force);
 }
 
 // The conditions that depend on how the surfaces move, but for balance: limits and slides. `twist`
 // holds the regime's rate equations; `pace` bounds how far a point of a surface moves in the step [m].
-inline void add_motion(Conditions& all, const ContactProblem& problem, const Regime& regime,
-                       const Frames& frames, const Pose& pose, const ActiveContacts& contacts,
-                       const detail::RegimeEquations& twist, double pace) {
+inline void add_motion(Conditions& all, const PosedRegime& at, const RegimeEquations& twist,
+                       double pace) {
   using Tolerance = ContactTolerance;
   const auto moves = twist.system.solution();
   const double least = twist.balance ? Tolerance::balanced_rate : Tolerance::rate;
-  if (problem.is_limited()) add_limits(all, problem, regime, contacts, moves[3], least, pace);
-  for (std::size_t i = 0; i < regime.count; ++i) {
-    const ActivePair& a = regime.active[i];
-    if (a.motion == Motion::stick) continue;
-    const FeatureContact& c = contacts[i];
-    const std::size_t carrier = problem.carrier(a.pair);
-    const bool yields = carrier < 2 && regime.drives[carrier] == Drive::yields;
-    const double speed = dot(problem.row(c, c.tangent), {moves[0], moves[1], moves[2]}) -
-                         problem.given(frames, pose, a.pair, c, c.tangent) -
-                         (yields ? c.tangent.x * moves[3] : 0.0);
-    all.add(double(static_cast<int>(a.motion)) * speed / pace + least);
+  if (at.problem.is_limited()) add_limits(all, at, moves[3], least, pace);
+  for (const ActiveContact& c : at.contacts) {
+    if (c.motion == Motion::stick) continue;
+    const bool yields = c.carrier == at.regime.yielding();
+    const double speed = dot(at.problem.row(c, c.tangent), {moves[0], moves[1], moves[2]}) -
+                         at.given(c, c.tangent) - (yields ? c.tangent.x * moves[3] : 0.0);
+    all.push_back(way_of(c.motion) * speed / pace + least);
   }
-}
-
-// Whether the forces of the regime balance.
-inline double balance_of(const ContactProblem& problem, const Regime& regime,
-                         const ActiveContacts& contacts) {
-  return balance(rays_of(problem, regime, contacts), problem.weight(regime.pushed)) +
-         ContactTolerance::force;
 }
 
 // All conditions of a regime in a pose, or (not `all`) those up to some that fail. With `failing`, the
 // conditions of the same regime elsewhere, only those that fail there are evaluated; the others count
 // as met.
-inline Conditions conditions_of(const ContactProblem& problem, const Regime& regime,
-                                const Frames& frames, const Pose& pose,
-                                const ActiveContacts& contacts, const NearPairs& near, double pace,
+inline Conditions conditions_of(const PosedRegime& at, const NearPairs& near, double pace,
                                 const Conditions* failing = nullptr, bool all_of_them = true) {
   using Tolerance = ContactTolerance;
+  const ContactProblem& problem = at.problem;
   Conditions all;
-  if (!all.skips(failing)) all.add(balance_of(problem, regime, contacts));
-  if (!all.skips(failing, failing == nullptr ? 0 : failing->of_motion - 1)) {
-    add_motion(all, problem, regime, frames, pose, contacts,
-               detail::equations(problem, regime, frames, pose, contacts, true), pace);
-  }
-  all.of_motion = all.count;
+  if (!all.skips(failing)) all.push_back(balance_of(at));
+  if (!all.skips(failing, failing == nullptr ? 0 : failing->of_motion - 1))
+    add_motion(all, at, RegimeEquations(at, true), pace);
+  all.of_motion = all.size();
   if (!all_of_them && !all.hold()) return all;
-  for (std::size_t i = 0; i < regime.count; ++i) {
-    all.add(contacts[i].inside + Tolerance::inside);
-  }
+  for (const ActiveContact& c : at.contacts) all.push_back(c.inside + Tolerance::inside);
   if (problem.on_both) {
     for (const FeaturePair pair : problem.shapes.own) {
       if (all.skips(failing)) continue;
-      const FeatureContact c = problem.contact(frames, pose, pair);
+      const FeatureContact c = problem.contact(at.frames, at.pose, pair);
       const double above = c.gap / problem.shapes.size - Tolerance::gap;
-      all.add(larger(problem.left_of_reach(problem.carrier(pair), c), above) + Tolerance::inside);
+      all.push_back(larger(problem.left_of_reach(c), above) + Tolerance::inside);
     }
   }
-  for (std::size_t k = 0; k < near.count; ++k) {
-    const NearPair& n = near.at[k];
-    if (regime.has(n.pair) || all.skips(failing)) continue;
-    const FeatureContact c = problem.contact(frames, pose, n.pair);
+  for (const NearPair& one : near) {
+    if (at.regime.has(one.pair) || all.skips(failing)) continue;
+    const FeatureContact c = problem.contact(at.frames, at.pose, one.pair);
     const double gap = c.gap / problem.shapes.size + Tolerance::gap;
-    if (n.behind) {  // if it can touch now, another pair has closed in between
+    if (one.behind) {  // if it can touch now, another pair has closed in between
       const bool sunk = c.inside > Tolerance::blank && gap < 0.0 &&
-                        !is_clear(problem, frames, pose, near, n.pair, c.gap);
-      all.add(sunk ? Conditions::behind : Conditions::met);
+                        !is_clear(problem, at.frames, at.pose, near, c);
+      all.push_back(sunk ? Conditions::behind : Conditions::met);
     } else {
-      all.add(c.inside < -Tolerance::inside ? Conditions::met : gap);
+      all.push_back(c.inside < -Tolerance::inside ? Conditions::met : gap);
     }
   }
   return all;

@@ -70,17 +70,14 @@ class SmallFall {
   // contact that takes over is closed, too.
   static constexpr double beyond = 1e-6;
 
-  // A direction in which the object does not move, the force that sees to it, and how far the object
-  // is off.
+  // A direction in which the object does not move, the force that sees to it, and by how much the
+  // motion is to change along the direction.
   struct Hold {
     Triple row;
     Triple force;
-    double off;
+    double part;
   };
-  struct Holds {
-    std::array<Hold, 2> at;  // up to `count`; more leave no direction
-    std::size_t count = 0;
-  };
+  using Holds = FixedList<Hold, 2>;  // more leave no direction
   // A direction in which the object begins to move: x, y, turn × size.
   struct Way {
     Triple by{};
@@ -111,23 +108,20 @@ class SmallFall {
     constexpr std::array<Motion, 2> slides{Motion::up, Motion::down};
     std::optional<Way> way;
     const auto finds = [&](std::initializer_list<ActivePair> bonds, bool rough) {
-      Regime regime;
-      for (const ActivePair& bond : bonds) regime.active[regime.count++] = bond;
-      way = tried(closed, pose, regime, rough);
+      way = tried(closed, pose, {bonds}, rough);
       return way.has_value();
     };
     for (const bool rough : {true, false}) {
-      for (std::size_t i = 0; rough && i < closed.count; ++i)
-        if (finds({active_of(closed.at[i], Motion::stick)}, rough)) return way;
-      for (std::size_t i = 0; i < closed.count; ++i)
-        for (std::size_t j = i + 1; j < closed.count; ++j)
+      for (std::size_t i = 0; rough && i < closed.size(); ++i)
+        if (finds({active_of(closed[i], Motion::stick)}, rough)) return way;
+      for (std::size_t i = 0; i < closed.size(); ++i)
+        for (std::size_t j = i + 1; j < closed.size(); ++j)
           for (const Motion a : slides)
             for (const Motion b : slides)
-              if (finds({active_of(closed.at[i], a), active_of(closed.at[j], b)}, rough))
-                return way;
-      for (std::size_t i = 0; i < closed.count; ++i)
+              if (finds({active_of(closed[i], a), active_of(closed[j], b)}, rough)) return way;
+      for (const FeatureContact& c : closed)
         for (const Motion a : slides)
-          if (finds({active_of(closed.at[i], a)}, rough)) return way;
+          if (finds({active_of(c, a)}, rough)) return way;
     }
     finds({}, false);
     return way;
@@ -136,31 +130,27 @@ class SmallFall {
   std::optional<Way> tried(const ClosedPairs& closed, const Pose& pose, const Regime& bonds,
                            bool rough) const {
     const Triple weight = problem_.weight(false) * -1.0;
-    const ActiveContacts contacts = contacts_of(problem_, bonds, frames_, pose);
-    const Holds holds = holds_of(bonds, contacts, rough);
-    std::array<double, 2> parts{};
-    for (std::size_t r = 0; r < holds.count; ++r)
-      parts[r] = -dot(holds.at[r].row, moved_by(weight));
+    const PosedRegime at(problem_, bonds, frames_, pose);
     Way way{moved_by(weight), bonds};
+    Holds holds = holds_of(at, rough);
+    for (Hold& hold : holds) hold.part = -dot(hold.row, way.by);
     std::array<double, 2> sizes{};
-    if (!push(holds, parts, way.by, sizes)) return {};
+    if (!push(holds, way.by, sizes)) return {};
     double heat = 0.0;  // of friction that the direction leaves out
-    for (std::size_t k = 0; k < bonds.count; ++k) {
-      const Motion motion = bonds.active[k].motion;
-      const double most = problem_.surface(bonds.active[k].pair).friction * sizes[k];
+    for (std::size_t k = 0; k < at.contacts.size(); ++k) {
+      const ActiveContact& c = at.contacts[k];
+      const double most = c.friction * sizes[k];
       if (sizes[k] < 0.0) return {};
-      if (motion == Motion::stick) {
+      if (c.motion == Motion::stick) {
         if (magnitude(sizes[1]) > most) return {};
         continue;
       }
-      const double slips = dot(problem_.row(contacts[k], contacts[k].tangent), way.by);
-      if (rough && double(static_cast<int>(motion)) * slips < 0.0) return {};
+      const double slips = dot(problem_.row(c, c.tangent), way.by);
+      if (rough && way_of(c.motion) * slips < 0.0) return {};
       if (!rough) heat += most * magnitude(slips);
     }
-    for (std::size_t i = 0; i < closed.count; ++i) {
-      const auto& [pair, c] = closed.at[i];
-      if (!bonds.has(pair) && dot(problem_.row(c, c.normal), way.by) < -slack) return {};
-    }
+    for (const FeatureContact& c : closed)
+      if (!bonds.has(c.pair) && dot(problem_.row(c, c.normal), way.by) < -slack) return {};
     // It goes down, or it does not fall.
     const double potential = dot(way.by, weight);
     if (!(potential > slack)) return {};
@@ -168,35 +158,30 @@ class SmallFall {
     return way;
   }
 
-  Holds holds_of(const Regime& bonds, const ActiveContacts& contacts, bool rough) const {
+  // The parts are those that put the contacts back to where they hold.
+  Holds holds_of(const PosedRegime& at, bool rough) const {
     Holds holds;
-    for (std::size_t i = 0; i < bonds.count; ++i) {
-      const ActivePair& a = bonds.active[i];
-      const FeatureContact& c = contacts[i];
-      const double friction = rough ? problem_.surface(a.pair).friction : 0.0;
-      const Vec along = c.tangent * (-double(static_cast<int>(a.motion)) * friction);
+    for (const ActiveContact& c : at.contacts) {
+      const Vec along = c.tangent * (-way_of(c.motion) * (rough ? c.friction : 0.0));
       const Triple tangent = problem_.row(c, c.tangent);
-      holds.at[holds.count++] = {problem_.row(c, c.normal), problem_.row(c, c.normal + along),
-                                 c.gap};
-      if (a.motion == Motion::stick) holds.at[holds.count++] = {tangent, tangent, c.run - a.held};
+      holds.push_back({problem_.row(c, c.normal), problem_.row(c, c.normal + along), -c.gap});
+      if (c.motion == Motion::stick) holds.push_back({tangent, tangent, -c.slipped()});
     }
     return holds;
   }
 
-  // Adds forces of the holds, of these sizes, so that a motion changes by given parts along their
-  // rows. False if no forces do that.
-  bool push(const Holds& holds, const std::array<double, 2>& parts, Triple& by,
-            std::array<double, 2>& sizes) const {
+  // Adds forces of the holds, of these sizes, so that a motion changes by their parts. False if no
+  // forces do that.
+  bool push(const Holds& holds, Triple& by, std::array<double, 2>& sizes) const {
     EchelonForm<double, 2> system;
-    for (std::size_t r = 0; r < 2; ++r) {
+    for (const Hold& hold : holds) {
       EchelonForm<double, 2>::Row row{};
-      row[r] = holds.count <= r ? 1.0 : 0.0;
-      for (std::size_t s = 0; r < holds.count && s < holds.count; ++s)
-        row[s] = dot(holds.at[r].row, moved_by(holds.at[s].force));
-      if (!system.add(row, r < holds.count ? parts[r] : 0.0)) return false;
+      for (std::size_t s = 0; s < holds.size(); ++s)
+        row[s] = dot(hold.row, moved_by(holds[s].force));
+      if (!system.add(row, hold.part)) return false;
     }
     sizes = system.solution();
-    for (std::size_t r = 0; r < holds.count; ++r) by = by + moved_by(holds.at[r].force) * sizes[r];
+    for (std::size_t r = 0; r < holds.size(); ++r) by = by + moved_by(holds[r].force) * sizes[r];
     return true;
   }
 
@@ -208,10 +193,10 @@ class SmallFall {
     double done = 0.0;
     double ahead = whole;
     for (int i = 0; i < 60; ++i) {
-      Pose there = advanced(start, way.by, done + ahead);
-      if (keep(way.bonds, there) && is_free(way.bonds, near, there)) {
+      PosedRegime there(problem_, way.bonds, frames_, advanced(start, way.by, done + ahead));
+      if (keep(there) && is_free(way.bonds, near, there.pose)) {
         done += ahead;
-        pose = there;
+        pose = there.pose;
         if (done >= whole) return;
       }
       ahead *= 0.5;
@@ -223,15 +208,12 @@ class SmallFall {
   }
 
   // Closes the gaps of the contacts that persist again, and puts one that sticks back.
-  bool keep(const Regime& bonds, Pose& pose) const {
-    for (int i = 0; !bonds.none() && i < 20; ++i) {
-      const Holds holds = holds_of(bonds, contacts_of(problem_, bonds, frames_, pose), false);
-      std::array<double, 2> parts{};
-      for (std::size_t r = 0; r < holds.count; ++r) parts[r] = -holds.at[r].off;
+  bool keep(PosedRegime& there) const {
+    for (int i = 0; !there.regime.none() && i < 20; ++i) {
       Triple by{};
       std::array<double, 2> sizes{};
-      if (!push(holds, parts, by, sizes)) return false;
-      pose = advanced(pose, by, 1.0);
+      if (!push(holds_of(there, false), by, sizes)) return false;
+      there.put(advanced(there.pose, by, 1.0));
       if (EchelonForm<double, 3>::largest({by.x, by.y, by.z}) < 1e-14 * size_) break;
     }
     return true;
@@ -240,8 +222,7 @@ class SmallFall {
   // Whether nothing else overlaps, and the contacts that persist are not much beyond their features'
   // ends, where others take over.
   bool is_free(const Regime& bonds, const NearPairs& near, const Pose& pose) const {
-    for (std::size_t k = 0; k < near.count; ++k) {
-      const auto& [pair, behind] = near.at[k];
+    for (const auto& [pair, behind] : near) {
       const FeatureContact c = problem_.contact(frames_, pose, pair);
       const bool overlaps = !behind && c.inside >= 0.0 && c.gap < -0.5 * closed_;
       if (bonds.has(pair) ? c.inside < -beyond : overlaps) return false;
@@ -253,8 +234,8 @@ class SmallFall {
   void rest(const ClosedPairs& closed, Pose& pose) const {
     for (int i = 0; i < 4; ++i) {
       EchelonForm<double, 3> system;
-      for (std::size_t k = 0; k < closed.count && !system.full(); ++k) {
-        const FeatureContact c = problem_.contact(frames_, pose, closed.at[k].pair);
+      for (const FeatureContact& one : closed) {
+        const FeatureContact c = problem_.contact(frames_, pose, one.pair);
         const Triple row = problem_.row(c, c.normal);
         system.add({row.x, row.y, row.z}, -c.gap);
       }

@@ -138,12 +138,12 @@ inline Scene random_scene(std::mt19937& chance, bool on_floor) {
   Surfaces& surfaces = s.shapes.surfaces;
   const PalmProfile profile{s.thickness, s.heel};
   add_palm(surfaces, Carrier::left_palm, 0, half_palm, s.friction[left], profile);
-  const auto right_face = static_cast<std::uint8_t>(surfaces.count);
+  const auto right_face = static_cast<std::uint8_t>(surfaces.size());
   add_palm(surfaces, Carrier::right_palm, 0, half_palm, s.friction[right], profile);
   if (s.floor)
-    surfaces.add({Carrier::ground, false, {0, 0}, {0, 1}, {}, -100, 100, s.ground_friction});
+    surfaces.push_back({Carrier::ground, false, {0, 0}, {0, 1}, {}, -100, 100, s.ground_friction});
   if (s.wall)
-    surfaces.add(
+    surfaces.push_back(
         {Carrier::ground, false, {s.wall_x, 0}, {-1, 0}, {}, -100, 100, s.ground_friction});
   s.shapes.own = {
       FeaturePair{PairKind::corner_on_face, 0, 0},

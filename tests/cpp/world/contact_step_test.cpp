@@ -77,7 +77,7 @@ struct Touch {
 
 // Where a contact of the regime is, from the shapes of this test.
 Touch touch_of(const Scene& s, const ActivePair& active) {
-  const Surface& surface = s.shapes.surfaces.at[active.pair.surface];
+  const Surface& surface = s.shapes.surfaces[active.pair.surface];
   const auto carrier = static_cast<std::size_t>(surface.carrier);
   const auto on_carrier = [&](Vec v) {
     return carrier < 2 ? on_palm(s.palms[carrier], carrier, v.x, v.y) : Point{v.x, v.y};
@@ -109,8 +109,8 @@ Touch touch_of(const Scene& s, const ActivePair& active) {
 
 bool is_in_balance(const Scene& s, const Regime& regime, double slope) {
   std::vector<Wrench> rays;
-  for (std::size_t i = 0; i < regime.count; ++i) {
-    const Touch t = touch_of(s, regime.active[i]);
+  for (const ActivePair& active : regime.active) {
+    const Touch t = touch_of(s, active);
     for (const double sign : {-1.0, 1.0}) {  // friction against sliding up, and down
       if (t.motion == Motion::up && sign > 0) continue;
       if (t.motion == Motion::down && sign < 0) continue;
@@ -204,7 +204,7 @@ void obeys_mechanics(int scenes) {
       CHECK(overlap(s) < 1e-9);
       if (ended) break;
       CHECK(is_in_balance(s, regime, slope));
-      seen.many += regime.count > 2 ? 1 : 0;
+      seen.many += regime.active.size() > 2 ? 1 : 0;
       // A little further, in which nothing happens, as a rule.
       const Scene before = s;
       const Advance<double> little = step(s, regime, slope, by, 1e-3);
@@ -213,8 +213,8 @@ void obeys_mechanics(int scenes) {
       const double pace = 1e-3 * (std::hypot(by[left].pivot.x, by[left].pivot.y) +
                                   std::hypot(by[right].pivot.x, by[right].pivot.y) +
                                   0.3 * (std::abs(by[left].angle) + std::abs(by[right].angle)));
-      for (std::size_t j = 0; j < regime.count; ++j) {
-        const Touch t = touch_of(before, regime.active[j]);
+      for (const ActivePair& active : regime.active) {
+        const Touch t = touch_of(before, active);
         const double up = slip(before, s, t);
         if (t.motion == Motion::stick) {
           CHECK(std::abs(up) <= 1e-3 * pace + 1e-13);
@@ -332,7 +332,7 @@ void two_vertices(int scenes) {
       const Advance<double> done = ContactStep(problem, travel, pose, regime, around, ambiguous,
                                                1e-13, [](const Frames&, double) {})
                                        .run();
-      CHECK(done.reason == DropReason::none && regime.count == 2);
+      CHECK(done.reason == DropReason::none && regime.active.size() == 2);
       for (const std::size_t side : {left, right}) {
         const double place = problem.contact(travel.frames(1), pose, shapes.own[side]).place;
         CHECK(std::abs(place - world.configuration().contacts[side]) < 1e-9);

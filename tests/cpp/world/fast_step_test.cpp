@@ -3,7 +3,7 @@
 // against itself alone.
 //
 // fast_step_test [STEPS]   STEPS: random steps of each kind and precision; 30000 if not given
-#include "palmbots/world/fast_step_tie.hpp"
+#include "palmbots/world/fast_step.hpp"
 
 #include <cmath>
 #include <cstdint>
