@@ -86,10 +86,6 @@ struct ContactProblem {
   std::size_t carrier(FeaturePair pair) const {
     return static_cast<std::size_t>(surface(pair).carrier);
   }
-  FeatureContact contact(const Frames& frames, const Pose& pose, FeaturePair pair,
-                         Vec reference = {}) const {
-    return contact_of(shapes.body, surface(pair), frames[carrier(pair)], pose, pair, reference);
-  }
   // The first contact of a regime on each palm; nullptr: the palm is not touched.
   PerSide<const ActivePair*> first_on_palms(const Regime& regime) const {
     PerSide<const ActivePair*> first{};
@@ -119,14 +115,26 @@ struct ContactProblem {
   }
   // The weight that the contacts carry, with the push of an acceleration or without it.
   Triple weight(bool pushed) const { return {slope + (pushed ? push : 0.0), 1.0, 0.0}; }
-  Triple row(const FeatureContact& c, Vec direction) const { return c.row(direction, shapes.size); }
 };
 
-// The velocity that the surface of a contact gives to it in a direction.
-inline double given(const Frames& frames, const Pose& pose, const FeatureContact& c,
-                    Vec direction) {
-  return dot(direction, frames[c.carrier].velocity_at(pose.at + c.point));
-}
+// The object among the surfaces at an instant.
+struct Instant {
+  const ContactProblem& problem;
+  Frames frames;
+  Pose pose;
+
+  FeatureContact contact(FeaturePair pair, Vec reference = {}) const {
+    return contact_of(problem.shapes.body, problem.surface(pair), frames[problem.carrier(pair)],
+                      pose, pair, reference);
+  }
+  Triple row(const FeatureContact& c, Vec direction) const {
+    return c.row(direction, problem.shapes.size);
+  }
+  // The velocity that the surface of a contact gives to it in a direction.
+  double given(const FeatureContact& c, Vec direction) const {
+    return dot(direction, frames[c.carrier].velocity_at(pose.at + c.point));
+  }
+};
 
 // A contact that persists, in a pose.
 struct ActiveContact : FeatureContact {
@@ -137,28 +145,20 @@ struct ActiveContact : FeatureContact {
   double slipped() const { return run - held; }
 };
 
-// A regime with the object in a pose, between surfaces at an instant.
-struct PosedRegime {
-  const ContactProblem& problem;
+// A regime with its contacts as they are at an instant.
+struct PosedRegime : Instant {
   const Regime& regime;
-  Frames frames;
-  Pose pose;
   FixedList<ActiveContact, max_supports> contacts;
 
-  PosedRegime(const ContactProblem& of, const Regime& with, const Frames& between, const Pose& in)
-      : problem(of), regime(with), frames(between) {
-    put(in);
-  }
+  PosedRegime(const Instant& at, const Regime& with) : Instant(at), regime(with) { put(pose); }
+  // Puts the object in a pose.
   void put(const Pose& there) {
     pose = there;
     contacts.clear();
     for (const ActivePair& a : regime.active)
-      contacts.push_back({problem.contact(frames, pose, a.pair, a.reference), a.motion, a.held});
+      contacts.push_back({contact(a.pair, a.reference), a.motion, a.held});
   }
 
-  double given(const FeatureContact& c, Vec direction) const {
-    return palmbots::given(frames, pose, c, direction);
-  }
   Triple weight() const { return problem.weight(regime.pushed); }
   // The forces of the contacts.
   Rays rays() const {

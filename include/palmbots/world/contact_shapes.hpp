@@ -93,8 +93,8 @@ ContactShapes shapes_of(const Model<Real>& model) {
 }
 
 // Whether a surface that is a face, moved by `deep` into its carrier, lies in the body anywhere.
-inline bool is_pierced(const RoundedBody& body, const Pose& pose, const Frame& frame,
-                       const Surface& face, double deep) {
+inline bool is_pierced(const Instant& at, const Surface& face, double deep) {
+  const Frame& frame = at.frames[static_cast<std::size_t>(face.carrier)];
   std::array<Vec, 2> ends{};  // of the piece of the outline, seen from the face
   Vec first{};
   bool begun = false;
@@ -106,8 +106,9 @@ inline bool is_pierced(const RoundedBody& body, const Pose& pose, const Frame& f
     pierced = pierced || (x > face.low && x < face.high);
     if (x >= face.high) is_inside = !is_inside;
   };
-  each_drawn_point(body, [&](std::size_t, Vec point) {
-    const Vec seen = frame.from_world((pose.at + pose.to_world(point)) - frame.origin) - face.at;
+  each_drawn_point(at.problem.shapes.body, [&](std::size_t, Vec point) {
+    const Vec seen =
+        frame.from_world((at.pose.at + at.pose.to_world(point)) - frame.origin) - face.at;
     ends = {ends[1], {cross(seen, face.normal), dot(seen, face.normal)}};
     if (begun) cross_over(ends[0], ends[1]);
     if (!begun) first = ends[1];
@@ -118,12 +119,9 @@ inline bool is_pierced(const RoundedBody& body, const Pose& pose, const Frame& f
 }
 
 // The carrier of a face that, moved by `deep` into it, lies in the object anywhere; palms come first.
-inline std::optional<std::size_t> pierced_carrier(const ContactShapes& shapes, const Pose& pose,
-                                                  const Frames& frames, double deep) {
-  for (const Surface& face : shapes.surfaces) {
-    const auto carrier = static_cast<std::size_t>(face.carrier);
-    if (!face.tip && is_pierced(shapes.body, pose, frames[carrier], face, deep)) return carrier;
-  }
+inline std::optional<std::size_t> pierced_carrier(const Instant& at, double deep) {
+  for (const Surface& face : at.problem.shapes.surfaces)
+    if (!face.tip && is_pierced(at, face, deep)) return static_cast<std::size_t>(face.carrier);
   return std::nullopt;
 }
 

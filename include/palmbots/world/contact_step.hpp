@@ -41,7 +41,7 @@ struct AmbiguousEvents {
   }
 };
 
-// `rounding` is the error of the pose at the start [m]; `noted(frames, t)` is called whenever a regime
+// `rounding` is the error of the pose at the start [m]; `noted(instant, t)` is called whenever a regime
 // has been chosen.
 template <class Noted>
 class ContactStep : ContactTrial {
@@ -178,15 +178,15 @@ class ContactStep : ContactTrial {
 
   // Chooses the regime that continues from here. Returns why there is none.
   DropReason choose() {
-    const Frames frames = this->frames(now_);
-    if (off_palm(problem_, frames, pose_, closed_)) return DropReason::off_palm;
-    const DropReason reason = choose_among(closed_pairs(frames), frames);
-    if (reason == DropReason::none) noted_(frames, now_.t);
+    const Instant now = instant(here());
+    if (off_palm(now, closed_)) return DropReason::off_palm;
+    const DropReason reason = choose_among(closed_pairs(now), now);
+    if (reason == DropReason::none) noted_(now, now_.t);
     return reason;
   }
 
   // Robots stall only if there is no motion in which both drive, and the object does not fall.
-  DropReason choose_among(const ClosedPairs& closed, const Frames& frames) {
+  DropReason choose_among(const ClosedPairs& closed, const Instant& now) {
     // A tip that moves along an arc leaves it without a speed, as may what touches a palm that turns:
     // that shows only a little later.
     constexpr double later = 1e-3;  // of a step
@@ -194,12 +194,12 @@ class ContactStep : ContactTrial {
       return c.pair.kind == PairKind::tip_on_arc;
     };
     const bool looks_later = travel_.turns() || std::ranges::any_of(closed, is_on_arc);
-    const RegimeSearch search(problem_, frames, pose_, closed);
-    RegimeCandidates as_commanded = search.candidates(frames);
+    const RegimeSearch search(now, closed);
+    RegimeCandidates as_commanded = search.candidates(now.frames);
     std::optional<DropReason> driven = go_on_with(as_commanded);
     if (!driven && looks_later) {
-      const Frames then = palmbots::moved(frames, later);
-      driven = go_on_with(RegimeSearch(problem_, then, pose_, closed).candidates(then));
+      const Frames then = palmbots::moved(now.frames, later);
+      driven = go_on_with(RegimeSearch({problem_, then, pose_}, closed).candidates(then));
     }
     if (driven) return *driven;
     const DropReason why = reason_of(problem_, closed);
@@ -218,18 +218,18 @@ class ContactStep : ContactTrial {
     }
     const DropReason then = rest.size() < closed.size() ? reason_of(problem_, rest) : why;
     if (then != DropReason::none) return then;
-    const bool stalls = problem_.is_limited() && stall(search, as_commanded, closed, frames);
+    const bool stalls = problem_.is_limited() && stall(search, as_commanded, closed, now);
     return stalls ? DropReason::none : DropReason::jammed;
   }
 
   // Chooses a regime in which a robot stalls: the weaker one; otherwise the stronger one; otherwise
   // both, the weaker one up to standing. False if there is none.
   bool stall(const RegimeSearch& search, RegimeCandidates& as_commanded, const ClosedPairs& closed,
-             const Frames& frames) {
+             const Instant& now) {
     constexpr auto ground = static_cast<std::size_t>(Carrier::ground);
     const PerSide<double>& limit = problem_.limit;
     std::size_t weaker = limit[left] < limit[right] ? left : right;
-    if (limit[left] == limit[right]) weaker = leading(frames);
+    if (limit[left] == limit[right]) weaker = leading_side(now, regime_);
     const std::size_t stronger = other(weaker);
     // While this robot stands, or both do (2): made when first needed.
     std::array<RegimeCandidates, 3> made;
@@ -244,11 +244,11 @@ class ContactStep : ContactTrial {
       const double fastest = problem_.commanded[side];
       const double sense = problem_.sense(side);
       if (fastest == 0.0 || (both && problem_.commanded[partner] == 0.0)) continue;
-      Frames moving = frames;
+      Instant moving = now;
       PerSide<Drive> drives{};
       if (both) {
         drives[partner] = Drive::stands;
-        moving[partner].velocity.x = 0.0;
+        moving.frames[partner].velocity.x = 0.0;
       }
       const auto goes = [&, side = side](RegimeCandidates& all, Drive drive, bool at_limit) {
         drives[side] = drive;
@@ -256,11 +256,11 @@ class ContactStep : ContactTrial {
         return go_on_with(all, at_limit) == DropReason::none;
       };
       const auto at = [&, side = side](double speed) {
-        moving[side].velocity.x = speed;
-        return search.candidates(moving);
+        moving.frames[side].velocity.x = speed;
+        return search.candidates(moving.frames);
       };
       for (const std::size_t held_by : {partner, ground}) {
-        moving[side].velocity.x = 0.0;
+        moving.frames[side].velocity.x = 0.0;
         const double speed = speed_with(closed, moving, side, held_by);
         const double least = Tolerance::rate * pace_;
         if (!(sense * speed > least && sense * (fastest - speed) > -least)) continue;

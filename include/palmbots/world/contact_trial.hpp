@@ -59,7 +59,6 @@ class ContactTrial {
     }
     return frames;
   }
-  Frames frames(const Pivots& at) const { return frames(at.t, at, {}); }
 
   // The instant so much later, at most the end of the step.
   double after(double ahead) const { return smaller(now_.t + ahead, 1.0); }
@@ -71,18 +70,16 @@ class ContactTrial {
   }
   double moved(const Pose& there) const { return apart(there, pose_); }
 
-  std::size_t leading(const Frames& frames) const {
-    return leading_side(problem_, regime_, frames, pose_);
-  }
+  // The surfaces as if robots drove, from here on, as commanded.
+  Instant instant(const Place& at) const { return {problem_, frames(at.t, at, {}), at.pose}; }
   void look_around() {
-    const Frames frames = this->frames(now_);
-    near_ = around_.near(problem_, leading(frames), frames, pose_, near_move() + look_ * pace_,
-                         closed_);
+    const Instant now = instant(here());
+    near_ = around_.near(now, leading_side(now, regime_), near_move() + look_ * pace_, closed_);
   }
 
   // A regime between the surfaces at an instant, with the object where it was in a place before.
   PosedRegime posed(double t, const Place& place, const Regime& regime) const {
-    return {problem_, regime, frames(t, place, regime.drives), place.pose};
+    return {{problem_, frames(t, place, regime.drives), place.pose}, regime};
   }
   PosedRegime posed(const Regime& regime) const { return posed(now_.t, here(), regime); }
 
@@ -128,12 +125,12 @@ class ContactTrial {
     if (!settles(middle, at, half)) return fails;
     const double jump = apart(pose_, half.pose) - 8.0 * apart(half.pose, end.pose);
     if (jump > Tolerance::jump * problem_.shapes.size) return fails;
-    const Frames before = frames(half);
-    const Frames after = frames(end);
+    const Instant before = instant(half);
+    const Instant after = instant(end);
     for (const ActivePair& a : regime.active) {
       if (a.motion == Motion::stick) continue;
-      const double ran = problem_.contact(after, end.pose, a.pair, a.reference).run -
-                         problem_.contact(before, half.pose, a.pair, a.reference).run;
+      const double ran =
+          after.contact(a.pair, a.reference).run - before.contact(a.pair, a.reference).run;
       if (way_of(a.motion) * ran < -8.0 * Tolerance::epsilon) return fails;
     }
     return {true, least};
@@ -178,15 +175,15 @@ class ContactTrial {
   }
 
   // The pairs that touch, those of the palm that leads first, and of each those of the regime.
-  ClosedPairs closed_pairs(const Frames& frames) const {
-    const ClosedPairs touching = closed_among(problem_, frames, pose_, near_, closed_);
-    const std::size_t first = leading(frames);
+  ClosedPairs closed_pairs(const Instant& now) const {
+    const ClosedPairs touching = closed_among(now, near_, closed_);
+    const std::size_t first = leading_side(now, regime_);
     ClosedPairs closed;
     for (const std::size_t carrier : {first, other(first), std::size_t(Carrier::ground)}) {
       const auto add = [&](const FeatureContact& c) {
         if (c.carrier == carrier && !closed.full()) closed.push_back(c);
       };
-      for (const ActivePair& a : regime_.active) add(problem_.contact(frames, pose_, a.pair));
+      for (const ActivePair& a : regime_.active) add(now.contact(a.pair));
       for (const FeatureContact& c : touching)
         if (!regime_.has(c.pair)) add(c);
     }
@@ -201,15 +198,15 @@ class ContactTrial {
 
   // The speed of a palm along x if its contacts, and those of another carrier, stick; not a number: they
   // do not determine it.
-  double speed_with(const ClosedPairs& closed, const Frames& frames, std::size_t side,
-                    std::size_t partner) const {
+  static double speed_with(const ClosedPairs& closed, const Instant& now, std::size_t side,
+                           std::size_t partner) {
     RegimeEquations::System system;
     for (const FeatureContact& c : closed) {
       if (c.carrier != side && c.carrier != partner) continue;
       for (const Vec direction : {c.normal, c.tangent}) {
-        const Triple row = problem_.row(c, direction);
+        const Triple row = now.row(c, direction);
         system.add({row.x, row.y, row.z, c.carrier == side ? -direction.x : 0.0},
-                   given(frames, pose_, c, direction));
+                   now.given(c, direction));
       }
     }
     return system.full() ? system.solution()[3] : std::numeric_limits<double>::quiet_NaN();

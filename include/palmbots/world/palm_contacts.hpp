@@ -14,10 +14,8 @@
 namespace palmbots {
 
 // All pairs whose gap is at most `closed` [m].
-inline ClosedPairs touching(const ContactProblem& problem, const Frames& frames, const Pose& pose,
-                            double closed) {
-  const NearPairs near = Neighbourhood{}.near(problem, left, frames, pose, closed, closed);
-  return closed_among(problem, frames, pose, near, closed, closed);
+inline ClosedPairs touching(const Instant& at, double closed) {
+  return closed_among(at, Neighbourhood{}.near(at, left, closed, closed), closed, closed);
 }
 
 // A contact with a palm (by its side) or with something that stands still.
@@ -86,15 +84,13 @@ inline std::vector<Touched> touched_by(const ContactShapes& shapes, const Closed
 }
 
 // The coordinates at which the palms are touched, in place of those of the contact vertices [m].
-inline PerSide<double> touched_places(const ContactProblem& problem, const Regime& regime,
-                                      const Frames& frames, const Pose& pose,
+inline PerSide<double> touched_places(const Instant& at, const Regime& regime,
                                       PerSide<double> places) {
-  const PerSide<const ActivePair*> first = problem.first_on_palms(regime);
+  const PerSide<const ActivePair*> first = at.problem.first_on_palms(regime);
   for (const std::size_t side : {left, right}) {
-    if (first[side] == nullptr || first[side]->pair == problem.shapes.own[side]) continue;
-    const Surface& surface = problem.surface(first[side]->pair);
-    places[side] =
-        surface.tip ? surface.at.x : problem.contact(frames, pose, first[side]->pair).place;
+    if (first[side] == nullptr || first[side]->pair == at.problem.shapes.own[side]) continue;
+    const Surface& surface = at.problem.surface(first[side]->pair);
+    places[side] = surface.tip ? surface.at.x : at.contact(first[side]->pair).place;
   }
   return places;
 }
@@ -115,14 +111,13 @@ struct FurtherContact {
 };
 
 // The first one. A palm's tip at which an edge lies along the palm is an end of a flush contact.
-inline std::optional<FurtherContact> first_further(const ContactProblem& problem,
-                                                   const Regime& regime, const Frames& frames,
-                                                   const Pose& pose) {
+inline std::optional<FurtherContact> first_further(const Instant& at, const Regime& regime) {
+  const PerSide<FeaturePair>& own = at.problem.shapes.own;
   for (const ActivePair& a : regime.active) {
-    if (std::ranges::find(problem.shapes.own, a.pair) != problem.shapes.own.end()) continue;
-    const Surface& surface = problem.surface(a.pair);
-    const FeatureContact c = problem.contact(frames, pose, a.pair);
-    const Vec normal = frames[c.carrier].from_world(c.normal);
+    if (a.pair == own[left] || a.pair == own[right]) continue;
+    const Surface& surface = at.problem.surface(a.pair);
+    const FeatureContact c = at.contact(a.pair);
+    const Vec normal = at.frames[c.carrier].from_world(c.normal);
     const bool slants = magnitude(within_tip(surface, normal)) > contact_tolerance<double>;
     return FurtherContact{surface.tip && slants ? ContactKind::tip : ContactKind::flush, c.carrier};
   }

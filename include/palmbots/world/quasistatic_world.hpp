@@ -96,7 +96,8 @@ class World {
   PerSide<Real> touched() const {
     const PerSide<Real>& places = state_.configuration.contacts;
     if (!posed_) return places;
-    const PerSide<double> found = touched_places(problem(), regime_, here(), pose_,
+    const ContactProblem problem = this->problem();
+    const PerSide<double> found = touched_places({problem, here(), pose_}, regime_,
                                                  {double(places[left]), double(places[right])});
     return {Real(found[left]), Real(found[right])};
   }
@@ -122,11 +123,13 @@ class World {
   const ContactEventCounter<Real>& contact_events() const { return contact_events_; }
   // The contacts whose gap is at most `within` [m].
   std::vector<Touched> touched_in(double within) const {
-    return touched_by(shapes(), touching(problem(), here(), pose(), within), within);
+    const ContactProblem problem = this->problem();
+    return touched_by(shapes(), touching({problem, here(), pose()}, within), within);
   }
   // The palm whose faces, moved by `deep` into it, still lie in the object.
   std::optional<std::size_t> pierced_palm(double deep) const {
-    const auto carrier = pierced_carrier(shapes(), pose(), here(), deep);
+    const ContactProblem problem = this->problem();
+    const auto carrier = pierced_carrier({problem, here(), pose()}, deep);
     return carrier == std::size_t(Carrier::ground) ? std::nullopt : carrier;
   }
 
@@ -237,13 +240,14 @@ class World {
   // Why all contacts together do not hold the object.
   DropReason check_all() const {
     const ContactProblem problem = this->problem();
+    const Instant now{problem, here(), pose()};
     const double closed = double(closed_tolerance<Real> * Real(shapes().size));
     // Smaller than the gap of a closed contact: a corner penetrates a palm deeper than the palm
     // penetrates the corner.
     const double deep = closed / 64.0;
-    if (pierced_carrier(shapes(), pose(), here(), deep)) return DropReason::flush;
-    if (off_palm(problem, here(), pose(), closed)) return DropReason::off_palm;
-    return reason_of(problem, touching(problem, here(), pose(), closed));
+    if (pierced_carrier(now, deep)) return DropReason::flush;
+    if (off_palm(now, closed)) return DropReason::off_palm;
+    return reason_of(problem, touching(now, closed));
   }
 
   ContactProblem problem() const {
@@ -271,13 +275,13 @@ class World {
   // still. Returns false, and changes nothing, if it does not fall or would fall too far.
   bool has_fallen() {
     if (!small_fall_) return false;
-    Pose rests = pose();
-    const double before = rests.at.y;
     const ContactProblem problem{shapes(), double(model_.object.slope), 0.0, false};
-    const auto height = small_fall_(problem, here(), most_fall_, rests);
+    Instant now{problem, here(), pose()};
+    const double before = now.pose.at.y;
+    const auto height = small_fall_(now, most_fall_);
     if (!height) return false;
-    fall_ = {*height, before - rests.at.y};
-    put({pivot(left), pivot(right)}, angles(), rests);
+    fall_ = {*height, before - now.pose.at.y};
+    put({pivot(left), pivot(right)}, angles(), now.pose);
     return true;
   }
 
@@ -304,13 +308,13 @@ class World {
     problem.commanded = {by[left].x, by[right].x};
     const double rounding = double(Real(64) * std::numeric_limits<Real>::epsilon()) * shapes().size;
     std::uint32_t seen = ambiguous_.count;
-    const auto note = [&](const Frames& frames, double t) {
+    const auto note = [&](const Instant& now, double t) {
       if (ambiguous_.count != seen) choices_.push_back({t, regime_});
       seen = ambiguous_.count;
       const bool before = std::exchange(on_vertices, rests_on_vertices());
       if (!before && on_vertices) contact_events_.ended = Real(t);
       if (!before || on_vertices) return;
-      if (const auto one = first_further(problem, regime_, frames, pose_))
+      if (const auto one = first_further(now, regime_))
         contact_events_ = {contact_events_.count + 1, one->kind, one->side, Real(t), Real(t)};
     };
     ContactStep contact_step(problem, step, pose_, regime_, around_, ambiguous_, rounding, note);
@@ -358,8 +362,7 @@ class World {
   CarryPhase phase_ = CarryPhase::carried;
   double most_fall_ = 0.0;  // [m]
   // Set only where something may fall, so that other programs need not contain the code.
-  std::optional<double> (*small_fall_)(const ContactProblem&, const Frames&, double,
-                                       Pose&) = nullptr;
+  std::optional<double> (*small_fall_)(Instant&, double) = nullptr;
   std::optional<Fall> fall_;
   double middle_ = 0.0;       // of the pivots, along the floor [m]
   PerSide<double> height_{};  // of the pivots [m]

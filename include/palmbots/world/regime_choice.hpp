@@ -56,12 +56,11 @@ using ClosedPairs = FixedList<FeatureContact, 2 * max_supports>;
 
 // The near pairs whose gap is at most `closed` [m], and that are at most `beyond` beyond the end of a
 // feature.
-inline ClosedPairs closed_among(const ContactProblem& problem, const Frames& frames,
-                                const Pose& pose, const NearPairs& near, double closed,
+inline ClosedPairs closed_among(const Instant& at, const NearPairs& near, double closed,
                                 double beyond = 100.0 * ContactTolerance::blank) {
   ClosedPairs found;
   for (const NearPair& one : near) {
-    const FeatureContact c = problem.contact(frames, pose, one.pair);
+    const FeatureContact c = at.contact(one.pair);
     if (!found.full() && magnitude(c.gap) <= closed && c.inside >= -beyond) found.push_back(c);
   }
   return found;
@@ -69,11 +68,11 @@ inline ClosedPairs closed_among(const ContactProblem& problem, const Frames& fra
 
 // The palm that is computed first, so that the mirrored problem rounds alike. Left comes first only if
 // nothing distinguishes left from right.
-inline std::size_t leading_side(const ContactProblem& problem, const Regime& regime,
-                                const Frames& frames, const Pose& pose) {
+inline std::size_t leading_side(const Instant& at, const Regime& regime) {
+  const ContactProblem& problem = at.problem;
   const auto ranks = [&](std::size_t side) {
-    const Frame& frame = frames[side];
-    const Vec com = frame.from_world(pose.at - frame.origin);
+    const Frame& frame = at.frames[side];
+    const Vec com = frame.from_world(at.pose.at - frame.origin);
     double touching = 0.0;
     double sticking = 0.0;
     for (const ActivePair& a : regime.active) {
@@ -131,15 +130,13 @@ inline void add_candidate(const ContactProblem& problem, const ClosedPairs& clos
 
 // True if a contact corner of the object is not above the usable part of its palm and not higher than
 // the palm, up to `closed` [m].
-inline bool off_palm(const ContactProblem& problem, const Frames& frames, const Pose& pose,
-                     double closed) {
-  if (!problem.on_both) return false;
-  const double near = ContactTolerance::blank * problem.shapes.size;
-  for (const FeaturePair pair : problem.shapes.own) {
-    const FeatureContact c = problem.contact(frames, pose, pair);
-    if (c.gap <= closed && problem.left_of_reach(c) <= near) return true;
-  }
-  return false;
+inline bool off_palm(const Instant& at, double closed) {
+  const ContactProblem& problem = at.problem;
+  return problem.on_both && std::ranges::any_of(problem.shapes.own, [&](FeaturePair pair) {
+           const FeatureContact c = at.contact(pair);
+           const double near = ContactTolerance::blank * problem.shapes.size;
+           return c.gap <= closed && problem.left_of_reach(c) <= near;
+         });
 }
 
 // Why the closed pairs do not hold the object, whatever moves, or `none`. A pose in which they hold
@@ -166,12 +163,11 @@ inline DropReason reason_of(const ContactProblem& problem, const ClosedPairs& cl
 // The search for the regimes that the closed pairs allow, while the surfaces move in one way or other.
 class RegimeSearch {
  public:
-  RegimeSearch(const ContactProblem& problem, const Frames& frames, const Pose& pose,
-               const ClosedPairs& closed)
-      : problem_(problem), pose_(pose), closed_(closed) {
+  RegimeSearch(const Instant& at, const ClosedPairs& closed)
+      : problem_(at.problem), com_(at.pose.at), closed_(closed) {
     for (std::size_t i = 0; i < closed.size() && i < max_supports; ++i)
-      supports_.push_back(problem.contact(frames, pose, closed[i].pair));
-    balancing_ = balancing_edges(supports_, problem.weight(true).x);
+      supports_.push_back(at.contact(closed[i].pair));
+    balancing_ = balancing_edges(supports_, problem_.weight(true).x);
     select();
   }
 
@@ -179,7 +175,7 @@ class RegimeSearch {
   RegimeCandidates candidates(const Frames& moving) const {
     Velocities velocities{};
     for (std::size_t i = 0; i < supports_.size(); ++i)
-      velocities[i] = moving[closed_[i].carrier].velocity_at(pose_.at + supports_[i].point);
+      velocities[i] = moving[closed_[i].carrier].velocity_at(com_ + supports_[i].point);
     const Twists twists(supports_, velocities);
     RegimeCandidates found;
     const auto add_all = [&](const BalancingRays& balancing, bool pushed) {
@@ -223,7 +219,7 @@ class RegimeSearch {
   }
 
   const ContactProblem& problem_;
-  const Pose& pose_;
+  Vec com_;
   const ClosedPairs& closed_;
   Selections selections_{0};
   Supports supports_;

@@ -46,15 +46,15 @@ using NearPairs = FixedList<NearPair, 64>;
 // own contact corner inward, those of the ground as those of the palm that comes `first`: in the
 // mirror it is the same walk.
 template <class Visit>
-void each_pair(const ContactProblem& problem, std::size_t first, Visit visit) {
-  const RoundedBody& body = problem.shapes.body;
-  const Surfaces& surfaces = problem.shapes.surfaces;
+void each_pair(const ContactShapes& shapes, std::size_t first, Visit visit) {
+  const RoundedBody& body = shapes.body;
+  const Surfaces& surfaces = shapes.surfaces;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const std::size_t s = surfaces.walked(first, i);
     const Surface& surface = surfaces[s];
     const auto carrier = static_cast<std::size_t>(surface.carrier);
     const std::size_t side = carrier < 2 ? carrier : first;
-    std::size_t corner = problem.shapes.own[side].feature;
+    std::size_t corner = shapes.own[side].feature;
     for (std::size_t k = 0; k < body.count; ++k) {
       const std::size_t edge = side == left ? corner : body.before(corner);
       const auto pair = [&](PairKind kind, std::size_t feature) {
@@ -83,48 +83,46 @@ inline void add_near(NearPairs& found, const FeatureContact& c, double reach, do
 // neighbourhood, so that most calls compute the gaps of only these.
 class Neighbourhood {
  public:
-  NearPairs near(const ContactProblem& problem, std::size_t first, const Frames& frames,
-                 const Pose& pose, double reach, double closed) {
-    if (first != first_ || !(reach + moved(frames, pose) <= reach_))
-      collect(problem, first, frames, pose, reach);
+  NearPairs near(const Instant& at, std::size_t first, double reach, double closed) {
+    if (first != first_ || !(reach + moved(at) <= reach_)) collect(at, first, reach);
     NearPairs found;
-    for (const FeaturePair pair : pairs_)
-      add_near(found, problem.contact(frames, pose, pair), reach, closed);
+    for (const FeaturePair pair : pairs_) add_near(found, at.contact(pair), reach, closed);
     return found;
   }
 
  private:
-  void collect(const ContactProblem& problem, std::size_t first, const Frames& frames,
-               const Pose& pose, double reach) {
+  void collect(const Instant& at, std::size_t first, double reach) {
+    const ContactShapes& shapes = at.problem.shapes;
     constexpr double ahead = 3.0;  // larger: more pairs, collected less often
     reach_ = ahead * reach;
     first_ = first;
-    frames_ = frames;
-    pose_ = pose;
+    frames_ = at.frames;
+    pose_ = at.pose;
     extent_ = reach;
-    for (std::size_t i = 0; i < problem.shapes.body.count; ++i)
-      extent_ = larger(extent_, length(problem.shapes.body.corners[i].centre));
+    for (std::size_t i = 0; i < shapes.body.count; ++i)
+      extent_ = larger(extent_, length(shapes.body.corners[i].centre));
     double palm = 0.0;
-    for (const Surface& surface : problem.shapes.surfaces) {
+    for (const Surface& surface : shapes.surfaces) {
       const double end = larger(magnitude(surface.low), magnitude(surface.high));
       if (surface.carrier != Carrier::ground) palm = larger(palm, length(surface.at) + end);
     }
     extent_ += palm;
     pairs_.clear();
-    each_pair(problem, first, [&](FeaturePair pair) {
-      if (magnitude(problem.contact(frames, pose, pair).gap) <= reach_) pairs_.push_back(pair);
+    each_pair(shapes, first, [&](FeaturePair pair) {
+      if (magnitude(at.contact(pair).gap) <= reach_) pairs_.push_back(pair);
     });
   }
 
   // Upper bound of the distance by which any two near points have approached each other since the
   // pairs were collected [m].
-  double moved(const Frames& frames, const Pose& pose) const {
+  double moved(const Instant& at) const {
     double most = 0.0;
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      most = larger(most, length(frames[i].origin - frames_[i].origin) +
-                              magnitude(frames[i].angle - frames_[i].angle) * extent_);
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      const Frame& frame = at.frames[i];
+      most = larger(most, length(frame.origin - frames_[i].origin) +
+                              magnitude(frame.angle - frames_[i].angle) * extent_);
     }
-    return most + length(pose.at - pose_.at) + magnitude(pose.angle - pose_.angle) * extent_;
+    return most + length(at.pose.at - pose_.at) + magnitude(at.pose.angle - pose_.angle) * extent_;
   }
 
   FixedList<FeaturePair, 2 * max_surfaces * max_outline> pairs_;  // there are no more
@@ -172,19 +170,17 @@ struct Conditions : FixedList<double, 2 * max_supports + NearPairs::capacity + 8
 
 // Whether a pair that is behind is apart. A sharp corner below a face is if its edges pass the end of
 // the face. A tip behind an edge is if it is nearer to another edge and in front of that.
-inline bool is_clear(const ContactProblem& problem, const Frames& frames, const Pose& pose,
-                     const NearPairs& near, const FeatureContact& behind) {
-  const RoundedBody& body = problem.shapes.body;
-  if (behind.pair.kind == PairKind::corner_on_face) {
-    if (body.corners[behind.pair.feature].radius > 0.0) return false;
-    const double deep = ContactTolerance::blank * problem.shapes.size;
-    return !is_pierced(body, pose, frames[behind.carrier], problem.surface(behind.pair), deep);
-  }
+inline bool is_clear(const Instant& at, const NearPairs& near, const FeatureContact& behind) {
+  const ContactShapes& shapes = at.problem.shapes;
+  const Surface& surface = at.problem.surface(behind.pair);
+  if (behind.pair.kind == PairKind::corner_on_face)
+    return !(shapes.body.corners[behind.pair.feature].radius > 0.0) &&
+           !is_pierced(at, surface, ContactTolerance::blank * shapes.size);
   return std::ranges::any_of(near, [&](const NearPair& one) {
     const FeaturePair pair = one.pair;
     if (pair.surface != behind.pair.surface || pair.kind != PairKind::tip_on_edge) return false;
-    const FeatureContact c = problem.contact(frames, pose, pair);
-    const bool beside = magnitude(c.place) > body.corners[pair.feature].half_length;
+    const FeatureContact c = at.contact(pair);
+    const bool beside = magnitude(c.place) > shapes.body.corners[pair.feature].half_length;
     return !beside && c.gap > 0.5 * behind.gap;
   });
 }
@@ -229,7 +225,7 @@ inline void add_motion(Conditions& all, const PosedRegime& at, const RegimeEquat
   for (const ActiveContact& c : at.contacts) {
     if (c.motion == Motion::stick) continue;
     const bool yields = c.carrier == at.regime.yielding();
-    const double speed = dot(at.problem.row(c, c.tangent), {moves[0], moves[1], moves[2]}) -
+    const double speed = dot(at.row(c, c.tangent), {moves[0], moves[1], moves[2]}) -
                          at.given(c, c.tangent) - (yields ? c.tangent.x * moves[3] : 0.0);
     all.push_back(way_of(c.motion) * speed / pace + least);
   }
@@ -252,18 +248,17 @@ inline Conditions conditions_of(const PosedRegime& at, const NearPairs& near, do
   if (problem.on_both) {
     for (const FeaturePair pair : problem.shapes.own) {
       if (all.skips(failing)) continue;
-      const FeatureContact c = problem.contact(at.frames, at.pose, pair);
+      const FeatureContact c = at.contact(pair);
       const double above = c.gap / problem.shapes.size - Tolerance::gap;
       all.push_back(larger(problem.left_of_reach(c), above) + Tolerance::inside);
     }
   }
   for (const NearPair& one : near) {
     if (at.regime.has(one.pair) || all.skips(failing)) continue;
-    const FeatureContact c = problem.contact(at.frames, at.pose, one.pair);
+    const FeatureContact c = at.contact(one.pair);
     const double gap = c.gap / problem.shapes.size + Tolerance::gap;
     if (one.behind) {  // if it can touch now, another pair has closed in between
-      const bool sunk = c.inside > Tolerance::blank && gap < 0.0 &&
-                        !is_clear(problem, at.frames, at.pose, near, c);
+      const bool sunk = c.inside > Tolerance::blank && gap < 0.0 && !is_clear(at, near, c);
       all.push_back(sunk ? Conditions::behind : Conditions::met);
     } else {
       all.push_back(c.inside < -Tolerance::inside ? Conditions::met : gap);

@@ -91,7 +91,7 @@ struct RegimeEquations {
     const bool yields = yielding <= right;
     if (!yields) add({}, 0.0, 1.0);
     const auto close = [&](const FeatureContact& c, Vec direction, double off) {
-      add(at.problem.row(c, direction), rates ? at.given(c, direction) : off,
+      add(at.row(c, direction), rates ? at.given(c, direction) : off,
           c.carrier == yielding ? -direction.x : 0.0);
     };
     for (const ActiveContact& c : at.contacts) close(c, c.normal, c.gap);
@@ -139,9 +139,8 @@ struct RegimeEquations {
         if (!(fastest > 0.0)) return 0.0;
         const double h = 1e-6 * (size / fastest);
         const auto above = [&](double t) {
-          return detail::above_limit(
-              {at.problem, regime, moved(moving, t),
-               Pose::of(at.pose.at + velocity * t, at.pose.angle + spin * t)});
+          const Pose there = Pose::of(at.pose.at + velocity * t, at.pose.angle + spin * t);
+          return detail::above_limit({{at.problem, moved(moving, t), there}, regime});
         };
         return (above(h) - above(-h)) / (h + h);
       });
@@ -152,7 +151,7 @@ struct RegimeEquations {
     if (second == at.contacts.size()) return;
     const ActiveContact& a = at.contacts[0];
     const ActiveContact& b = at.contacts[second];
-    add(at.problem.row(a, a.tangent) - at.problem.row(b, b.tangent),
+    add(at.row(a, a.tangent) - at.row(b, b.tangent),
         rates ? at.given(a, a.tangent) - at.given(b, b.tangent) : (a.run - b.run) - regime.alike);
   }
 

@@ -25,33 +25,28 @@ namespace palmbots {
 class SmallFall {
  public:
   // A fall of a contact vertex by at most `most` [m], as far as friction does not slow it.
-  SmallFall(const ContactProblem& problem, const Frames& frames, double most)
-      : problem_(problem),
-        frames_(frames),
-        most_(most),
-        size_(problem.shapes.size),
-        closed_(ContactTolerance::closed * problem.shapes.size) {}
+  SmallFall(Instant& now, double most) : now_(now), most_(most) {}
 
-  // Moves the pose to where the object rests. How far a contact vertex falls at most [m]; nothing if
-  // the object has farther to fall.
-  std::optional<double> run(Pose& pose) const {
-    const PerSide<double> from = heights(pose);
+  // Moves the object to where it rests. How far a contact vertex falls at most [m]; nothing if the
+  // object has farther to fall.
+  std::optional<double> run() {
+    const PerSide<double> from = heights();
     PerSide<double> before = from;
     PerSide<double> free{};
     Neighbourhood around;
-    const std::size_t first = leading_side(problem_, {}, frames_, pose);
+    const std::size_t first = leading_side(now_, {});
     for (int i = 0; i < most_steps; ++i) {
-      const NearPairs near = around.near(problem_, first, frames_, pose, 4 * pace * size_, closed_);
-      const ClosedPairs closed = closed_among(problem_, frames_, pose, near, closed_);
-      if (i > 0 && reason_of(problem_, closed) == DropReason::none) {
-        rest(closed, pose);
-        const PerSide<double> now = heights(pose);
+      const NearPairs near = around.near(now_, first, 4 * pace * size_, closed_);
+      const ClosedPairs closed = closed_among(now_, near, closed_);
+      if (i > 0 && reason_of(now_.problem, closed) == DropReason::none) {
+        rest(closed);
+        const PerSide<double> now = heights();
         return larger(from[left] - now[left], from[right] - now[right]);
       }
-      const std::optional<Way> way = fastest(closed, pose);
+      const std::optional<Way> way = fastest(closed);
       if (!way) return std::nullopt;
-      follow(*way, near, pose);
-      const PerSide<double> now = heights(pose);
+      follow(*way, near);
+      const PerSide<double> now = heights();
       for (const std::size_t side : {left, right}) {
         free[side] += way->unslowed * (before[side] - now[side]);
         if (free[side] > most_) return std::nullopt;
@@ -93,22 +88,23 @@ class SmallFall {
   // M times an acceleration.
   Triple inertia_of(Triple by) const { return {by.x, by.y, by.z * (gyration * gyration)}; }
 
-  PerSide<double> heights(const Pose& pose) const {
-    PerSide<double> found{};
-    for (const std::size_t side : {left, right})
-      found[side] =
-          pose.at.y +
-          pose.to_world(problem_.shapes.body.corners[problem_.shapes.own[side].feature].centre).y;
-    return found;
+  // Of the contact vertices.
+  PerSide<double> heights() const {
+    const ContactShapes& shapes = now_.problem.shapes;
+    const auto height = [&](std::size_t side) {
+      const Corner& corner = shapes.body.corners[shapes.own[side].feature];
+      return now_.pose.at.y + now_.pose.to_world(corner.centre).y;
+    };
+    return {height(left), height(right)};
   }
 
   // A direction in which the closed contacts let it begin to move. At most two equations leave it
   // one: the object sticks to one contact, or slides along up to two.
-  std::optional<Way> fastest(const ClosedPairs& closed, const Pose& pose) const {
+  std::optional<Way> fastest(const ClosedPairs& closed) const {
     constexpr std::array<Motion, 2> slides{Motion::up, Motion::down};
     std::optional<Way> way;
     const auto finds = [&](std::initializer_list<ActivePair> bonds, bool rough) {
-      way = tried(closed, pose, {bonds}, rough);
+      way = tried(closed, {bonds}, rough);
       return way.has_value();
     };
     for (const bool rough : {true, false}) {
@@ -127,10 +123,9 @@ class SmallFall {
     return way;
   }
 
-  std::optional<Way> tried(const ClosedPairs& closed, const Pose& pose, const Regime& bonds,
-                           bool rough) const {
-    const Triple weight = problem_.weight(false) * -1.0;
-    const PosedRegime at(problem_, bonds, frames_, pose);
+  std::optional<Way> tried(const ClosedPairs& closed, const Regime& bonds, bool rough) const {
+    const Triple weight = now_.problem.weight(false) * -1.0;
+    const PosedRegime at(now_, bonds);
     Way way{moved_by(weight), bonds};
     Holds holds = holds_of(at, rough);
     for (Hold& hold : holds) hold.part = -dot(hold.row, way.by);
@@ -145,12 +140,12 @@ class SmallFall {
         if (magnitude(sizes[1]) > most) return {};
         continue;
       }
-      const double slips = dot(problem_.row(c, c.tangent), way.by);
+      const double slips = dot(now_.row(c, c.tangent), way.by);
       if (rough && way_of(c.motion) * slips < 0.0) return {};
       if (!rough) heat += most * magnitude(slips);
     }
     for (const FeatureContact& c : closed)
-      if (!bonds.has(c.pair) && dot(problem_.row(c, c.normal), way.by) < -slack) return {};
+      if (!bonds.has(c.pair) && dot(now_.row(c, c.normal), way.by) < -slack) return {};
     // It goes down, or it does not fall.
     const double potential = dot(way.by, weight);
     if (!(potential > slack)) return {};
@@ -163,8 +158,8 @@ class SmallFall {
     Holds holds;
     for (const ActiveContact& c : at.contacts) {
       const Vec along = c.tangent * (-way_of(c.motion) * (rough ? c.friction : 0.0));
-      const Triple tangent = problem_.row(c, c.tangent);
-      holds.push_back({problem_.row(c, c.normal), problem_.row(c, c.normal + along), -c.gap});
+      const Triple tangent = now_.row(c, c.tangent);
+      holds.push_back({now_.row(c, c.normal), now_.row(c, c.normal + along), -c.gap});
       if (c.motion == Motion::stick) holds.push_back({tangent, tangent, -c.slipped()});
     }
     return holds;
@@ -186,17 +181,18 @@ class SmallFall {
   }
 
   // Follows a way for a step, at most until a further gap closes.
-  void follow(const Way& way, const NearPairs& near, Pose& pose) const {
+  void follow(const Way& way, const NearPairs& near) {
     const double fast = length(Vec{way.by.x, way.by.y}) + magnitude(way.by.z);
     const double whole = pace * size_ / fast;
-    const Pose start = pose;
+    const Pose start = now_.pose;
     double done = 0.0;
     double ahead = whole;
     for (int i = 0; i < 60; ++i) {
-      PosedRegime there(problem_, way.bonds, frames_, advanced(start, way.by, done + ahead));
-      if (keep(there) && is_free(way.bonds, near, there.pose)) {
+      PosedRegime there({now_.problem, now_.frames, advanced(start, way.by, done + ahead)},
+                        way.bonds);
+      if (keep(there) && is_free(there, near)) {
         done += ahead;
-        pose = there.pose;
+        now_.pose = there.pose;
         if (done >= whole) return;
       }
       ahead *= 0.5;
@@ -221,42 +217,40 @@ class SmallFall {
 
   // Whether nothing else overlaps, and the contacts that persist are not much beyond their features'
   // ends, where others take over.
-  bool is_free(const Regime& bonds, const NearPairs& near, const Pose& pose) const {
+  bool is_free(const PosedRegime& there, const NearPairs& near) const {
     for (const auto& [pair, behind] : near) {
-      const FeatureContact c = problem_.contact(frames_, pose, pair);
+      const FeatureContact c = there.contact(pair);
       const bool overlaps = !behind && c.inside >= 0.0 && c.gap < -0.5 * closed_;
-      if (bonds.has(pair) ? c.inside < -beyond : overlaps) return false;
+      if (there.regime.has(pair) ? c.inside < -beyond : overlaps) return false;
     }
     return true;
   }
 
   // Closes the gaps of all contacts that hold the object to the last bit.
-  void rest(const ClosedPairs& closed, Pose& pose) const {
+  void rest(const ClosedPairs& closed) {
     for (int i = 0; i < 4; ++i) {
       EchelonForm<double, 3> system;
       for (const FeatureContact& one : closed) {
-        const FeatureContact c = problem_.contact(frames_, pose, one.pair);
-        const Triple row = problem_.row(c, c.normal);
+        const FeatureContact c = now_.contact(one.pair);
+        const Triple row = now_.row(c, c.normal);
         system.add({row.x, row.y, row.z}, -c.gap);
       }
       for (std::size_t k = 0; k < 3 && !system.full(); ++k)
         system.add({k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}, 0.0);
       const auto by = system.solution();
-      pose = advanced(pose, {by[0], by[1], by[2]}, 1.0);
+      now_.pose = advanced(now_.pose, {by[0], by[1], by[2]}, 1.0);
     }
   }
 
-  const ContactProblem& problem_;
-  Frames frames_;
+  Instant& now_;
   double most_;
-  double size_;
-  double closed_;
+  double size_ = now_.problem.shapes.size;
+  double closed_ = ContactTolerance::closed * size_;
 };
 
 // `SmallFall::run`.
-inline std::optional<double> small_fall(const ContactProblem& problem, const Frames& frames,
-                                        double most, Pose& pose) {
-  return SmallFall(problem, frames, most).run(pose);
+inline std::optional<double> small_fall(Instant& now, double most) {
+  return SmallFall(now, most).run();
 }
 
 }  // namespace palmbots

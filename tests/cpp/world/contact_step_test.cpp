@@ -170,7 +170,7 @@ Advance<double> step(Scene& s, Regime& regime, double slope, const PalmPose (&by
   AmbiguousEvents ambiguous;
   const double rounding = 1e-14 * s.shapes.size;
   const Advance<double> done = ContactStep(problem, travel, s.pose, regime, s.around, ambiguous,
-                                           rounding, [](const Frames&, double) {})
+                                           rounding, [](const Instant&, double) {})
                                    .run();
   for (const std::size_t side : {left, right}) {
     s.palms[side].pivot.x += done.fraction * travel.palms[side].by.x;
@@ -330,11 +330,12 @@ void two_vertices(int scenes) {
       Neighbourhood around;
       AmbiguousEvents ambiguous;
       const Advance<double> done = ContactStep(problem, travel, pose, regime, around, ambiguous,
-                                               1e-13, [](const Frames&, double) {})
+                                               1e-13, [](const Instant&, double) {})
                                        .run();
       CHECK(done.reason == DropReason::none && regime.active.size() == 2);
       for (const std::size_t side : {left, right}) {
-        const double place = problem.contact(travel.frames(1), pose, shapes.own[side]).place;
+        const double place =
+            Instant{problem, travel.frames(1), pose}.contact(shapes.own[side]).place;
         CHECK(std::abs(place - world.configuration().contacts[side]) < 1e-9);
       }
       ++compared;

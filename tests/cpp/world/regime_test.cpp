@@ -25,18 +25,16 @@ struct Held {
   ContactProblem problem{shapes, 0.0, 0.0, true};
   Pose pose = world.pose();
 
-  Frames frames(double closing) const {
+  Instant instant(double closing) const {
     Travel travel{};
     for (const std::size_t side : {left, right}) {
       const double angle = world.configuration().palms[side].angle;
       travel.palms[side] = {
           world.pivot(side), {-outward<double>(side) * closing, 0.0}, angle, 0.0, angle};
     }
-    return travel.frames(0.0);
+    return {problem, travel.frames(0.0), pose};
   }
-  FeatureContact closed(std::size_t side) const {
-    return problem.contact(frames(0.0), pose, shapes.own[side]);
-  }
+  FeatureContact closed(std::size_t side) const { return instant(0.0).contact(shapes.own[side]); }
 };
 
 void test_what_holds_the_object() {
@@ -68,9 +66,8 @@ bool all_slide(const Regime& regime) {
 void test_order_of_the_candidates() {
   const Held held;
   const ClosedPairs closed{held.closed(left), held.closed(right)};
-  const Frames frames = held.frames(0.001);
-  const RegimeCandidates found =
-      RegimeSearch(held.problem, frames, held.pose, closed).candidates(frames);
+  const Instant now = held.instant(0.001);
+  const RegimeCandidates found = RegimeSearch(now, closed).candidates(now.frames);
   CHECK(found.size() == 3);
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Regime& regime = found[k].regime;
@@ -91,16 +88,16 @@ void test_tip_beside_an_edge() {
   behind.gap = -0.01;
   held.pose = Pose::of({0.0, 0.0}, 0.0);
   const Corner& corner = held.shapes.body.corners[0];
-  Frames frames = held.frames(0.0);
+  Instant now = held.instant(0.0);
   const auto put = [&](double along, double below) {
-    Frame& frame = frames[left];
+    Frame& frame = now.frames[left];
     const Vec at{corner.middle.x + along, corner.middle.y - below};
     frame.origin = at - frame.to_world(held.shapes.surfaces[tip].at);
   };
   for (const bool is_beside : {false, true}) {
     put(is_beside ? corner.half_length + 0.01 : 0.01, 0.001);
-    CHECK(is_clear(held.problem, frames, held.pose, {{bottom, false}}, behind) == !is_beside);
-    CHECK(!is_clear(held.problem, frames, held.pose, {}, behind));
+    CHECK(is_clear(now, {{bottom, false}}, behind) == !is_beside);
+    CHECK(!is_clear(now, {}, behind));
   }
 }
 
@@ -121,21 +118,19 @@ void test_neighbourhood_remembers_nothing_wrong() {
     outline.vertices[i] = {{x, 0.25 - x}, 0.1 + 0.1 * std::sin(turn), 1e-3};
   }
   held.shapes = shapes_of(model);
-  const ContactProblem problem{held.shapes, 0.0, 0.0, true};
   Neighbourhood around;
   int some = 0;
   for (int k = 0; k < 400; ++k) {
     if (k % 20 == 0) held.pose = Pose::of({between(-0.1, 0.1), between(0.0, 0.2)}, between(-1, 1));
     held.pose = Pose::of(held.pose.at + Vec{between(-1e-3, 1e-3), between(-1e-3, 1e-3)},
                          held.pose.angle + between(-0.01, 0.01));
-    const Frames frames = held.frames(between(-0.002, 0.002));
+    const Instant now = held.instant(between(-0.002, 0.002));
     const double reach = k % 50 == 49 ? 1.0 : between(0.0, 0.02);
     const double closed = 1e-6;
     NearPairs all;
-    each_pair(problem, left, [&](FeaturePair pair) {
-      add_near(all, problem.contact(frames, held.pose, pair), reach, closed);
-    });
-    const NearPairs found = around.near(problem, left, frames, held.pose, reach, closed);
+    each_pair(held.shapes, left,
+              [&](FeaturePair pair) { add_near(all, now.contact(pair), reach, closed); });
+    const NearPairs found = around.near(now, left, reach, closed);
     CHECK(found.size() == all.size() && (reach < 1.0 || all.full()));
     for (std::size_t i = 0; i < all.size(); ++i)
       CHECK(found[i].pair == all[i].pair && found[i].behind == all[i].behind);
