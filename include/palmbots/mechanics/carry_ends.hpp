@@ -67,8 +67,8 @@ struct Consequence {
 struct EndRow {
   const char* name;
   const char* meaning;
-  const char* in_mujoco;  // its meaning there; nullptr: the same
   std::array<Consequence, carry_phases> by_phase;
+  const char* in_mujoco = nullptr;  // its meaning there, if it is another one
 };
 
 namespace detail {
@@ -83,41 +83,30 @@ constexpr std::array<EndRow, drop_reasons> make_carry_ends() {
   const auto falls = [](R reason) { return Consequence{Then::falls, reason}; };
   // Each row in the order placed, carried, low, by_hand.
   return {{
-      {"", "", nullptr, {}},
+      {"", "", {}},
       {"off-palm",
        "a contact left the usable part of its palm at an end or a side",
-       nullptr,
        {ends(R::off_palm), ends(R::off_palm), goes_on, goes_on}},
       {"sliding",
        "no squeeze force balances the object: it slides on both palms",
-       nullptr,
        {ends(R::sliding), ends(R::sliding), falls(R::fell), falls(R::fell)}},
       {"flush",
        "a palm and an edge of the object coincide",
-       nullptr,
        {ends(R::flush), goes_on, goes_on, goes_on}},
-      {"tip",
-       "the end of a palm is inside the object",
-       nullptr,
-       {ends(R::tip), goes_on, goes_on, goes_on}},
+      {"tip", "the end of a palm is inside the object", {ends(R::tip), goes_on, goes_on, goes_on}},
       {"tipping",
        "the object tipped over a contact",
-       turned,
-       {ends(R::tipping), ends(R::tipping), falls(R::toppled), falls(R::toppled)}},
+       {ends(R::tipping), ends(R::tipping), falls(R::toppled), falls(R::toppled)},
+       turned},
       {"jammed",
        "no motion that the palms allow is in balance",
-       nullptr,
        {never, ends(R::jammed), stalls, ends(R::jammed)}},
-      {"lifting",
-       "the object lifted off a palm",
-       nullptr,
-       {never, ends(R::lifting), goes_on, goes_on}},
+      {"lifting", "the object lifted off a palm", {never, ends(R::lifting), goes_on, goes_on}},
       {"robot tipped",
        "a robot lost its balance under the load (palmbots load)",
-       nullptr,
        {never, ends(R::robot_tipped), ends(R::robot_tipped), never}},
-      {"fell", "no forces balance the object, and it falls farther than world.fall_m", nullptr, {}},
-      {"toppled", "the object tips over, and falls farther than world.fall_m", turned, {}},
+      {"fell", "no forces balance the object, and it falls farther than world.fall_m", {}},
+      {"toppled", "the object tips over, and falls farther than world.fall_m", {}, turned},
   }};
 }
 

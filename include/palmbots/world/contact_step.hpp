@@ -84,15 +84,14 @@ class ContactStep : ContactTrial {
     double ahead = look_;
     while (now_.t < 1.0) {
       const double goal = after(ahead);
-      Place there = here();
-      const Conditions then = reach(goal, there, regime_);
-      if (then.settled && goal - now_.t > shortest && moved(there.pose) > near_move()) {
+      const Reached then = reach(goal, here(), regime_);
+      if (then.settled && goal - now_.t > shortest && moved(then.place.pose) > near_move()) {
         ahead = 0.5 * (goal - now_.t);  // slow palms can turn the object fast
         continue;
       }
       ahead = look_;
       if (then.hold()) {
-        go_to(there);
+        go_to(then.place);
         if (goal < 1.0) look_around();
         continue;
       }
@@ -114,7 +113,6 @@ class ContactStep : ContactTrial {
   void go_to_event(double goal, Conditions then) {
     const Conditions now = conditions_of(posed(regime_), near_, pace_);
     const Place start = here();
-    const double done = now_.t;
     for (int i = 0; i < most_events; ++i) {
       const bool is_behind = then.settled && !then.spare_behind();
       // Not a number, so that the search bisects and does not take a jump for a slope.
@@ -131,14 +129,12 @@ class ContactStep : ContactTrial {
         }
         return least == Conditions::behind ? jumps : least;
       };
-      Place there = start;
       const double from = worst(now);
       double before = from;                      // the good end
       std::array<double, 2> failed{goal, goal};  // the last instants at which something fails
       std::array<double, 2> by{worst(then), jumps};
       const auto at = [&](double t) {
-        there = start;
-        double value = worst(reach(t, there, regime_, then.settled ? &then : nullptr));
+        double value = worst(reach(t, start, regime_, then.settled ? &then : nullptr));
         if (value < 0.0) {
           failed = {t, failed[0]};
           by = {value, by[0]};
@@ -151,12 +147,12 @@ class ContactStep : ContactTrial {
         return before == Conditions::met && value < 0.0 ? jumps : value;
       };
       const double to = from == Conditions::met ? jumps : worst(then);
-      double when = bracketed_root(from > 0.0, done, from, goal, to, at, Tolerance::instant);
-      if (!(when > done)) return;
-      there = start;
-      Conditions found = reach(when, there, regime_);
+      double when = bracketed_root(from > 0.0, start.t, from, goal, to, at, Tolerance::instant);
+      if (!(when > start.t)) return;
+      const Reached there = reach(when, start, regime_);
+      Conditions found = there;
       if (found.hold() && is_behind) found = passed(when, start);
-      if (found.hold()) return go_to(there);
+      if (found.hold()) return go_to(there.place);
       goal = when;
       then = found;
     }
@@ -166,14 +162,12 @@ class ContactStep : ContactTrial {
   // Looks for that; `when` becomes an instant at which it is closed.
   Conditions passed(double& when, const Place& start) const {
     constexpr int looks = 16;
-    Conditions found{};
     const double end = when;
-    for (int k = 1; k <= looks && found.hold(); ++k) {
-      Place there = start;
+    for (int k = 1;; ++k) {
       when = start.t + (end - start.t) * (double(k) / looks);
-      found = reach(when, there, regime_);
+      const Conditions found = reach(when, start, regime_);
+      if (k == looks || !found.hold()) return found;
     }
-    return found;
   }
 
   // Chooses the regime that continues from here. Returns why there is none.
@@ -190,10 +184,9 @@ class ContactStep : ContactTrial {
     // A tip that moves along an arc leaves it without a speed, as may what touches a palm that turns:
     // that shows only a little later.
     constexpr double later = 1e-3;  // of a step
-    const auto is_on_arc = [](const FeatureContact& c) {
-      return c.pair.kind == PairKind::tip_on_arc;
-    };
-    const bool looks_later = travel_.turns() || std::ranges::any_of(closed, is_on_arc);
+    const bool looks_later = travel_.turns() || std::ranges::any_of(closed, [](const auto& c) {
+                               return c.pair.kind == PairKind::tip_on_arc;
+                             });
     const RegimeSearch search(now, closed);
     RegimeCandidates as_commanded = search.candidates(now.frames);
     std::optional<DropReason> driven = go_on_with(as_commanded);
@@ -298,18 +291,17 @@ class ContactStep : ContactTrial {
         if (!best.empty() && !one.is_as_good_as(*best[0])) break;
         if (at_limit && ahead == trial_ && !is_at_limit(one.regime)) missed[k] = 2.0 * lost;
         if (missed[k] < lost) continue;
-        Place end = here();
-        const Trial trial = try_out(then, one.regime, end);
+        const Trial trial = try_out(then, one.regime);
         // What fails clearly, or the more the longer it lasts, will not hold later.
         const bool grows =
             missed[k] < -Conditions::rounding && trial.least < 0.5 * grown * missed[k];
         missed[k] = grows ? 2.0 * lost : trial.least;
         const auto is_there = [&](const Pose& other) {
-          return apart(end.pose, other) < elsewhere * (then - now_.t) * pace_;
+          return apart(trial.end, other) < elsewhere * (then - now_.t) * pace_;
         };
         if (!trial.goes_on || std::ranges::any_of(ends, is_there)) continue;
         best.push_back(&one);
-        ends.push_back(end.pose);
+        ends.push_back(trial.end);
       }
       if (best.empty()) continue;
       if (problem_.on_both && !best[0]->on_both) return DropReason::lifting;
@@ -353,9 +345,8 @@ class ContactStep : ContactTrial {
           for (const Change& change : {changes[i], changes[j]})
             regime.active[change.contact].motion = change.motion;
           regime.let_go();
-          Place end = here();
           if (regime.active.size() != stay || (problem_.on_both && !problem_.is_on_both(regime)) ||
-              !try_out(after(1e-3 * look_), regime, end).goes_on)
+              !try_out(after(1e-3 * look_), regime).goes_on)
             continue;
           regime_ = regime;
           return true;

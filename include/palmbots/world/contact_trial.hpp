@@ -95,45 +95,47 @@ class ContactTrial {
     }
     return true;
   }
-  // The same, and the conditions there (regime_conditions.hpp).
-  Conditions reach(double t, Place& place, const Regime& regime,
-                   const Conditions* failing = nullptr, bool all = true) const {
-    PosedRegime at = posed(t, place, regime);
-    if (settles(t, at, place)) return conditions_of(at, near_, pace_, failing, all);
-    Conditions none;
-    none.settled = false;
-    return none;
+  // The place that a regime reaches from another one, and its conditions there.
+  struct Reached : Conditions {
+    Place place;
+  };
+  Reached reach(double t, Place from, const Regime& regime, const Conditions* failing = nullptr,
+                bool all = true) const {
+    PosedRegime at = posed(t, from, regime);
+    if (!settles(t, at, from)) return {{{}, 0, false}, from};
+    return {conditions_of(at, near_, pace_, failing, all), from};
   }
 
-  // Whether a regime goes on, and its worst condition.
+  // Whether a regime goes on, its worst condition, and where it has the object at the end.
   struct Trial {
     bool goes_on;
     double least;
+    Pose end;
   };
 
   // Whether a regime holds at a later instant, and its contacts slide in their directions until
   // then. They are compared from the middle on: at first the pose may jump by a rounding error. It may
   // not jump farther: where forces balance elsewhere, as when two palms pass through level together,
-  // the object does not get there. `end`, the place before, becomes that at the later instant.
-  Trial try_out(double to, const Regime& regime, Place& end) const {
-    const double least = reach(to, end, regime, nullptr, false).least();
-    const Trial fails{false, least};
-    if (!(least >= -Conditions::rounding) || !lasts(regime)) return fails;
+  // the object does not get there.
+  Trial try_out(double to, const Regime& regime) const {
+    const Reached end = reach(to, here(), regime, nullptr, false);
+    const Trial fails{false, end.least(), end.place.pose};
+    if (!end.hold() || !lasts(regime)) return fails;
     const double middle = 0.5 * (now_.t + to);
     Place half = here();
     PosedRegime at = posed(middle, half, regime);
     if (!settles(middle, at, half)) return fails;
-    const double jump = apart(pose_, half.pose) - 8.0 * apart(half.pose, end.pose);
+    const double jump = apart(pose_, half.pose) - 8.0 * apart(half.pose, end.place.pose);
     if (jump > Tolerance::jump * problem_.shapes.size) return fails;
     const Instant before = instant(half);
-    const Instant after = instant(end);
+    const Instant after = instant(end.place);
     for (const ActivePair& a : regime.active) {
       if (a.motion == Motion::stick) continue;
       const double ran =
           after.contact(a.pair, a.reference).run - before.contact(a.pair, a.reference).run;
       if (way_of(a.motion) * ran < -8.0 * Tolerance::epsilon) return fails;
     }
-    return {true, least};
+    return {true, fails.least, fails.end};
   }
 
   // Whether the regime of the last step, in which no robot stalls, also holds in the motion of this

@@ -36,6 +36,8 @@ namespace palmbots {
 // One step, cut into pieces.
 template <class Real>
 struct GeneralStep {
+  using State = Kinematics<Real>;
+
   const Model<Real>& model;
   WorldState<Real>& world;
   Real change;
@@ -47,76 +49,65 @@ struct GeneralStep {
   PerSide<PalmAngle<Real>> turned{at_its_goal(left), at_its_goal(right)};
   PerSide<Real> radius = contact_radii(model.outline);
   bool is_rounded = rolls(model);
-
-  using State = Kinematics<Real>;
+  // What is done of the step, and the state there.
+  Real done = Real(0);
+  State now = world;
+  SlipDirection direction = SlipDirection::stick;
+  int reversals = 0;
+  Advance<Real> result{};
 
   static constexpr int max_reversals = 16;  // per step: limits the work
 
-  static constexpr Real sense_of(SlipDirection direction) {
-    return Real(static_cast<int>(direction));
-  }
   static constexpr bool slides_alone(SlidingContact slider) {
     return slider == SlidingContact::on_left || slider == SlidingContact::on_right;
   }
+  Real sense() const { return Real(static_cast<int>(direction)); }
 
   [[gnu::noinline]] Advance<Real> run() {
-    Advance<Real> result;
-    State now = world;
-    Real done = Real(0);
     Real look = max_event_interval();
-    SlipDirection direction = SlipDirection::stick;
     bool known = false;  // the direction, from the event that ended the last piece
-    int reversals = 0;
     for (int looks = 1;; ++looks) {
       const bool iteration_limit =
           looks >= 200;  // limits the work; tests show that it is not reached
       const Real goal = done + look >= Real(1) || iteration_limit ? Real(1) : done + look;
-      if (!known) direction = direction_at(now, goal);
+      if (!known) direction = direction_until(goal);
       known = false;
-      const SlidingContact first = first_at(now, direction);
-      const auto [slider, then] = choose(now, first, direction, goal);
-      if (is_rounded && !slides_alone(slider)) return leave(result, now, done);
+      const SlidingContact first = first_to_slide();
+      const auto [slider, then] = choose(first, goal);
+      if (is_rounded && !slides_alone(slider)) return leave();
       if (direction != SlipDirection::stick && first == SlidingContact::none) {
         result.reason = DropReason::jammed;
-        return finish(result, now, done, SlidingContact::none, direction);
+        return finish(now, done, SlidingContact::none);
       }
-      if (slider == SlidingContact::both && turning && !legal(now, then, direction) &&
+      if (slider == SlidingContact::both && turning && !is_legal(then) &&
           goal - done > Real(1) / Real(1024)) {
         look = Real(0.5) * (goal - done);  // both slide for only a part of this piece
         continue;
       }
       look = max_event_interval();
-      const auto at = [&, slider = slider](Real t) { return state(t, slider, direction, now); };
-      // A contact exactly at its pivot, on a palm that turns, would alternate by a rounding error.
-      const bool reverses = reversals < max_reversals;
-      const auto [event, when] =
-          first_event(done, goal, now, then, slider, direction, iteration_limit, reverses, at);
-      const State next = event == Event::none ? then : at(when);
-      if (is_rounded && reason_at(next) != DropReason::none) return leave(result, now, done);
+      const auto [event, when] = first_event(goal, then, slider, iteration_limit);
+      const State next = event == Event::none ? then : state(when, slider);
+      if (is_rounded && reason_at(next) != DropReason::none) return leave();
       switch (event) {
         case Event::none:
           if (slider != SlidingContact::both) world.tied = Real(0);
-          if (goal >= Real(1)) return finish(result, next, Real(1), slider, direction);
+          if (goal >= Real(1)) return finish(next, Real(1), slider);
           break;
         case Event::end: {
           // The reason is evaluated where it first applies, the state where it last does not.
           const Real over = std::nextafter(when, Real(2));
-          result.reason = reason_at(at(over < goal ? over : goal));
-          return finish(result, next, when, slider, direction);
+          result.reason = reason_at(state(over < goal ? over : goal, slider));
+          return finish(next, when, slider);
         }
         case Event::reversal:
           direction = direction == SlipDirection::up ? SlipDirection::down : SlipDirection::up;
           world.tied = Real(0);
-          known = true;
           ++reversals;
-          ++result.segments;
           break;
-        case Event::tie:
-          world.tied = sense_of(direction);
-          known = true;
-          ++result.segments;
-          break;
+        case Event::tie: world.tied = sense(); break;
       }
+      known = event != Event::none;
+      if (known) ++result.segments;
       now = next;
       done = when;
     }
@@ -128,19 +119,16 @@ struct GeneralStep {
     Real when;
   };
 
-  // The earliest event between `done` and `goal`, given the state now and the state at `goal` if
-  // there were no event.
-  template <class At>
-  StepEvent first_event(Real done, Real goal, const State& now, const State& then,
-                        SlidingContact slider, SlipDirection direction, bool iteration_limit,
-                        bool reverses, At at) const {
+  // The earliest event up to `goal`, given the state at `goal` if there were no event.
+  StepEvent first_event(Real goal, const State& then, SlidingContact slider,
+                        bool iteration_limit) const {
     StepEvent first{Event::none, goal};
     const auto note = [&](Event event, Real when) {
       if (first.event == Event::none || when < first.when) first = {event, when};
     };
     if (!is_rounded && reason_at(then) != DropReason::none) {
       note(Event::end, bisect_last_true(done, goal, [&](Real t) {
-             return reason_at(at(t)) == DropReason::none;
+             return reason_at(state(t, slider)) == DropReason::none;
            }));
     }
     if (iteration_limit) return first;
@@ -149,12 +137,13 @@ struct GeneralStep {
       const Real last = condition(then);
       if (!(last < Real(0))) return;
       note(event, bracketed_root(true, done, condition(now), goal, last,
-                                 [&](Real t) { return condition(at(t)); }));
+                                 [&](Real t) { return condition(state(t, slider)); }));
     };
-    if (turning && direction != SlipDirection::stick && reverses)
-      note_root(Event::reversal, [&](const State& s) { return -sense_of(direction) * drive(s); });
+    // A contact exactly at its pivot, on a palm that turns, would alternate by a rounding error.
+    if (turning && direction != SlipDirection::stick && reversals < max_reversals)
+      note_root(Event::reversal, [&](const State& s) { return -sense() * drive(s); });
     if (slides_alone(slider))
-      note_root(Event::tie, [&](const State& s) { return own_lead(s, slider, direction); });
+      note_root(Event::tie, [&](const State& s) { return own_lead(s, slider); });
     return first;
   }
 
@@ -163,54 +152,52 @@ struct GeneralStep {
     return most > longest_turn<Real> ? longest_turn<Real> / most : Real(1);
   }
 
-  // The state at a fraction t of the step, if `slider` slides from `now` on.
-  State state(Real t, SlidingContact slider, SlipDirection direction, const State& now) const {
+  // The state at a fraction t of the step, if `slider` slides from now on.
+  State state(Real t, SlidingContact slider) const {
     State then = now;
-    then.configuration.separation = separation + t * change;
-    if (t == Real(1)) {
-      then.configuration.palms = turned;
-    } else if (turning) {
-      for (const std::size_t side : {left, right}) {
-        if (turn[side] == Real(0)) continue;
-        then.configuration.palms[side] = PalmAngle<Real>::at(from[side] + t * turn[side]);
-      }
+    Configuration<Real>& at = then.configuration;
+    at.separation = separation + t * change;
+    for (const std::size_t side : {left, right}) {
+      if (turn[side] == Real(0)) continue;
+      at.palms[side] =
+          t == Real(1) ? turned[side] : PalmAngle<Real>::at(from[side] + t * turn[side]);
     }
     const auto& offset = model.offset;
     const Real width = model.object.width;
-    if (slider == SlidingContact::both) {
-      const auto edges = edges_at(model.friction, then.configuration.palms, sense_of(direction));
-      const Moments<Real> pushed = moments_under(model.object, world.push);
-      const Real slope =
-          tied_slope(slip_order(pushed, edges[left], edges[right]), now.contact_vector);
-      then.configuration.contacts = solve_slide_along(then.configuration, slope, offset, width);
-    } else if (slider != SlidingContact::none) {
+    if (slides_alone(slider)) {
       const auto side = static_cast<std::size_t>(slider);
-      PerSide<Real>& contacts = then.configuration.contacts;
-      if (radius[other(side)] != Real(0))
-        contacts[other(side)] = rolled(now, then.configuration, side);
-      const Slipped<Real> next = slip<Real>(side == left, then.configuration.separation,
-                                            then.configuration.palms, contacts, offset, width);
-      contacts = next.contacts;
+      if (radius[other(side)] != Real(0)) at.contacts[other(side)] = rolled(at, side);
+      const Slipped<Real> next =
+          slip<Real>(side == left, at.separation, at.palms, at.contacts, offset, width);
+      at.contacts = next.contacts;
       then.contact_vector = next.contact_vector;
       return then;
     }
-    then.contact_vector = palmbots::contact_vector(then.configuration, offset);
+    if (slider == SlidingContact::both) {
+      const auto edges = edges_at(model.friction, at.palms, sense());
+      const Moments<Real> pushed = moments_under(model.object, world.push);
+      const Real slope =
+          tied_slope(slip_order(pushed, edges[left], edges[right]), now.contact_vector);
+      at.contacts = solve_slide_along(at, slope, offset, width);
+    }
+    then.contact_vector = palmbots::contact_vector(at, offset);
     return then;
   }
 
-  // The coordinate of the contact that rolls while that of the side `side` slides.
-  Real rolled(const State& before, const Configuration<Real>& now, std::size_t side) const {
+  // The coordinate of the contact that rolls while that of the side `side` slides, from now to where
+  // the palms are at another time.
+  Real rolled(const Configuration<Real>& then, std::size_t side) const {
     const std::size_t rolls = other(side);
     const Real r = radius[rolls];
-    const PalmAngle<Real>& own = now.palms[side];
-    const PalmAngle<Real>& partner = now.palms[rolls];
-    const auto& palms = before.configuration.palms;
+    const PalmAngle<Real>& own = then.palms[side];
+    const PalmAngle<Real>& partner = then.palms[rolls];
+    const auto& palms = now.configuration.palms;
     // By how much θ_L + θ_R has grown.
-    const Real widened =
-        (now.palms[left].angle - palms[left].angle) + (now.palms[right].angle - palms[right].angle);
-    const Real held = before.configuration.contacts[rolls];
-    const PalmFrameVector<Real> seen = palm_frame_vector(before.contact_vector, side, palms[side]);
-    const ContactVector<Real> base = feet(now.separation, now.palms, model.offset);
+    const Real widened = (then.palms[left].angle - palms[left].angle) +
+                         (then.palms[right].angle - palms[right].angle);
+    const Real held = now.configuration.contacts[rolls];
+    const PalmFrameVector<Real> seen = palm_frame_vector(now.contact_vector, side, palms[side]);
+    const ContactVector<Real> base = feet(then.separation, then.palms, model.offset);
     const Real across = base.dx * own.sin + mirrored(side, base.dy) * own.cos;
     const Real both = own.sin * partner.cos + partner.sin * own.cos;  // sin(θ_L + θ_R)
     // f(δ) = w sin(β + δ) − across − both (held + r (widened − δ)) = 0. The error that is left after a
@@ -260,33 +247,29 @@ struct GeneralStep {
                       acting_at(s).contact_vector, change, turn);
   }
 
-  SlipDirection direction_at(const State& now, Real goal) const {
-    Real rate = change;
-    if (turning) {
-      rate = drive(now);
-      if (rate == Real(0))
-        rate = drive(state(goal, SlidingContact::none, SlipDirection::stick, now));
-    }
-    return direction_of(rate);
+  // The direction in which contacts slide on.
+  SlipDirection direction_until(Real goal) const {
+    if (!turning) return direction_of(change);
+    const Real rate = drive(now);
+    return direction_of(rate != Real(0) ? rate : drive(state(goal, SlidingContact::none)));
   }
 
-  SlipOnset<Real> slip_onset(const State& s, SlipDirection direction) const {
-    const Real way = sense_of(direction);
-    const auto edges = edges_at(model.friction, s.configuration.palms, way);
+  SlipOnset<Real> slip_onset(const State& s) const {
+    const auto edges = edges_at(model.friction, s.configuration.palms, sense());
     const ActingObject<Real> acting = acting_at(s);
     return SlipOnset<Real>::at(moments_under(acting.object, world.push), edges,
-                               acting.contact_vector, way);
+                               acting.contact_vector, sense());
   }
 
   // Which contact slides now.
-  SlidingContact first_at(const State& now, SlipDirection direction) const {
+  SlidingContact first_to_slide() const {
     if (direction == SlipDirection::stick) return SlidingContact::none;
-    return first_to_slip(slip_onset(now, direction), world.tied == sense_of(direction));
+    return first_to_slip(slip_onset(now), world.tied == sense());
   }
 
   // ≥ 0 while the sliding contact is still the one that slips first.
-  Real own_lead(const State& s, SlidingContact slider, SlipDirection direction) const {
-    return slip_onset(s, direction).own_lead(slider == SlidingContact::on_left);
+  Real own_lead(const State& s, SlidingContact slider) const {
+    return slip_onset(s).own_lead(slider == SlidingContact::on_left);
   }
 
   // A choice of sliding contacts, and the state at `goal` that results.
@@ -295,34 +278,29 @@ struct GeneralStep {
     State then;
   };
 
-  Choice choose(const State& now, SlidingContact first, SlipDirection direction, Real goal) const {
-    const auto with = [&](SlidingContact slider) {
-      return Choice{slider, state(goal, slider, direction, now)};
-    };
+  Choice choose(SlidingContact first, Real goal) const {
+    const auto with = [&](SlidingContact slider) { return Choice{slider, state(goal, slider)}; };
     if (first != SlidingContact::tie) return with(first);
     const Choice one = with(SlidingContact::on_left);
     const Choice another = with(SlidingContact::on_right);
-    const SlidingContact on =
-        slides_at_tie(own_lead(one.then, one.slider, direction) > Real(0),
-                      own_lead(another.then, another.slider, direction) > Real(0));
+    const SlidingContact on = slides_at_tie(own_lead(one.then, one.slider) > Real(0),
+                                            own_lead(another.then, another.slider) > Real(0));
     if (on != SlidingContact::both) return on == SlidingContact::on_left ? one : another;
-    world.tied = sense_of(direction);
+    world.tied = sense();
     return with(SlidingContact::both);
   }
 
-  // True if both contacts moved as this direction allows.
-  bool legal(const State& now, const State& then, SlipDirection direction) const {
-    const Real sense = sense_of(direction);
+  // True if both contacts move as this direction allows.
+  bool is_legal(const State& then) const {
     const auto& p = now.configuration.contacts;
     const auto& q = then.configuration.contacts;
     const Real slack = Real(16) * std::numeric_limits<Real>::epsilon() * model.object.width;
-    return (q[left] - p[left]) * sense >= -slack && (q[right] - p[right]) * sense >= -slack;
+    return (q[left] - p[left]) * sense() >= -slack && (q[right] - p[right]) * sense() >= -slack;
   }
 
-  Advance<Real> finish(Advance<Real> result, const State& s, Real done, SlidingContact slider,
-                       SlipDirection direction) const {
+  Advance<Real> finish(const State& s, Real fraction, SlidingContact slider) {
     static_cast<State&>(world) = s;
-    result.fraction = done;
+    result.fraction = fraction;
     if (slider == SlidingContact::on_left || slider == SlidingContact::both)
       result.motion[left] = direction;
     if (slider == SlidingContact::on_right || slider == SlidingContact::both)
@@ -331,10 +309,10 @@ struct GeneralStep {
   }
 
   // Ends where rounded contacts begin what they do not do here.
-  Advance<Real> leave(Advance<Real> result, const State& now, Real done) const {
+  Advance<Real> leave() {
     result.reason = DropReason::flush;
     --result.segments;
-    return finish(result, now, done, SlidingContact::none, SlipDirection::stick);
+    return finish(now, done, SlidingContact::none);
   }
 };
 

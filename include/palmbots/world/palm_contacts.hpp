@@ -46,15 +46,13 @@ inline bool is_known(const ClosedPairs& closed, const FeatureContact& own, doubl
 
 // Whether an edge of the object joins two pairs.
 inline bool share_edge(const RoundedBody& body, const FeaturePair& a, const FeaturePair& b) {
-  const auto ends_at = [&](const FeaturePair& corner, const FeaturePair& edge) {
-    return corner.feature == edge.feature || body.before(corner.feature) == edge.feature;
+  const auto edges = [&](const FeaturePair& pair) {
+    const std::size_t own = pair.feature;
+    return std::pair(own, pair.kind == PairKind::corner_on_face ? body.before(own) : own);
   };
-  const bool a_is_corner = a.kind == PairKind::corner_on_face;
-  const bool b_is_corner = b.kind == PairKind::corner_on_face;
-  if (a_is_corner && b_is_corner)
-    return body.before(a.feature) == b.feature || body.before(b.feature) == a.feature;
-  if (a_is_corner) return ends_at(a, b);
-  return b_is_corner ? ends_at(b, a) : a.feature == b.feature;
+  const auto [a1, a2] = edges(a);
+  const auto [b1, b2] = edges(b);
+  return a1 == b1 || a1 == b2 || a2 == b1 || a2 == b2;
 }
 
 // Whether a contact with a palm is an end of an edge that lies flush on it.
