@@ -9,6 +9,7 @@
 
 #include <array>
 
+#include "palmbots/base/root_finding.hpp"
 #include "palmbots/mechanics/equilibrium.hpp"
 
 namespace palmbots {
@@ -78,12 +79,8 @@ struct SelectedMode {
 // Finds the contact mode that occurs in this direction (docs/theory/mechanics.md).
 template <class Real>
 constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection direction) {
-  PerSide<Interval<Real>> ends{};
-  PerSide<bool> slides_there{};
-  for (const std::size_t side : {left, right}) {
-    ends[side] = squeeze(at.moments, side, at.cones[side], at.dx, at.dy);
-    slides_there[side] = !squeeze_in(at, side, direction).empty();
-  }
+  const PerSide<Interval<Real>> ends{squeeze_in(at, left, SlipDirection::stick),
+                                     squeeze_in(at, right, SlipDirection::stick)};
   const Interval<Real> both = intersect(ends[left], ends[right]);
   if (both.empty()) return {false, false, {}};
   const bool closing = direction == SlipDirection::up;
@@ -95,7 +92,7 @@ constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection dir
       // The end that binds must be the edge that slides in this direction. If the COM lies beyond a
       // contact it can be the other edge; then no contact can slide.
       const Interval<Real> slide = squeeze_in(at, side, direction);
-      if (slides_there[side] && slide.low == own) mode[side] = direction;
+      if (!slide.empty() && slide.low == own) mode[side] = direction;
     }
   }
   return {true, !consistent(mode, direction), mode};
@@ -104,8 +101,8 @@ constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection dir
 // The largest angle [rad] by which both friction cones could shrink with the object still held. It
 // is negative where they would have to grow. Bisects to the last bit of the answer.
 template <class Real>
-constexpr Real friction_margin(const Moments<Real>& moments, PerSide<SinCos<Real>> palm,
-                               PerSide<Real> friction_angle, Real dx, Real dy) {
+Real friction_margin(const Moments<Real>& moments, PerSide<SinCos<Real>> palm,
+                     PerSide<Real> friction_angle, Real dx, Real dy) {
   const auto held = [&](Real shrink) {
     Interval<Real> both{-std::numeric_limits<Real>::infinity(),
                         std::numeric_limits<Real>::infinity()};
@@ -117,15 +114,10 @@ constexpr Real friction_margin(const Moments<Real>& moments, PerSide<SinCos<Real
     return !both.empty();
   };
   // A cone shrinks to nothing at φ and grows to a half plane at φ − π/2.
-  Real held_at =
+  const Real widest =
       larger(friction_angle[left], friction_angle[right]) - Real(0.5) * pi<Real> + Real(1e-6);
-  Real lost_at = smaller(friction_angle[left], friction_angle[right]);
-  if (!held(held_at)) return held_at;
-  for (int i = 0; i < 60; ++i) {
-    const Real middle = Real(0.5) * (held_at + lost_at);
-    (held(middle) ? held_at : lost_at) = middle;
-  }
-  return held_at;
+  if (!held(widest)) return widest;
+  return bisect_last_true(widest, smaller(friction_angle[left], friction_angle[right]), held);
 }
 
 }  // namespace palmbots

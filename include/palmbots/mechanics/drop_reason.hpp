@@ -59,10 +59,8 @@ template <class Real>
                                          const PerSide<PalmAngle<Real>>& palms,
                                          const PerSide<Real>& contacts,
                                          ContactVector<Real> contact_vector) {
-  for (const std::size_t side : {left, right}) {
-    const Real p = contacts[side];
-    if (!(p >= -model.reach[side] && p <= model.reach[side])) return DropReason::off_palm;
-  }
+  for (const std::size_t side : {left, right})
+    if (!within(contacts[side], model.reach[side])) return DropReason::off_palm;
   bool at_tip = false;
   for (const std::size_t side : {left, right}) {
     const PalmFrameVector<Real> r = palm_frame_vector(contact_vector, side, palms[side]);

@@ -120,8 +120,6 @@ constexpr Interval<Real> intersect(Interval<Real> p, Interval<Real> q) {
   return {p.low > q.low ? p.low : q.low, p.high < q.high ? p.high : q.high};
 }
 
-namespace detail {
-
 // The half line {H : a H ≤ b}.
 template <class Real>
 constexpr Interval<Real> half_line(Real a, Real b) {
@@ -130,8 +128,6 @@ constexpr Interval<Real> half_line(Real a, Real b) {
   if (a < Real(0)) return {b / a, inf};
   return b >= Real(0) ? Interval<Real>{-inf, inf} : Interval<Real>{inf, -inf};
 }
-
-}  // namespace detail
 
 // I_L or I_R: every squeeze H [weights] whose force on this contact lies in the contact's cone.
 template <class Real>
@@ -144,8 +140,8 @@ constexpr Interval<Real> squeeze(const Moments<Real>& moments, std::size_t side,
   if (is_ray && up.a * moments.moment_arm(side, dx, mirrored(side, dy)) < Real(0)) {
     return {Real(1), Real(-1)};  // the contact would have to pull
   }
-  return intersect(detail::half_line(up.a * moments.width, up.b),
-                   detail::half_line(-down.a * moments.width, -down.b));
+  return intersect(half_line(up.a * moments.width, up.b),
+                   half_line(-down.a * moments.width, -down.b));
 }
 
 // The line in (dx, dy) on which the squeezes at one edge of the left cone and one edge of the right

@@ -17,6 +17,7 @@
 #include <limits>
 #include <vector>
 
+#include "palmbots/base/root_finding.hpp"
 #include "palmbots/mechanics/equilibrium.hpp"
 #include "palmbots/mechanics/wrench_cone.hpp"
 
@@ -79,8 +80,8 @@ struct EdgeShares {
   // The shares, as normal forces, of each minimal set of edges that balances a wrench.
   std::vector<Shares> balancing(const Rays& rays, Triple wrench) const {
     std::vector<Shares> found;
-    const BalancingRays sets(rays, wrench);
-    for (const std::uint32_t set : sets.all()) {
+    const BalancingRays balancing(rays, wrench);
+    for (const std::uint32_t set : balancing.sets()) {
       std::array<Triple, 3> ray;
       FixedList<std::size_t, 3> used;
       for (std::size_t k = 0; k < edges.size(); ++k) {
@@ -115,18 +116,10 @@ inline Supports at_friction_angles(Supports supports,
 template <class Holds>
 double first_end(Holds holds, double most) {
   constexpr double step = 0.5 * radians_per_degree<double>;
-  constexpr double exact = 1e-9;  // [rad]
   for (double low = 0.0; low < most;) {
-    double high = smaller(low + step, most);
-    if (holds(high)) {
-      low = high;
-      continue;
-    }
-    while (high - low > exact) {
-      const double middle = 0.5 * (low + high);
-      (holds(middle) ? low : high) = middle;
-    }
-    return low;
+    const double high = smaller(low + step, most);
+    if (!holds(high)) return bisect_last_true(low, high, holds);
+    low = high;
   }
   return std::numeric_limits<double>::infinity();
 }

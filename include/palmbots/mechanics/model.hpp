@@ -63,12 +63,17 @@ constexpr bool rolls(const Model<Real>& model) {
   return radius[left] > Real(0) || radius[right] > Real(0);
 }
 
-// Whether no step can be one of lanes: a contact vertex rolls, a nose or a heel may touch the object
-// within reach, or a robot may stall.
+// Whether every step looks for further contacts, or for robots that stall.
+template <class Real>
+constexpr bool is_general(const Model<Real>& model) {
+  return model.limit != no_limits<double> || model.profile[left].touches_within_reach ||
+         model.profile[right].touches_within_reach || is_pipe(model.object);
+}
+
+// Whether no step can be one of lanes.
 template <class Real>
 constexpr bool takes_single_steps(const Model<Real>& model) {
-  return rolls(model) || model.limit != no_limits<double> ||
-         model.profile[left].touches_within_reach || model.profile[right].touches_within_reach;
+  return is_general(model) || rolls(model);
 }
 
 }  // namespace palmbots

@@ -163,7 +163,7 @@ class Twists {
   // k-th selection leaves out count as not there and get the motion `leave`.
   template <class Found>
   void each(const Selections& selections, const BalancingRays& balancing, Found found) const {
-    Search<Found> search{balancing, found, {}, {}};
+    Search<Found> search{*this, balancing, found};
     std::uint32_t hold = 0;  // selections that balance where all of their contacts stick
     std::uint32_t edges = 0;
     for (std::size_t k = 0; k < selections.size(); ++k) {
@@ -177,86 +177,84 @@ class Twists {
       hold |= std::uint32_t{1} << k;
       edges |= own;
     }
-    Open open;
-    if (hold != 0) descend(search, 0, hold, balancing.without(~edges & all_edges), {}, open);
+    HalfSpaces open;
+    if (hold != 0) search.descend(0, hold, balancing.without(~edges & all_edges), {}, open);
   }
 
  private:
-  using Space = TwistSpace;
-  using Open = HalfSpaces;
   using Forces = BalancingRays::Some;  // sets of edges on which forces can lie and that balance
   static constexpr std::uint32_t all_edges = (std::uint32_t{1} << 2 * max_supports) - 1;
 
   // Adds the inequality of a contact. False if no twist of the space satisfies it as well.
-  bool add(Open& open, const Space& space, std::size_t i, Motion motion) const {
+  bool add(HalfSpaces& open, const TwistSpace& space, std::size_t i, Motion motion) const {
     const Condition& along = tangent_[i];
     if (motion == Motion::leave) return open.add(space, normal_[i]);
     if (motion == Motion::up) return open.add(space, along);
     return motion == Motion::stick || open.add(space, {along.row * -1.0, -along.value});
   }
+
   template <class Found>
   struct Search {
+    const Twists& twists;
     const BalancingRays& balancing;
     Found& found;
-    Motions motions;
-    std::array<std::uint32_t, max_supports> without;  // each contact: the selections, as bits
+    Motions motions{};
+    std::array<std::uint32_t, max_supports> without{};  // each contact: the selections, as bits
 
-    Forces with(const Forces& forces, std::size_t contact, Motion motion) const {
-      const std::uint32_t closed = edges_of(Motion::stick) & ~edges_of(motion);
-      return balancing.without(closed << (2 * contact), forces);
-    }
-    bool balances(const Forces& forces) const { return balancing.any(forces); }
-  };
-
-  // From contact i on. The earlier ones leave this space, in which their inequalities are `open`; they
-  // are the same in all of these selections.
-  template <class Found>
-  void descend(Search<Found>& search, std::size_t i, std::uint32_t selections, const Forces& forces,
-               const Space& space, Open& open) const {
-    Motions& motions = search.motions;
-    if (i == count_) return search.found(motions, std::size_t(std::countr_zero(selections)));
-    const Forces away = search.with(forces, i, Motion::leave);
-    if (const std::uint32_t without = selections & search.without[i]; without != 0) {
-      motions[i] = Motion::leave;
-      if (search.balances(away)) descend(search, i + 1, without, away, space, open);
-      selections &= ~without;
-      if (selections == 0) return;
-    }
-    const auto go_on = [&](Motion motion, const Forces& rest, const Space& in, Open& there) {
-      motions[i] = motion;
-      const std::size_t before = there.size();
-      if (search.balances(rest) && add(there, in, i, motion))
-        descend(search, i + 1, selections, rest, in, there);
-      there.keep(before);
-    };
-    // The inequalities in a part of the space: the same, or `made` anew. None: no twist satisfies them.
-    const auto in_part = [&](const Space& part, Open& made) -> Open* {
-      if (part.dimension == space.dimension) return &open;
-      for (std::size_t k = 0; k < i; ++k) {
-        if ((selections & search.without[k]) == 0 && !add(made, part, k, motions[k]))
-          return nullptr;
+    // From contact i on. The earlier ones leave this space, in which their inequalities are `open`;
+    // they are the same in all of these selections.
+    void descend(std::size_t i, std::uint32_t selections, const Forces& forces,
+                 const TwistSpace& space, HalfSpaces& open) {
+      if (i == twists.count_) return found(motions, std::size_t(std::countr_zero(selections)));
+      const auto with = [&](Motion motion) {
+        const std::uint32_t closed = edges_of(Motion::stick) & ~edges_of(motion);
+        return balancing.without(closed << (2 * i), forces);
+      };
+      const Forces away = with(Motion::leave);
+      if (const std::uint32_t out = selections & without[i]; out != 0) {
+        motions[i] = Motion::leave;
+        if (balancing.any(away)) descend(i + 1, out, away, space, open);
+        selections &= ~out;
+        if (selections == 0) return;
       }
-      return &made;
-    };
-    Space touching = space;
-    if (touching.restrict(normal_[i])) {
-      Space still = touching;
-      if (still.restrict(tangent_[i])) {
-        Open made;
-        if (Open* const there = in_part(still, made)) go_on(Motion::stick, forces, still, *there);
-      }
-      const Forces up = search.with(forces, i, Motion::up);
-      const Forces down = search.with(forces, i, Motion::down);
-      if (search.balances(up) || search.balances(down)) {
-        Open made;
-        if (Open* const there = in_part(touching, made)) {
-          go_on(Motion::up, up, touching, *there);
-          go_on(Motion::down, down, touching, *there);
+      const auto go_on = [&](Motion motion, const Forces& rest, const TwistSpace& in,
+                             HalfSpaces& there) {
+        motions[i] = motion;
+        const std::size_t before = there.size();
+        if (balancing.any(rest) && twists.add(there, in, i, motion))
+          descend(i + 1, selections, rest, in, there);
+        there.keep(before);
+      };
+      // The inequalities in a part of the space: the same, or `made` anew. None: no twist satisfies
+      // them.
+      const auto in_part = [&](const TwistSpace& part, HalfSpaces& made) -> HalfSpaces* {
+        if (part.dimension == space.dimension) return &open;
+        for (std::size_t k = 0; k < i; ++k) {
+          if ((selections & without[k]) == 0 && !twists.add(made, part, k, motions[k]))
+            return nullptr;
+        }
+        return &made;
+      };
+      TwistSpace touching = space;
+      if (touching.restrict(twists.normal_[i])) {
+        TwistSpace still = touching;
+        HalfSpaces made;
+        if (still.restrict(twists.tangent_[i]))
+          if (HalfSpaces* const there = in_part(still, made))
+            go_on(Motion::stick, forces, still, *there);
+        const Forces up = with(Motion::up);
+        const Forces down = with(Motion::down);
+        made.clear();
+        if (balancing.any(up) || balancing.any(down)) {
+          if (HalfSpaces* const there = in_part(touching, made)) {
+            go_on(Motion::up, up, touching, *there);
+            go_on(Motion::down, down, touching, *there);
+          }
         }
       }
+      go_on(Motion::leave, away, space, open);
     }
-    go_on(Motion::leave, away, space, open);
-  }
+  };
 
   std::size_t count_;
   std::array<Condition, max_supports> normal_{};

@@ -35,22 +35,6 @@ enum class Motion : std::int8_t { down = -1, stick = 0, up = 1, leave = 2 };
 // +1 of a contact that slides up, −1 of one that slides down, 0 of one that sticks.
 constexpr double way_of(Motion motion) { return double(static_cast<int>(motion)); }
 
-// Three numbers: a wrench (force, moment / reach), or the row of a condition on a twist.
-struct Triple {
-  double x;
-  double y;
-  double z;
-
-  constexpr Triple operator+(Triple o) const { return {x + o.x, y + o.y, z + o.z}; }
-  constexpr Triple operator-(Triple o) const { return {x - o.x, y - o.y, z - o.z}; }
-  constexpr Triple operator*(double k) const { return {k * x, k * y, k * z}; }
-};
-constexpr double dot(Triple p, Triple q) { return (p.x * q.x + p.y * q.y) + p.z * q.z; }
-constexpr Triple cross(Triple p, Triple q) {
-  return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
-}
-inline double size(Triple p) { return square_root(dot(p, p)); }
-
 // The tangent at a normal; `sense` is +1 where outward is towards +x, −1 where it is towards −x.
 constexpr Vec tangent_of(double sense, Vec normal) {
   return {sense * normal.y, -(sense * normal.x)};
@@ -67,7 +51,8 @@ struct Support {
   static constexpr Support at(std::size_t side, Vec point, Vec normal, double friction) {
     return {side, point, normal, tangent_of(outward<double>(side), normal), friction};
   }
-  // The wrench of a force at the point; also the row of a condition on its motion in a direction.
+  // The wrench (force, moment / reach) of a force at the point; also the row of a condition on its
+  // motion in a direction.
   constexpr Triple row(Vec direction, double reach) const {
     return {direction.x, direction.y, cross(point, direction) / reach};
   }
@@ -114,14 +99,6 @@ inline bool cancels(const std::array<Triple, 4>& v, std::array<double, 4>& share
   double most = 0.0;
   for (const double share : shares) most = larger(most, magnitude(share));
   return most > wrench_tolerance;
-}
-
-// The parts of a vector along three others that span the space. Cramer's rule.
-inline std::array<double, 3> parts_along(const std::array<Triple, 3>& v, Triple of) {
-  const Triple across = cross(v[1], v[2]);
-  const double volume = dot(v[0], across);
-  return {dot(of, across) / volume, dot(of, cross(v[2], v[0])) / volume,
-          dot(of, cross(v[0], v[1])) / volume};
 }
 
 // The extreme rays of a wrench cone, with unit size.
@@ -218,44 +195,6 @@ inline double depth_in(const Rays& rays, Triple wrench) {
   return spans ? depth : -1.0;
 }
 
-namespace detail {
-
-// True if the wrench lies in the cone of three clearly independent rays. Cramer's rule.
-inline bool in_triple(Triple a, Triple b, Triple c, Triple wrench) {
-  const Triple bc = cross(b, c);
-  const Triple ca = cross(c, a);
-  const Triple ab = cross(a, b);
-  const double volume = dot(a, bc);
-  const double areas[] = {size(bc), size(ca), size(ab)};
-  const double narrowest = smaller(areas[0], smaller(areas[1], areas[2]));
-  const double widest = larger(areas[0], larger(areas[1], areas[2]));
-  // Rays that are equal but for rounding would pass the second test alone.
-  if (!(narrowest > wrench_tolerance && magnitude(volume) > wrench_tolerance * widest))
-    return false;
-  const double sign = volume < 0.0 ? -1.0 : 1.0;
-  return sign * dot(wrench, bc) >= 0.0 && sign * dot(wrench, ca) >= 0.0 &&
-         sign * dot(wrench, ab) >= 0.0;
-}
-
-// Distance of the wrench from the cone of two rays if its projection falls between them. Otherwise
-// the distance from the first ray, or from the origin.
-inline double distance_from_pair(Triple a, Triple b, Triple wrench) {
-  const double along = dot(wrench, a);
-  const Triple beside = along > 0.0 ? wrench - a * along : wrench;
-  const double single = size(beside);
-  const Triple across = b - a * dot(a, b);
-  const double width = size(across);
-  if (!(width > wrench_tolerance)) return single;
-  const Triple unit = across * (1.0 / width);
-  const double share_b = dot(wrench, unit) / width;
-  const double share_a = along - share_b * dot(a, b);
-  if (!(share_a >= 0.0 && share_b >= 0.0)) return single;
-  const double pair = size((wrench - a * along) - unit * dot(wrench, unit));
-  return pair < single ? pair : single;
-}
-
-}  // namespace detail
-
 // Which rays balance a wrench, for many selections of the same rays: all minimal sets of rays whose
 // cone contains the wrench, up to rounding.
 class BalancingRays {
@@ -274,7 +213,7 @@ class BalancingRays {
     std::uint32_t alone = 0;            // rays that balance it alone
     for (std::size_t i = 0; i < ray.size(); ++i) {
       with[i] = 0;
-      if (detail::distance_from_pair(ray[i], ray[i], wrench) <= wrench_tolerance) {
+      if (distance_from_pair(ray[i], ray[i], wrench) <= wrench_tolerance) {
         alone |= bit(i);
         add(bit(i));
       }
@@ -285,8 +224,8 @@ class BalancingRays {
           continue;
         }
         if (magnitude(volume[j][i]) > 2.0 * wrench_tolerance) continue;
-        const double distance = smaller(detail::distance_from_pair(ray[i], ray[j], wrench),
-                                        detail::distance_from_pair(ray[j], ray[i], wrench));
+        const double distance = smaller(distance_from_pair(ray[i], ray[j], wrench),
+                                        distance_from_pair(ray[j], ray[i], wrench));
         if (distance > wrench_tolerance) continue;
         with[j] |= bit(i);
         add(bit(i) | bit(j));
@@ -300,7 +239,7 @@ class BalancingRays {
           const double least = smaller(smaller(volume[i][j], volume[j][k]), -volume[i][k]);
           const double most = larger(larger(volume[i][j], volume[j][k]), -volume[i][k]);
           if (least < 0.0 && most > 0.0) continue;  // shares of both signs
-          if (detail::in_triple(ray[i], ray[j], ray[k], wrench)) add(bit(i) | bit(j) | bit(k));
+          if (in_triple(ray[i], ray[j], ray[k], wrench)) add(bit(i) | bit(j) | bit(k));
         }
       }
     }
@@ -310,11 +249,7 @@ class BalancingRays {
   using Some = std::array<std::uint64_t, (capacity + 63) / 64>;
 
   // Those that need none of these rays (as bits).
-  Some without(std::uint32_t rays) const {
-    Some all{};
-    for (std::size_t k = 0; k < sets_.size(); ++k) all[k / 64] |= std::uint64_t{1} << k % 64;
-    return without(rays, all);
-  }
+  Some without(std::uint32_t rays) const { return without(rays, all_); }
   Some without(std::uint32_t rays, Some sets) const {
     for (; rays != 0; rays &= rays - 1) {
       const Some& with = with_[std::size_t(std::countr_zero(rays))];
@@ -327,26 +262,60 @@ class BalancingRays {
     for (std::size_t w = 0; 64 * w < sets_.size(); ++w) found |= sets[w];
     return found != 0;
   }
-  const FixedList<std::uint32_t, capacity>& all() const { return sets_; }
+  const FixedList<std::uint32_t, capacity>& sets() const { return sets_; }
 
  private:
+  // True if the wrench lies in the cone of three clearly independent rays. Cramer's rule.
+  static bool in_triple(Triple a, Triple b, Triple c, Triple wrench) {
+    const Triple bc = cross(b, c);
+    const Triple ca = cross(c, a);
+    const Triple ab = cross(a, b);
+    const double volume = dot(a, bc);
+    const double areas[] = {size(bc), size(ca), size(ab)};
+    const double narrowest = smaller(areas[0], smaller(areas[1], areas[2]));
+    const double widest = larger(areas[0], larger(areas[1], areas[2]));
+    // Rays that are equal but for rounding would pass the second test alone.
+    if (!(narrowest > wrench_tolerance && magnitude(volume) > wrench_tolerance * widest))
+      return false;
+    const double sign = volume < 0.0 ? -1.0 : 1.0;
+    return sign * dot(wrench, bc) >= 0.0 && sign * dot(wrench, ca) >= 0.0 &&
+           sign * dot(wrench, ab) >= 0.0;
+  }
+
+  // Distance of the wrench from the cone of two rays if its projection falls between them. Otherwise
+  // the distance from the first ray, or from the origin.
+  static double distance_from_pair(Triple a, Triple b, Triple wrench) {
+    const double along = dot(wrench, a);
+    const Triple beside = along > 0.0 ? wrench - a * along : wrench;
+    const double single = size(beside);
+    const Triple across = b - a * dot(a, b);
+    const double width = size(across);
+    if (!(width > wrench_tolerance)) return single;
+    const Triple unit = across * (1.0 / width);
+    const double share_b = dot(wrench, unit) / width;
+    const double share_a = along - share_b * dot(a, b);
+    if (!(share_a >= 0.0 && share_b >= 0.0)) return single;
+    const double pair = size((wrench - a * along) - unit * dot(wrench, unit));
+    return pair < single ? pair : single;
+  }
+
   void add(std::uint32_t set) {
     const std::size_t word = sets_.size() / 64;
     const std::uint64_t bit = std::uint64_t{1} << sets_.size() % 64;
-    if (bit == 1)
-      for (Some& with : with_) with[word] = 0;
+    all_[word] |= bit;
     for (std::uint32_t rays = set; rays != 0; rays &= rays - 1)
       with_[std::size_t(std::countr_zero(rays))][word] |= bit;
     sets_.push_back(set);
   }
 
   FixedList<std::uint32_t, capacity> sets_;
+  Some all_{};
   std::array<Some, n> with_{};  // of each ray: the sets that need it
 };
 
 // Whether the contacts in these motions balance the body, up to rounding.
 inline bool balances(const Supports& supports, const Motions& motions, double slope) {
-  return !BalancingRays(rays_of(supports, motions), {slope, 1.0, 0.0}).all().empty();
+  return !BalancingRays(rays_of(supports, motions), {slope, 1.0, 0.0}).sets().empty();
 }
 
 }  // namespace palmbots

@@ -202,8 +202,8 @@ class ContactStep : ContactTrial {
     ClosedPairs rest;
     for (const FeatureContact& c : closed) {
       const auto lies_flush_with = [&](const FeatureContact& other) {
-        return c.carrier == other.carrier && detail::in_one_direction(c, other) &&
-               !detail::at_one_point(c, other, problem_.shapes.size);
+        return c.carrier == other.carrier && in_one_direction(c, other) &&
+               !at_one_point(c, other, problem_.shapes.size);
       };
       if (!regime_.has(c.pair) || c.inside > Tolerance::blank ||
           std::ranges::any_of(closed, lies_flush_with))

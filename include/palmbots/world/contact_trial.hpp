@@ -195,7 +195,7 @@ class ContactTrial {
   // Whether the force of a robot that yields is unique and, here, its greatest one.
   bool is_at_limit(const Regime& regime) const {
     constexpr double near = 1e-6;  // [weights]: the regime finds the place to rounding
-    return regime.has_unique_forces() && magnitude(detail::above_limit(posed(regime))) < near;
+    return regime.has_unique_forces() && magnitude(above_limit(posed(regime))) < near;
   }
 
   // The speed of a palm along x if its contacts, and those of another carrier, stick; not a number: they

@@ -208,12 +208,6 @@ class World {
     return last_;
   }
 
-  // Whether every step looks for further contacts, or for robots that stall.
-  bool is_general() const {
-    return is_limited() || model_.profile[left].touches_within_reach ||
-           model_.profile[right].touches_within_reach || is_pipe(model_.object);
-  }
-
   // Whether contacts may leave the part of the palm on which the heel touches nothing, up to the heel.
   bool may_leave_reach() const { return model_.profile[left].stops || model_.profile[right].stops; }
   bool is_beyond_reach() const {
@@ -229,7 +223,7 @@ class World {
 
   DropReason checked() const {
     const Configuration<Real>& here = state_.configuration;
-    if (posed_ || rolls(model_) || is_general()) return check_all();
+    if (posed_ || takes_single_steps(model_)) return check_all();
     const DropReason reason = drop_reason(model_, here.palms, here.contacts, state_.contact_vector);
     if (reason == DropReason::off_palm && may_leave_reach()) return check_all();
     if (!goes_on(reason)) return reason;
@@ -292,7 +286,7 @@ class World {
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
     bool on_vertices = rests_on_vertices();
     if (!posed_) {
-      const bool alone = model_.surroundings.empty() && by[left].y == by[right].y && !is_general();
+      const bool alone = model_.surroundings.empty() && by[left].y == by[right].y && !is_general(model_);
       if (alone) total = GeneralStep<Real>{model_, state_, Real(widens), goals}.run();
       const bool continues =
           goes_on(total.reason) || (total.reason == DropReason::off_palm && may_leave_reach());
@@ -329,7 +323,7 @@ class World {
       for (const std::size_t side : {left, right}) step.palms[side].pivot.x += done.lag[side];
     }
     place(step.frames(done.fraction));
-    if (on_vertices && !is_general() && model_.surroundings.empty() &&
+    if (on_vertices && !is_general(model_) && model_.surroundings.empty() &&
         height_[left] == height_[right] && !(may_leave_reach() && is_beyond_reach())) {
       regime_ = {};
       posed_ = false;

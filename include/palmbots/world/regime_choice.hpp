@@ -89,8 +89,6 @@ inline std::size_t leading_side(const Instant& at, const Regime& regime) {
   return problem.shapes.lopsided < 0.0 ? right : left;
 }
 
-namespace detail {
-
 // Two pairs that touch at one point: a feature and its neighbour, where one hands over to the other,
 // or a corner of the object at a tip.
 inline bool at_one_point(const FeatureContact& a, const FeatureContact& b, double size) {
@@ -125,8 +123,6 @@ inline void add_candidate(const ContactProblem& problem, const ClosedPairs& clos
   if (known == found.end()) return found.push_back(made);
   known->selection = std::min(known->selection, selection);
 }
-
-}  // namespace detail
 
 // True if a contact corner of the object is not above the usable part of its palm and not higher than
 // the palm, up to `closed` [m].
@@ -180,7 +176,7 @@ class RegimeSearch {
     RegimeCandidates found;
     const auto add_all = [&](const BalancingRays& balancing, bool pushed) {
       twists.each(selections_, balancing, [&](const Motions& motions, std::size_t selection) {
-        detail::add_candidate(problem_, closed_, motions, pushed, selection, found);
+        add_candidate(problem_, closed_, motions, pushed, selection, found);
       });
     };
     add_all(balancing_, true);
@@ -204,13 +200,13 @@ class RegimeSearch {
       for (std::size_t i = 0; i < j && doubled < 3; ++i) {
         const FeatureContact& a = closed_[i];
         const FeatureContact& b = closed_[j];
-        if (!detail::at_one_point(a, b, problem_.shapes.size)) continue;
+        if (!at_one_point(a, b, problem_.shapes.size)) continue;
         ++doubled;
         const Selections before = selections_;
         selections_.clear();
         for (const std::uint32_t out : {1U << j, 1U << i, 0U}) {
           // Where both touch in one direction they are the same contact.
-          if (out == 0 && detail::in_one_direction(a, b)) continue;
+          if (out == 0 && in_one_direction(a, b)) continue;
           for (const std::uint32_t one : before)
             if (!selections_.contains(one | out)) selections_.push_back(one | out);
         }

@@ -16,8 +16,6 @@
 
 namespace palmbots {
 
-namespace detail {
-
 // How far two forces and the weight are from balance (the volume that they span), and how fast that
 // changes while the object moves with a twist and the surfaces with the velocities of `frames`.
 struct Unbalance {
@@ -74,8 +72,6 @@ inline double above_limit(const PosedRegime& at) {
   return BalancedForces(at, any).most_push(side, at.problem.sense(side));
 }
 
-}  // namespace detail
-
 // The equations of a regime in a pose. With `rates`, of the object's twist instead: the right-hand
 // sides are the velocities that the surfaces give.
 // The fourth unknown is the place of the palm that yields, or its speed, along x.
@@ -123,7 +119,7 @@ struct RegimeEquations {
     };
     if (regime.unknown_forces() == 2) {
       const auto unbalance = [&](const Frames& moving, Vec velocity, double spin) {
-        return detail::unbalanced(at, moving, velocity, spin);
+        return unbalanced(at, moving, velocity, spin);
       };
       const double off = unbalance(at.frames, {}, 0.0).volume;
       const bool is_added =
@@ -133,14 +129,14 @@ struct RegimeEquations {
     if (yields) {
       if (!regime.has_unique_forces()) return;
       // Central differences: in the mirror they round alike.
-      add_level(detail::above_limit(at), [&](const Frames& moving, Vec velocity, double spin) {
+      add_level(above_limit(at), [&](const Frames& moving, Vec velocity, double spin) {
         const double fastest =
             larger(pace_of(moving, size), length(velocity) + magnitude(spin) * size);
         if (!(fastest > 0.0)) return 0.0;
         const double h = 1e-6 * (size / fastest);
         const auto above = [&](double t) {
           const Pose there = Pose::of(at.pose.at + velocity * t, at.pose.angle + spin * t);
-          return detail::above_limit({{at.problem, moved(moving, t), there}, regime});
+          return above_limit({{at.problem, moved(moving, t), there}, regime});
         };
         return (above(h) - above(-h)) / (h + h);
       });
