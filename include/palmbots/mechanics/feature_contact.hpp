@@ -38,6 +38,7 @@ enum class PairKind : std::uint8_t { corner_on_face, tip_on_edge, tip_on_arc };
 // A pair of features.
 struct FeaturePair {
   PairKind kind;
+  std::uint8_t carrier;  // of the surface, as in Carrier
   std::uint8_t surface;
   std::uint8_t feature;  // the corner of the body, or the one at which an edge begins
 
@@ -47,7 +48,7 @@ struct FeaturePair {
 // A pair in one pose, as a support. World coordinates.
 struct FeatureContact : Support {
   FeaturePair pair;
-  std::size_t carrier;  // as in Carrier
+  std::size_t carrier;  // that of the pair
   double gap;           // [m]; negative where they overlap
   double run;           // how far it has slid: constant while it sticks [m]
   double place;         // of the contact on the face; of the tip from the middle of the edge [m]
@@ -71,7 +72,7 @@ inline FeatureContact contact_of(const RoundedBody& body, const Surface& surface
   c.side = frame.sense < 0.0 ? left : right;
   c.friction = surface.friction;
   c.pair = pair;
-  c.carrier = static_cast<std::size_t>(surface.carrier);
+  c.carrier = pair.carrier;
   if (pair.kind == PairKind::corner_on_face) {
     const Vec centre = pose.to_world(corner.centre);
     const Vec seen = frame.from_world((pose.at + centre) - frame.origin) - surface.at;

@@ -145,8 +145,7 @@ class TraceRecorder {
     for (const AmbiguousChoice& choice : world.choices()) {
       ChoiceRow row{double(tick) + choice.fraction, {}};
       for (const ActivePair& active : choice.regime.active) {
-        const Carrier carrier = world.shapes().surfaces[active.pair.surface].carrier;
-        row.contacts.push_back({carrier, active.motion});
+        row.contacts.push_back({static_cast<Carrier>(active.pair.carrier), active.motion});
       }
       choices_.push_back(std::move(row));
     }

@@ -44,6 +44,24 @@ struct Regime {
   constexpr bool has(FeaturePair pair) const {
     return std::ranges::find(active, pair, &ActivePair::pair) != active.end();
   }
+  // The first contact on each palm; nullptr: the palm is not touched.
+  PerSide<const ActivePair*> first_on_palms() const {
+    PerSide<const ActivePair*> first{};
+    for (const ActivePair& a : active)
+      if (const std::size_t side = a.pair.carrier; side <= right && first[side] == nullptr)
+        first[side] = &a;
+    return first;
+  }
+  bool is_on_both() const {
+    const PerSide<const ActivePair*> first = first_on_palms();
+    return first[left] != nullptr && first[right] != nullptr;
+  }
+  // The number of the first contact on another carrier than the first one of all.
+  std::size_t other_carrier() const {
+    std::size_t i = 0;
+    while (i < active.size() && active[i].pair.carrier == active[0].pair.carrier) ++i;
+    return i;
+  }
   // Drops the contacts that leave.
   constexpr void let_go() {
     const auto leaves = [](const ActivePair& a) { return a.motion == Motion::leave; };
@@ -83,30 +101,6 @@ struct ContactProblem {
   // The direction in which a robot drives along x.
   double sense(std::size_t side) const { return commanded[side] < 0.0 ? -1.0 : 1.0; }
   const Surface& surface(FeaturePair pair) const { return shapes.surfaces[pair.surface]; }
-  std::size_t carrier(FeaturePair pair) const {
-    return static_cast<std::size_t>(surface(pair).carrier);
-  }
-  // The first contact of a regime on each palm; nullptr: the palm is not touched.
-  PerSide<const ActivePair*> first_on_palms(const Regime& regime) const {
-    PerSide<const ActivePair*> first{};
-    for (const ActivePair& a : regime.active) {
-      const std::size_t side = carrier(a.pair);
-      if (side <= right && first[side] == nullptr) first[side] = &a;
-    }
-    return first;
-  }
-  bool is_on_both(const Regime& regime) const {
-    const PerSide<const ActivePair*> first = first_on_palms(regime);
-    return first[left] != nullptr && first[right] != nullptr;
-  }
-  // The number of the first contact on another carrier than the first one of all.
-  std::size_t other_carrier(const Regime& regime) const {
-    const auto& active = regime.active;
-    const auto is_there = [&](const ActivePair& a) {
-      return carrier(a.pair) != carrier(active[0].pair);
-    };
-    return std::size_t(std::ranges::find_if(active, is_there) - active.begin());
-  }
   // How far such a contact is from the end of what may be used of its palm. A little before it
   // counts as there, because the palm may end there, too.
   double left_of_reach(const FeatureContact& c) const {
@@ -124,8 +118,8 @@ struct Instant {
   Pose pose;
 
   FeatureContact contact(FeaturePair pair, Vec reference = {}) const {
-    return contact_of(problem.shapes.body, problem.surface(pair), frames[problem.carrier(pair)],
-                      pose, pair, reference);
+    return contact_of(problem.shapes.body, problem.surface(pair), frames[pair.carrier], pose, pair,
+                      reference);
   }
   Triple row(const FeatureContact& c, Vec direction) const {
     return c.row(direction, problem.shapes.size);

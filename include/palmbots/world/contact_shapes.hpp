@@ -79,8 +79,8 @@ ContactShapes shapes_of(const Model<Real>& model) {
     const bool stops = model.profile[side].stops;
     shapes.reach[side] = double(stops ? model.half_length[side] : model.reach[side]);
     shapes.stops[side] = stops;
-    shapes.own[side] = {PairKind::corner_on_face, static_cast<std::uint8_t>(shapes.surfaces.size()),
-                        static_cast<std::uint8_t>(own)};
+    shapes.own[side] = {PairKind::corner_on_face, std::uint8_t(side),
+                        std::uint8_t(shapes.surfaces.size()), std::uint8_t(own)};
     add_palm(shapes.surfaces, side == left ? Carrier::left_palm : Carrier::right_palm,
              double(model.offset[side]) - shapes.body.corners[own].radius,
              double(model.half_length[side]), double(model.friction[side]), model.profile[side]);

@@ -51,15 +51,17 @@ class ContactStep : ContactTrial {
   ContactStep(const ContactProblem& problem, const Travel& travel, Pose& pose, Regime& regime,
               Neighbourhood& around, AmbiguousEvents& ambiguous, double rounding, Noted noted)
       : ContactTrial(problem, travel, pose, regime, around, rounding),
+        pose_(pose),
         ambiguous_(ambiguous),
         noted_(noted) {}
 
   // From the instant `done` on. Without a regime, or where it has ended, it begins with a choice.
   Advance<double> run(double done = 0.0) {
     Advance<double> result;
-    if (travel_.none()) return result;
+    if (!(pace_ > 0.0)) return result;
     now_.t = done;
     result.reason = go();
+    pose_ = now_.pose;
     result.fraction = now_.t;
     result.segments = pieces_;
     result.lag = now_.lag;
@@ -84,7 +86,7 @@ class ContactStep : ContactTrial {
     double ahead = look_;
     while (now_.t < 1.0) {
       const double goal = after(ahead);
-      const Reached then = reach(goal, here(), regime_);
+      const Reached then = reach(goal, now_, regime_);
       if (then.settled && goal - now_.t > shortest && moved(then.place.pose) > near_move()) {
         ahead = 0.5 * (goal - now_.t);  // slow palms can turn the object fast
         continue;
@@ -112,7 +114,7 @@ class ContactStep : ContactTrial {
   // those take part in the search: others may be near zero all the time.
   void go_to_event(double goal, Conditions then) {
     const Conditions now = conditions_of(posed(regime_), near_, pace_);
-    const Place start = here();
+    const Place start = now_;
     for (int i = 0; i < most_events; ++i) {
       const bool is_behind = then.settled && !then.spare_behind();
       // Not a number, so that the search bisects and does not take a jump for a slope.
@@ -172,7 +174,7 @@ class ContactStep : ContactTrial {
 
   // Chooses the regime that continues from here. Returns why there is none.
   DropReason choose() {
-    const Instant now = instant(here());
+    const Instant now = instant(now_);
     if (off_palm(now, closed_)) return DropReason::off_palm;
     const DropReason reason = choose_among(closed_pairs(now), now);
     if (reason == DropReason::none) noted_(now, now_.t);
@@ -192,7 +194,7 @@ class ContactStep : ContactTrial {
     std::optional<DropReason> driven = go_on_with(as_commanded);
     if (!driven && looks_later) {
       const Frames then = palmbots::moved(now.frames, later);
-      driven = go_on_with(RegimeSearch({problem_, then, pose_}, closed).candidates(then));
+      driven = go_on_with(RegimeSearch({problem_, then, now.pose}, closed).candidates(then));
     }
     if (driven) return *driven;
     const DropReason why = reason_of(problem_, closed);
@@ -332,7 +334,7 @@ class ContactStep : ContactTrial {
       Motion motion;
     };
     FixedList<Change, 3 * max_supports> changes;
-    const bool may_slide = !is_still(drives);
+    const bool may_slide = pace_of(frames(now_.t, now_, drives), problem_.shapes.size) > 0.0;
     for (std::size_t i = 0; i < most; ++i)
       for (const Motion motion : {Motion::up, Motion::down, Motion::leave})
         if (motion == Motion::leave || (may_slide && instant.active[i].motion == Motion::stick))
@@ -345,7 +347,7 @@ class ContactStep : ContactTrial {
           for (const Change& change : {changes[i], changes[j]})
             regime.active[change.contact].motion = change.motion;
           regime.let_go();
-          if (regime.active.size() != stay || (problem_.on_both && !problem_.is_on_both(regime)) ||
+          if (regime.active.size() != stay || (problem_.on_both && !regime.is_on_both()) ||
               !try_out(after(1e-3 * look_), regime).goes_on)
             continue;
           regime_ = regime;
@@ -356,6 +358,7 @@ class ContactStep : ContactTrial {
     return false;
   }
 
+  Pose& pose_;
   AmbiguousEvents& ambiguous_;
   Noted noted_;
   double trial_ = shortest_trial;  // the first one

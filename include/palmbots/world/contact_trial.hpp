@@ -12,9 +12,9 @@ class ContactTrial {
   using Tolerance = ContactTolerance;
 
   // `rounding` is the error of the pose at the start [m].
-  ContactTrial(const ContactProblem& problem, const Travel& travel, Pose& pose, Regime& regime,
-               Neighbourhood& around, double rounding)
-      : problem_(problem), travel_(travel), pose_(pose), regime_(regime), around_(around) {
+  ContactTrial(const ContactProblem& problem, const Travel& travel, const Pose& pose,
+               Regime& regime, Neighbourhood& around, double rounding)
+      : problem_(problem), travel_(travel), regime_(regime), around_(around), now_{0.0, {}, pose} {
     double most = 0.0;
     for (const PalmTravel& palm : travel.palms) {
       const double moved = length(palm.by);
@@ -28,27 +28,22 @@ class ContactTrial {
               4.0 * instant_tolerance<double> * pace_;
   }
 
-  // The pivots at an instant of the step: how far along x each is from where the step has it [m].
-  struct Pivots {
-    double t = 0.0;
-    PerSide<double> lag{};
-  };
-  // Object and pivots.
-  struct Place : Pivots {
+  // Pivots and object at an instant of the step.
+  struct Place {
+    double t;
+    PerSide<double> lag;  // how far along x each pivot is from where the step has it [m]
     Pose pose;
   };
 
-  Place here() const { return {now_, pose_}; }
   void go_to(const Place& there) {
     for (const std::size_t side : {left, right})
       stalled_[side] += regime_.drives[side] == Drive::as_commanded ? 0.0 : there.t - now_.t;
     now_ = there;
-    pose_ = there.pose;
   }
 
   // The surfaces at an instant. From `from` on, robots drive like this; one that yields is drawn where
   // it was.
-  Frames frames(double t, const Pivots& from, const PerSide<Drive>& drives) const {
+  Frames frames(double t, const Place& from, const PerSide<Drive>& drives) const {
     Frames frames = travel_.frames(t);
     if (!problem_.is_limited()) return frames;
     for (const std::size_t side : {left, right}) {
@@ -68,12 +63,12 @@ class ContactTrial {
   double apart(const Pose& one, const Pose& other) const {
     return length(one.at - other.at) + magnitude(one.angle - other.angle) * problem_.shapes.size;
   }
-  double moved(const Pose& there) const { return apart(there, pose_); }
+  double moved(const Pose& there) const { return apart(there, now_.pose); }
 
   // The surfaces as if robots drove, from here on, as commanded.
   Instant instant(const Place& at) const { return {problem_, frames(at.t, at, {}), at.pose}; }
   void look_around() {
-    const Instant now = instant(here());
+    const Instant now = instant(now_);
     near_ = around_.near(now, leading_side(now, regime_), near_move() + look_ * pace_, closed_);
   }
 
@@ -81,7 +76,7 @@ class ContactTrial {
   PosedRegime posed(double t, const Place& place, const Regime& regime) const {
     return {{problem_, frames(t, place, regime.drives), place.pose}, regime};
   }
-  PosedRegime posed(const Regime& regime) const { return posed(now_.t, here(), regime); }
+  PosedRegime posed(const Regime& regime) const { return posed(now_.t, now_, regime); }
 
   // Moves it, and the place, to where the regime has the object. False: there is no such place near.
   bool settles(double t, PosedRegime& at, Place& place) const {
@@ -118,14 +113,14 @@ class ContactTrial {
   // not jump farther: where forces balance elsewhere, as when two palms pass through level together,
   // the object does not get there.
   Trial try_out(double to, const Regime& regime) const {
-    const Reached end = reach(to, here(), regime, nullptr, false);
+    const Reached end = reach(to, now_, regime, nullptr, false);
     const Trial fails{false, end.least(), end.place.pose};
     if (!end.hold() || !lasts(regime)) return fails;
     const double middle = 0.5 * (now_.t + to);
-    Place half = here();
+    Place half = now_;
     PosedRegime at = posed(middle, half, regime);
     if (!settles(middle, at, half)) return fails;
-    const double jump = apart(pose_, half.pose) - 8.0 * apart(half.pose, end.place.pose);
+    const double jump = apart(now_.pose, half.pose) - 8.0 * apart(half.pose, end.place.pose);
     if (jump > Tolerance::jump * problem_.shapes.size) return fails;
     const Instant before = instant(half);
     const Instant after = instant(end.place);
@@ -163,17 +158,8 @@ class ContactTrial {
   // Whether more contacts stick than the pose has unknowns, and do so for longer than an instant.
   bool lasts(const Regime& regime, const RegimeEquations& twist) const {
     if (!twist.spare) return true;
-    PosedRegime later = posed(after(0.01 * look_), here(), regime);
+    PosedRegime later = posed(after(0.01 * look_), now_, regime);
     return settle(later);
-  }
-
-  // Whether no surface moves.
-  bool is_still(const PerSide<Drive>& drives) const {
-    for (const std::size_t side : {left, right}) {
-      const Vec by = travel_.palms[side].by;
-      if (by.y != 0.0 || (by.x != 0.0 && drives[side] != Drive::stands)) return false;
-    }
-    return !travel_.turns();
   }
 
   // The pairs that touch, those of the palm that leads first, and of each those of the regime.
@@ -216,10 +202,9 @@ class ContactTrial {
 
   const ContactProblem& problem_;
   const Travel& travel_;
-  Pose& pose_;
   Regime& regime_;
   Neighbourhood& around_;
-  Pivots now_;
+  Place now_;
   PerSide<double> stalled_{};
   double look_ = 1.0;
   double pace_ = 0.0;    // how far a point of a surface moves in the step, at most [m]

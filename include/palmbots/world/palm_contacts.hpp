@@ -84,7 +84,7 @@ inline std::vector<Touched> touched_by(const ContactShapes& shapes, const Closed
 // The coordinates at which the palms are touched, in place of those of the contact vertices [m].
 inline PerSide<double> touched_places(const Instant& at, const Regime& regime,
                                       PerSide<double> places) {
-  const PerSide<const ActivePair*> first = at.problem.first_on_palms(regime);
+  const PerSide<const ActivePair*> first = regime.first_on_palms();
   for (const std::size_t side : {left, right}) {
     if (first[side] == nullptr || first[side]->pair == at.problem.shapes.own[side]) continue;
     const Surface& surface = at.problem.surface(first[side]->pair);
@@ -94,9 +94,9 @@ inline PerSide<double> touched_places(const Instant& at, const Regime& regime,
 }
 
 // The motion of each palm's first contact.
-inline ContactMode motion_on_palms(const ContactProblem& problem, const Regime& regime) {
+inline ContactMode motion_on_palms(const Regime& regime) {
   ContactMode motion{};
-  const PerSide<const ActivePair*> first = problem.first_on_palms(regime);
+  const PerSide<const ActivePair*> first = regime.first_on_palms();
   for (const std::size_t side : {left, right})
     if (first[side] != nullptr) motion[side] = static_cast<SlipDirection>(first[side]->motion);
   return motion;

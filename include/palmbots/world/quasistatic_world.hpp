@@ -89,7 +89,7 @@ class World {
   }
   // Whether the object touches a palm.
   bool is_touched(std::size_t side) const {
-    return !posed_ || problem().first_on_palms(regime_)[side] != nullptr;
+    return !posed_ || regime_.first_on_palms()[side] != nullptr;
   }
   // The coordinates at which the palms are touched: p of the contact vertex as long as that is on
   // the palm [m].
@@ -286,7 +286,8 @@ class World {
     Advance<Real> total{DropReason::none, Real(0), {}, 0};
     bool on_vertices = rests_on_vertices();
     if (!posed_) {
-      const bool alone = model_.surroundings.empty() && by[left].y == by[right].y && !is_general(model_);
+      const bool alone =
+          model_.surroundings.empty() && by[left].y == by[right].y && !is_general(model_);
       if (alone) total = GeneralStep<Real>{model_, state_, Real(widens), goals}.run();
       const bool continues =
           goes_on(total.reason) || (total.reason == DropReason::off_palm && may_leave_reach());
@@ -313,7 +314,7 @@ class World {
     };
     ContactStep contact_step(problem, step, pose_, regime_, around_, ambiguous_, rounding, note);
     const Advance<double> done = contact_step.run(double(total.fraction));
-    total = {done.reason, Real(done.fraction), motion_on_palms(problem, regime_),
+    total = {done.reason, Real(done.fraction), motion_on_palms(regime_),
              total.segments + done.segments};
     carry_on(by, done.fraction);
     if (is_limited()) {

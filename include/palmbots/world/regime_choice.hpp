@@ -76,7 +76,7 @@ inline std::size_t leading_side(const Instant& at, const Regime& regime) {
     double touching = 0.0;
     double sticking = 0.0;
     for (const ActivePair& a : regime.active) {
-      if (problem.carrier(a.pair) != side) continue;
+      if (a.pair.carrier != side) continue;
       touching += 1.0;
       sticking += a.motion == Motion::stick ? 1.0 : 0.0;
     }
@@ -110,9 +110,9 @@ inline void add_candidate(const ContactProblem& problem, const ClosedPairs& clos
   regime.pushed = pushed;
   for (std::size_t i = 0; i < closed.size() && i < max_supports; ++i)
     if (motions[i] != Motion::leave) active.push_back(active_of(closed[i], motions[i]));
-  const std::size_t second = problem.other_carrier(regime);
+  const std::size_t second = regime.other_carrier();
   if (second < active.size()) regime.alike = active[0].held - active[second].held;
-  made.on_both = problem.is_on_both(regime);
+  made.on_both = regime.is_on_both();
   made.alike = regime.unknown_forces() == active.size();
   made.selection = selection;
   // On both palms in one direction: nothing but balance drives the object, which falls off.

@@ -58,7 +58,7 @@ void each_pair(const ContactShapes& shapes, std::size_t first, Visit visit) {
     for (std::size_t k = 0; k < body.count; ++k) {
       const std::size_t edge = side == left ? corner : body.before(corner);
       const auto pair = [&](PairKind kind, std::size_t feature) {
-        return FeaturePair{kind, static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(feature)};
+        return FeaturePair{kind, std::uint8_t(carrier), std::uint8_t(s), std::uint8_t(feature)};
       };
       if (surface.tip) {
         if (!body.is_disc()) visit(pair(PairKind::tip_on_edge, edge));

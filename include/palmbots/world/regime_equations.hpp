@@ -143,7 +143,7 @@ struct RegimeEquations {
       return;
     }
     // Both sides alike: the run of the first contact of one carrier as that of the other one.
-    const std::size_t second = at.problem.other_carrier(regime);
+    const std::size_t second = regime.other_carrier();
     if (second == at.contacts.size()) return;
     const ActiveContact& a = at.contacts[0];
     const ActiveContact& b = at.contacts[second];

@@ -48,11 +48,6 @@ struct Travel {
     return {frame(Carrier::left_palm, t), frame(Carrier::right_palm, t), frame(Carrier::ground, t)};
   }
   constexpr bool turns() const { return palms[left].turn != 0.0 || palms[right].turn != 0.0; }
-  constexpr bool none() const {
-    for (const PalmTravel& palm : palms)
-      if (palm.by.x != 0.0 || palm.by.y != 0.0) return false;
-    return !turns();
-  }
 };
 
 using Frames = std::array<Frame, 3>;

@@ -146,8 +146,8 @@ inline Scene random_scene(std::mt19937& chance, bool on_floor) {
     surfaces.push_back(
         {Carrier::ground, false, {s.wall_x, 0}, {-1, 0}, {}, -100, 100, s.ground_friction});
   s.shapes.own = {
-      FeaturePair{PairKind::corner_on_face, 0, 0},
-      FeaturePair{PairKind::corner_on_face, right_face, static_cast<std::uint8_t>(second)}};
+      FeaturePair{PairKind::corner_on_face, left, 0, 0},
+      FeaturePair{PairKind::corner_on_face, right, right_face, static_cast<std::uint8_t>(second)}};
   s.shapes.reach = {1.0, 1.0};
   for (PalmPose& palm : s.palms) palm.angle = between(chance, 3 * degree, 25 * degree);
   if (on_floor) {

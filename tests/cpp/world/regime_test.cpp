@@ -82,9 +82,9 @@ void test_tip_beside_an_edge() {
   Held held;
   const auto tip = static_cast<std::uint8_t>(1);
   CHECK(held.shapes.surfaces[tip].tip);
-  const FeaturePair bottom{PairKind::tip_on_edge, tip, 0};
+  const FeaturePair bottom{PairKind::tip_on_edge, left, tip, 0};
   FeatureContact behind{};
-  behind.pair = {PairKind::tip_on_edge, tip, 1};
+  behind.pair = {PairKind::tip_on_edge, left, tip, 1};
   behind.gap = -0.01;
   held.pose = Pose::of({0.0, 0.0}, 0.0);
   const Corner& corner = held.shapes.body.corners[0];
