@@ -71,9 +71,8 @@ struct EndRow {
   const char* in_mujoco = nullptr;  // its meaning there, if it is another one
 };
 
-namespace detail {
-
-constexpr std::array<EndRow, drop_reasons> make_carry_ends() {
+// By the number of what happens.
+inline constexpr std::array<EndRow, drop_reasons> carry_ends = [] {
   using R = DropReason;
   constexpr Consequence never{};
   constexpr Consequence goes_on{Then::goes_on};
@@ -82,7 +81,7 @@ constexpr std::array<EndRow, drop_reasons> make_carry_ends() {
   const auto ends = [](R reason) { return Consequence{Then::ends, reason}; };
   const auto falls = [](R reason) { return Consequence{Then::falls, reason}; };
   // Each row in the order placed, carried, low, by_hand.
-  return {{
+  return std::array<EndRow, drop_reasons>{{
       {"", "", {}},
       {"off-palm",
        "a contact left the usable part of its palm at an end or a side",
@@ -108,12 +107,7 @@ constexpr std::array<EndRow, drop_reasons> make_carry_ends() {
       {"fell", "no forces balance the object, and it falls farther than world.fall_m", {}},
       {"toppled", "the object tips over, and falls farther than world.fall_m", {}, turned},
   }};
-}
-
-}  // namespace detail
-
-// By the number of what happens.
-inline constexpr std::array<EndRow, drop_reasons> carry_ends = detail::make_carry_ends();
+}();
 
 constexpr const char* name_of(DropReason reason) {
   return carry_ends[static_cast<std::size_t>(reason)].name;

@@ -48,6 +48,24 @@ struct Outline {
   constexpr std::size_t walked(std::size_t side, std::size_t i) const {
     return (contact[side] + (side == left ? i : count - i)) % count;
   }
+
+  // True if the point (along, height) is strictly inside. Crossing-number test.
+  constexpr bool contains(std::size_t side, Real along, Real height) const {
+    bool in = false;
+    for (std::size_t i = 0, j = count - 1; i < count; j = i++) {
+      const Vertex<Real>& a = vertices[i];
+      const Vertex<Real>& b = vertices[j];
+      if ((a.height > height) == (b.height > height)) continue;
+      // The lower end comes first: the mirrored outline runs the other way round and must round
+      // alike.
+      const Vertex<Real>& low = a.height < b.height ? a : b;
+      const Vertex<Real>& high = a.height < b.height ? b : a;
+      const Real share = (height - low.height) / (high.height - low.height);
+      const Real crossing = low.along[side] + share * (high.along[side] - low.along[side]);
+      if (along < crossing) in = !in;
+    }
+    return in;
+  }
 };
 
 // Radii of the arcs that round the contact vertices [m].
@@ -104,29 +122,6 @@ constexpr ClearCone<Real> clear_cone(const Outline<Real>& outline, std::size_t s
   return cone;
 }
 
-namespace detail {
-
-// True if the point (along, height) is strictly inside the outline. Crossing-number test.
-template <class Real>
-constexpr bool inside(const Outline<Real>& outline, std::size_t side, Real along, Real height) {
-  bool in = false;
-  for (std::size_t i = 0, j = outline.count - 1; i < outline.count; j = i++) {
-    const Vertex<Real>& a = outline.vertices[i];
-    const Vertex<Real>& b = outline.vertices[j];
-    if ((a.height > height) == (b.height > height)) continue;
-    // The lower end comes first: the mirrored outline runs the other way round and must round
-    // alike.
-    const Vertex<Real>& low = a.height < b.height ? a : b;
-    const Vertex<Real>& high = a.height < b.height ? b : a;
-    const Real share = (height - low.height) / (high.height - low.height);
-    const Real crossing = low.along[side] + share * (high.along[side] - low.along[side]);
-    if (along < crossing) in = !in;
-  }
-  return in;
-}
-
-}  // namespace detail
-
 // What the palm touches besides its contact vertex. `vector` points to the other contact, in the
 // palm's frame; `contact` is p [m]. The palm reaches from p = −half_length to +half_length.
 template <class Real>
@@ -152,7 +147,7 @@ template <class Real>
   }
   for (const Real end : {-half_length, half_length}) {
     const Real inward = contact - end;
-    if (detail::inside(outline, side, inward * cos, -inward * sin)) return ContactKind::tip;
+    if (outline.contains(side, inward * cos, -inward * sin)) return ContactKind::tip;
   }
   return ContactKind::none;
 }

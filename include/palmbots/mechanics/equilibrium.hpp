@@ -154,9 +154,8 @@ struct SlipOrder {
   Real level;
   Real tilt;
 
-  constexpr Real at(Real dx, Real dy) const { return level * dx + tilt * dy; }
   constexpr Real at(ContactVector<Real> contact_vector) const {
-    return at(contact_vector.dx, contact_vector.dy);
+    return level * contact_vector.dx + tilt * contact_vector.dy;
   }
 };
 

@@ -33,13 +33,7 @@ struct FrictionCone {
   ConeEdge<Real> down;
 };
 
-// The upper edge. With −μ as friction it is the lower one.
-template <class Real>
-constexpr ConeEdge<Real> leading_edge(SinCos<Real> palm, Real friction) {
-  return {palm.sin + friction * palm.cos, palm.cos - friction * palm.sin};
-}
-
-// The friction cone of a palm at this angle; `friction` is μ.
+// The friction cone of a palm at this angle; `friction` is μ. With −μ, the edges change places.
 template <class Real>
 constexpr FrictionCone<Real> friction_cone(SinCos<Real> palm, Real friction) {
   return {{palm.sin + friction * palm.cos, palm.cos - friction * palm.sin},

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loop closure: positions of the two palms and the object, and exact solutions of the loop
-// constraint.
+// Loop closure: positions of the two palms and the object, and the constraint between them.
 //
 // P are the pivots (at equal heights, `separation` apart), u is the unit vector outward along a
 // palm, and n is its normal. o is the offset of the palm's surface from its pivot along n, and p
@@ -74,33 +73,6 @@ constexpr PalmFrameVector<Real> palm_frame_vector(ContactVector<Real> contact_ve
   const Real rise = mirrored(side, contact_vector.dy);
   return {contact_vector.dx * palm.cos - rise * palm.sin,
           contact_vector.dx * palm.sin + rise * palm.cos};
-}
-
-// The coordinate of a contact that has slid, and the resulting contact vector.
-template <class Real>
-struct SlideSolution {
-  Real contact;
-  ContactVector<Real> contact_vector;
-};
-
-// Closes the loop by sliding one contact on the palm `own`, while the other contact keeps its
-// coordinate `held`. `base` is the vector between the feet as seen from the sliding contact's side,
-// and the returned contact vector is seen from there too.
-//
-// In the frame of the palm `own`, the normal part of the vector to the other contact does not
-// change while sliding. The inward part must become √(w² − normal²). The result is not a number
-// where the object cannot reach.
-template <class Real>
-[[gnu::always_inline]] inline SlideSolution<Real> solve_slide(ContactVector<Real> base,
-                                                              const PalmAngle<Real>& own,
-                                                              const PalmAngle<Real>& partner,
-                                                              Real held, Real width) {
-  const Real dx = base.dx + held * partner.cos;
-  const Real rise = base.dy + held * partner.sin;
-  const Real inward = dx * own.cos - rise * own.sin;
-  const Real normal = dx * own.sin + rise * own.cos;
-  const Real contact = square_root((width - normal) * (width + normal)) - inward;
-  return {contact, {dx + contact * own.cos, rise - contact * own.sin}};
 }
 
 // Closes the loop by placing the robots: the separation [m] at which the contacts have the given

@@ -6,6 +6,8 @@
 // arcs. Frame: origin at the COM, x forward, y up; the corners are listed anticlockwise.
 #pragma once
 
+#include <algorithm>
+
 #include "palmbots/base/vec.hpp"
 #include "palmbots/mechanics/model.hpp"
 
@@ -41,22 +43,6 @@ struct RoundedBody {
 };
 
 inline constexpr double one_centre = 1e-6;  // arcs whose centres are nearer have one [radii]
-
-namespace detail {
-
-// Makes a disc of a body whose corners are arcs about one centre. `opposite` is the mirror image of
-// the first corner.
-inline void merge_arcs(RoundedBody& body, std::size_t opposite) {
-  Corner& first = body.corners[0];
-  for (std::size_t i = 0; i < body.count; ++i) {
-    const Corner& corner = body.corners[i];
-    if (!(length(corner.centre - first.centre) < one_centre * corner.radius)) return;
-  }
-  first.centre = (first.centre + body.corners[opposite].centre) * 0.5;
-  body.count = 1;
-}
-
-}  // namespace detail
 
 // The body of an outline, which is listed anticlockwise. `com` is its COM, as a vertex. Mirrored
 // outlines give mirrored bodies to the last bit.
@@ -94,7 +80,15 @@ RoundedBody body_of(const Outline<Real>& outline, const Vertex<Real>& com) {
     corner.middle = (from + to) * 0.5;
     corner.half_length = 0.5 * length(to - from);
   }
-  detail::merge_arcs(body, outline.contact[right]);
+  // Arcs about one centre are a disc. The mirror image of its first corner is the right contact.
+  Corner& first = body.corners[0];
+  const auto is_concentric = [&](const Corner& corner) {
+    return length(corner.centre - first.centre) < one_centre * corner.radius;
+  };
+  if (std::all_of(body.corners.begin(), body.corners.begin() + body.count, is_concentric)) {
+    first.centre = (first.centre + body.corners[outline.contact[right]].centre) * 0.5;
+    body.count = 1;
+  }
   return body;
 }
 

@@ -35,7 +35,8 @@ struct Slipped {
   ContactVector<V> contact_vector;
 };
 
-// Closes the loop by sliding one contact: the left one where `on_left`, else the right one.
+// Closes the loop by sliding one contact: the left one where `on_left`, else the right one. The result
+// is not a number where the object cannot reach.
 template <class V>
 [[gnu::always_inline]] inline Slipped<V> slip(MaskOf<V> on_left, V separation,
                                               const PerSide<PalmAngle<V>>& palms,
@@ -47,11 +48,16 @@ template <class V>
   const PalmAngle<V> own = select<V>(on_left, palms[left], palms[right]);
   const PalmAngle<V> partner = select<V>(on_left, palms[right], palms[left]);
   const V held = select(on_left, contacts[right], contacts[left]);
-  const SlideSolution<V> next = solve_slide(base, own, partner, held, width);
-  return {
-      {select(on_left, next.contact, contacts[left]),
-       select(on_left, contacts[right], next.contact)},
-      {next.contact_vector.dx, select(on_left, next.contact_vector.dy, -next.contact_vector.dy)}};
+  // In the frame of the palm `own`, the normal part of the vector to the other contact does not
+  // change while sliding. The inward part must become √(w² − normal²).
+  const V dx = base.dx + held * partner.cos;
+  const V rise = base.dy + held * partner.sin;
+  const V inward = dx * own.cos - rise * own.sin;
+  const V normal = dx * own.sin + rise * own.cos;
+  const V contact = square_root((width - normal) * (width + normal)) - inward;
+  const V dy = rise - contact * own.sin;
+  return {{select(on_left, contact, contacts[left]), select(on_left, contacts[right], contact)},
+          {dx + contact * own.cos, select(on_left, dy, -dy)}};
 }
 
 // Closes the loop by sliding both contacts such that the object takes the direction dy / dx =

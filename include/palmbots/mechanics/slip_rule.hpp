@@ -45,7 +45,7 @@ constexpr PerSide<ConeEdge<V>> edges_at(const PerSide<V>& friction,
                                         const PerSide<PalmAngle<V>>& palms, V way) {
   PerSide<ConeEdge<V>> edges{};
   on_both_sides([&](std::size_t side) {
-    edges[side] = leading_edge<V>({palms[side].sin, palms[side].cos}, way * friction[side]);
+    edges[side] = friction_cone<V>({palms[side].sin, palms[side].cos}, way * friction[side]).up;
   });
   return edges;
 }

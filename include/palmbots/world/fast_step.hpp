@@ -187,7 +187,8 @@ template <class V>
   const Mask drives = rate * way < V(0);
   const Mask left_turns = turn[left] != V(0);
   const Mask right_turns = turn[right] != V(0);
-  good = good & (drives | (!left_turns & !right_turns));
+  const Mask turning = left_turns | right_turns;
+  good = good & (drives | (!turning));
   return {good, end};
 }
 
