@@ -48,13 +48,12 @@ struct FeaturePair {
 // A pair in one pose, as a support. World coordinates.
 struct FeatureContact : Support {
   FeaturePair pair;
-  std::size_t carrier;  // that of the pair
-  double gap;           // [m]; negative where they overlap
-  double run;           // how far it has slid: constant while it sticks [m]
-  double place;         // of the contact on the face; of the tip from the middle of the edge [m]
-  Vec on_body;          // the outward normal of the object there, in its own frame
-  double inside;        // ≥ 0 where the pair is that of nearest points: distance to where it ends,
-                        // divided by the size of the object, or the sine of an angle
+  double gap;     // [m]; negative where they overlap
+  double run;     // how far it has slid: constant while it sticks [m]
+  double place;   // of the contact on the face; of the tip from the middle of the edge [m]
+  Vec on_body;    // the outward normal of the object there, in its own frame
+  double inside;  // ≥ 0 where the pair is that of nearest points: distance to where it ends,
+                  // divided by the size of the object, or the sine of an angle
 };
 
 // By how much a normal into the object lies between those of the two faces beside a tip.
@@ -72,7 +71,6 @@ inline FeatureContact contact_of(const RoundedBody& body, const Surface& surface
   c.side = frame.sense < 0.0 ? left : right;
   c.friction = surface.friction;
   c.pair = pair;
-  c.carrier = pair.carrier;
   if (pair.kind == PairKind::corner_on_face) {
     const Vec centre = pose.to_world(corner.centre);
     const Vec seen = frame.from_world((pose.at + centre) - frame.origin) - surface.at;

@@ -104,8 +104,8 @@ struct ContactProblem {
   // How far such a contact is from the end of what may be used of its palm. A little before it
   // counts as there, because the palm may end there, too.
   double left_of_reach(const FeatureContact& c) const {
-    const double from = shapes.stops[c.carrier] ? -c.place : magnitude(c.place);
-    return shapes.reach[c.carrier] - from - 4e-10 * shapes.size;
+    const double from = shapes.stops[c.pair.carrier] ? -c.place : magnitude(c.place);
+    return shapes.reach[c.pair.carrier] - from - 4e-10 * shapes.size;
   }
   // The weight that the contacts carry, with the push of an acceleration or without it.
   Triple weight(bool pushed) const { return {slope + (pushed ? push : 0.0), 1.0, 0.0}; }
@@ -126,7 +126,7 @@ struct Instant {
   }
   // The velocity that the surface of a contact gives to it in a direction.
   double given(const FeatureContact& c, Vec direction) const {
-    return dot(direction, frames[c.carrier].velocity_at(pose.at + c.point));
+    return dot(direction, frames[c.pair.carrier].velocity_at(pose.at + c.point));
   }
 };
 

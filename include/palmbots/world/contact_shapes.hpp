@@ -95,9 +95,8 @@ ContactShapes shapes_of(const Model<Real>& model) {
 // Whether a surface that is a face, moved by `deep` into its carrier, lies in the body anywhere.
 inline bool is_pierced(const Instant& at, const Surface& face, double deep) {
   const Frame& frame = at.frames[static_cast<std::size_t>(face.carrier)];
-  std::array<Vec, 2> ends{};  // of the piece of the outline, seen from the face
+  std::optional<Vec> before;  // the last point of the outline, seen from the face
   Vec first{};
-  bool begun = false;
   bool pierced = false;
   bool is_inside = false;  // the inner end of the face
   const auto cross_over = [&](Vec a, Vec b) {
@@ -109,12 +108,12 @@ inline bool is_pierced(const Instant& at, const Surface& face, double deep) {
   each_drawn_point(at.problem.shapes.body, [&](std::size_t, Vec point) {
     const Vec seen =
         frame.from_world((at.pose.at + at.pose.to_world(point)) - frame.origin) - face.at;
-    ends = {ends[1], {cross(seen, face.normal), dot(seen, face.normal)}};
-    if (begun) cross_over(ends[0], ends[1]);
-    if (!begun) first = ends[1];
-    begun = true;
+    const Vec place{cross(seen, face.normal), dot(seen, face.normal)};
+    if (before) cross_over(*before, place);
+    if (!before) first = place;
+    before = place;
   });
-  cross_over(ends[1], first);
+  cross_over(*before, first);
   return pierced || is_inside;
 }
 

@@ -57,16 +57,11 @@ class ContactStep : ContactTrial {
 
   // From the instant `done` on. Without a regime, or where it has ended, it begins with a choice.
   Advance<double> run(double done = 0.0) {
-    Advance<double> result;
-    if (!(pace_ > 0.0)) return result;
+    if (!(pace_ > 0.0)) return {};
     now_.t = done;
-    result.reason = go();
+    const DropReason reason = go();
     pose_ = now_.pose;
-    result.fraction = now_.t;
-    result.segments = pieces_;
-    result.lag = now_.lag;
-    result.stalled = stalled_;
-    return result;
+    return {reason, now_.t, {}, pieces_, now_.lag, stalled_};
   }
 
  private:
@@ -204,7 +199,7 @@ class ContactStep : ContactTrial {
     ClosedPairs rest;
     for (const FeatureContact& c : closed) {
       const auto lies_flush_with = [&](const FeatureContact& other) {
-        return c.carrier == other.carrier && in_one_direction(c, other) &&
+        return c.pair.carrier == other.pair.carrier && in_one_direction(c, other) &&
                !at_one_point(c, other, problem_.shapes.size);
       };
       if (!regime_.has(c.pair) || c.inside > Tolerance::blank ||

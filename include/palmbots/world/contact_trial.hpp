@@ -9,23 +9,20 @@ namespace palmbots {
 
 class ContactTrial {
  protected:
-  using Tolerance = ContactTolerance;
-
   // `rounding` is the error of the pose at the start [m].
   ContactTrial(const ContactProblem& problem, const Travel& travel, const Pose& pose,
                Regime& regime, Neighbourhood& around, double rounding)
       : problem_(problem), travel_(travel), regime_(regime), around_(around), now_{0.0, {}, pose} {
-    double most = 0.0;
+    const double size = problem.shapes.size;
+    double most = 1.0;
     for (const PalmTravel& palm : travel.palms) {
       const double moved = length(palm.by);
       const double turned = magnitude(palm.turn);
-      most = larger(
-          most, larger(moved / (0.01 * problem.shapes.size), turned / radians_per_degree<double>));
-      pace_ = larger(pace_, moved + turned * problem.shapes.size);
+      most = larger(most, larger(moved / (0.01 * size), turned / radians_per_degree<double>));
+      pace_ = larger(pace_, moved + turned * size);
     }
-    look_ = most > 1.0 ? 1.0 / most : 1.0;
-    closed_ = rounding + Tolerance::closed * problem.shapes.size +
-              4.0 * instant_tolerance<double> * pace_;
+    look_ = 1.0 / most;
+    closed_ = rounding + Tolerance::closed * size + 4.0 * instant_tolerance<double> * pace_;
   }
 
   // Pivots and object at an instant of the step.
@@ -152,9 +149,7 @@ class ContactTrial {
     return settle(there) && moved(there.pose) <= closed_;
   }
 
-  bool lasts(const Regime& regime) const {
-    return lasts(regime, RegimeEquations(posed(regime), true));
-  }
+  bool lasts(const Regime& regime) const { return lasts(regime, {posed(regime), true}); }
   // Whether more contacts stick than the pose has unknowns, and do so for longer than an instant.
   bool lasts(const Regime& regime, const RegimeEquations& twist) const {
     if (!twist.spare) return true;
@@ -164,17 +159,16 @@ class ContactTrial {
 
   // The pairs that touch, those of the palm that leads first, and of each those of the regime.
   ClosedPairs closed_pairs(const Instant& now) const {
-    const ClosedPairs touching = closed_among(now, near_, closed_);
-    const std::size_t first = leading_side(now, regime_);
     ClosedPairs closed;
-    for (const std::size_t carrier : {first, other(first), std::size_t(Carrier::ground)}) {
-      const auto add = [&](const FeatureContact& c) {
-        if (c.carrier == carrier && !closed.full()) closed.push_back(c);
-      };
-      for (const ActivePair& a : regime_.active) add(now.contact(a.pair));
-      for (const FeatureContact& c : touching)
-        if (!regime_.has(c.pair)) add(c);
-    }
+    for (const ActivePair& a : regime_.active) closed.push_back(now.contact(a.pair));
+    for (const FeatureContact& c : closed_among(now, near_, closed_))
+      if (!regime_.has(c.pair) && !closed.full()) closed.push_back(c);
+    const bool is_right_first = leading_side(now, regime_) == right;
+    const auto rank = [&](const FeatureContact& c) {
+      return c.pair.carrier == right && is_right_first ? -1 : int(c.pair.carrier);
+    };
+    sort_few(closed.begin(), closed.size(),
+             [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
     return closed;
   }
 
@@ -190,10 +184,10 @@ class ContactTrial {
                            std::size_t partner) {
     RegimeEquations::System system;
     for (const FeatureContact& c : closed) {
-      if (c.carrier != side && c.carrier != partner) continue;
+      if (c.pair.carrier != side && c.pair.carrier != partner) continue;
       for (const Vec direction : {c.normal, c.tangent}) {
         const Triple row = now.row(c, direction);
-        system.add({row.x, row.y, row.z, c.carrier == side ? -direction.x : 0.0},
+        system.add({row.x, row.y, row.z, c.pair.carrier == side ? -direction.x : 0.0},
                    now.given(c, direction));
       }
     }

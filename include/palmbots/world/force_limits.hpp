@@ -24,7 +24,7 @@ class BalancedForces {
     const Rays rays = at.rays();
     FixedList<std::size_t, Rays::capacity> carriers;  // of the rays
     for (const ActiveContact& c : at.contacts)
-      each_edge(c.motion, c.friction, [&](double) { carriers.push_back(c.carrier); });
+      each_edge(c.motion, c.friction, [&](double) { carriers.push_back(c.pair.carrier); });
     for_each_combination(rays, at.weight(), [&](const RayShares& shares) {
       if (forces_.full() || shares.least() < -slack) return;
       RobotForces force{};

@@ -49,6 +49,9 @@ struct GeneralStep {
   PerSide<PalmAngle<Real>> turned{at_its_goal(left), at_its_goal(right)};
   PerSide<Real> radius = contact_radii(model.outline);
   bool is_rounded = rolls(model);
+  // The part of the step between two checks for events.
+  Real interval = longest_turn<Real> /
+                  larger(longest_turn<Real>, larger(magnitude(turn[left]), magnitude(turn[right])));
   // What is done of the step, and the state there.
   Real done = Real(0);
   State now = world;
@@ -64,7 +67,7 @@ struct GeneralStep {
   Real sense() const { return Real(static_cast<int>(direction)); }
 
   [[gnu::noinline]] Advance<Real> run() {
-    Real look = max_event_interval();
+    Real look = interval;
     bool known = false;  // the direction, from the event that ended the last piece
     for (int looks = 1;; ++looks) {
       const bool iteration_limit =
@@ -84,7 +87,7 @@ struct GeneralStep {
         look = Real(0.5) * (goal - done);  // both slide for only a part of this piece
         continue;
       }
-      look = max_event_interval();
+      look = interval;
       const auto [event, when] = first_event(goal, then, slider, iteration_limit);
       const State next = event == Event::none ? then : state(when, slider);
       if (is_rounded && reason_at(next) != DropReason::none) return leave();
@@ -145,11 +148,6 @@ struct GeneralStep {
     if (slides_alone(slider))
       note_root(Event::tie, [&](const State& s) { return own_lead(s, slider); });
     return first;
-  }
-
-  Real max_event_interval() const {
-    const Real most = larger(magnitude(turn[left]), magnitude(turn[right]));
-    return most > longest_turn<Real> ? longest_turn<Real> / most : Real(1);
   }
 
   // The state at a fraction t of the step, if `slider` slides from now on.
@@ -301,10 +299,9 @@ struct GeneralStep {
   Advance<Real> finish(const State& s, Real fraction, SlidingContact slider) {
     static_cast<State&>(world) = s;
     result.fraction = fraction;
-    if (slider == SlidingContact::on_left || slider == SlidingContact::both)
-      result.motion[left] = direction;
-    if (slider == SlidingContact::on_right || slider == SlidingContact::both)
-      result.motion[right] = direction;
+    for (const std::size_t side : {left, right})
+      if (slider == SlidingContact::both || static_cast<std::size_t>(slider) == side)
+        result.motion[side] = direction;
     return result;
   }
 

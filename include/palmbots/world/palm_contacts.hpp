@@ -59,8 +59,8 @@ inline bool share_edge(const RoundedBody& body, const FeaturePair& a, const Feat
 inline bool is_flush(const RoundedBody& body, const ClosedPairs& closed,
                      const FeatureContact& own) {
   constexpr double parallel = 0.01;  // an edge that leans on a heel slants more
-  return own.carrier <= right && std::ranges::any_of(closed, [&](const FeatureContact& other) {
-           return &other != &own && other.carrier == own.carrier &&
+  return own.pair.carrier <= right && std::ranges::any_of(closed, [&](const FeatureContact& other) {
+           return &other != &own && other.pair.carrier == own.pair.carrier &&
                   length(other.normal - own.normal) <= parallel &&
                   share_edge(body, own.pair, other.pair);
          });
@@ -76,7 +76,7 @@ inline std::vector<Touched> touched_by(const ContactShapes& shapes, const Closed
     if (detail::is_known(closed, c, 2.0 * within)) continue;
     const Surface& surface = shapes.surfaces[c.pair.surface];
     found.push_back({detail::is_flush(shapes.body, closed, c) ? "flush" : name_of(surface),
-                     c.carrier, surface.tip ? surface.at.x : c.place, c});
+                     c.pair.carrier, surface.tip ? surface.at.x : c.place, c});
   }
   return found;
 }
@@ -115,9 +115,10 @@ inline std::optional<FurtherContact> first_further(const Instant& at, const Regi
     if (a.pair == own[left] || a.pair == own[right]) continue;
     const Surface& surface = at.problem.surface(a.pair);
     const FeatureContact c = at.contact(a.pair);
-    const Vec normal = at.frames[c.carrier].from_world(c.normal);
+    const Vec normal = at.frames[c.pair.carrier].from_world(c.normal);
     const bool slants = magnitude(within_tip(surface, normal)) > contact_tolerance<double>;
-    return FurtherContact{surface.tip && slants ? ContactKind::tip : ContactKind::flush, c.carrier};
+    return FurtherContact{surface.tip && slants ? ContactKind::tip : ContactKind::flush,
+                          c.pair.carrier};
   }
   return std::nullopt;
 }

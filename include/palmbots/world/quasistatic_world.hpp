@@ -161,7 +161,12 @@ class World {
     const ModelParams<Real>& params = model_;
     const FastStep<Real> step = step_fast(params, state_, change, angles, push);
     if (!step.done) return take_apart(change, angles);
-    note(step.on_left ? left : right, step.closing, step.switched);
+    const std::size_t side = step.on_left ? left : right;  // it slid, at last or all the time
+    last_.reason = DropReason::none;
+    last_.fraction = Real(1);
+    last_.motion[side] = step.closing ? SlipDirection::up : SlipDirection::down;
+    last_.motion[other(side)] = SlipDirection::stick;
+    last_.segments = step.switched ? 2 : 1;
     return last_;
   }
 
@@ -184,15 +189,6 @@ class World {
   }
 
  private:
-  // Of a step that is done: the contact of this side slid, at last or all the time.
-  [[gnu::always_inline]] void note(std::size_t side, bool closing, bool switched) {
-    last_.reason = DropReason::none;
-    last_.fraction = Real(1);
-    last_.motion[side] = closing ? SlipDirection::up : SlipDirection::down;
-    last_.motion[other(side)] = SlipDirection::stick;
-    last_.segments = switched ? 2 : 1;
-  }
-
   const Advance<Real>& take_apart(const PerSide<Vec>& by, const PerSide<Real>& angles) {
     choices_.clear();
     fall_.reset();
@@ -211,9 +207,8 @@ class World {
   // Whether contacts may leave the part of the palm on which the heel touches nothing, up to the heel.
   bool may_leave_reach() const { return model_.profile[left].stops || model_.profile[right].stops; }
   bool is_beyond_reach() const {
-    const PerSide<Real>& places = state_.configuration.contacts;
-    return !(within(places[left], model_.reach[left]) &&
-             within(places[right], model_.reach[right]));
+    const PerSide<Real>& p = state_.configuration.contacts;
+    return !(within(p[left], model_.reach[left]) && within(p[right], model_.reach[right]));
   }
 
   // Whether this is a further contact, with which the object moves on.

@@ -57,7 +57,7 @@ using ClosedPairs = FixedList<FeatureContact, 2 * max_supports>;
 // The near pairs whose gap is at most `closed` [m], and that are at most `beyond` beyond the end of a
 // feature.
 inline ClosedPairs closed_among(const Instant& at, const NearPairs& near, double closed,
-                                double beyond = 100.0 * ContactTolerance::blank) {
+                                double beyond = 100.0 * Tolerance::blank) {
   ClosedPairs found;
   for (const NearPair& one : near) {
     const FeatureContact c = at.contact(one.pair);
@@ -92,11 +92,11 @@ inline std::size_t leading_side(const Instant& at, const Regime& regime) {
 // Two pairs that touch at one point: a feature and its neighbour, where one hands over to the other,
 // or a corner of the object at a tip.
 inline bool at_one_point(const FeatureContact& a, const FeatureContact& b, double size) {
-  return length(a.point - b.point) < ContactTolerance::blank * size;
+  return length(a.point - b.point) < Tolerance::blank * size;
 }
 
 inline bool in_one_direction(const FeatureContact& a, const FeatureContact& b) {
-  return magnitude(cross(a.normal, b.normal)) < ContactTolerance::blank;
+  return magnitude(cross(a.normal, b.normal)) < Tolerance::blank;
 }
 
 // Adds a candidate in which the closed pairs have these motions.
@@ -130,7 +130,7 @@ inline bool off_palm(const Instant& at, double closed) {
   const ContactProblem& problem = at.problem;
   return problem.on_both && std::ranges::any_of(problem.shapes.own, [&](FeaturePair pair) {
            const FeatureContact c = at.contact(pair);
-           const double near = ContactTolerance::blank * problem.shapes.size;
+           const double near = Tolerance::blank * problem.shapes.size;
            return c.gap <= closed && problem.left_of_reach(c) <= near;
          });
 }
@@ -143,16 +143,16 @@ inline DropReason reason_of(const ContactProblem& problem, const ClosedPairs& cl
   Rays rays;
   for (std::size_t i = 0; i < closed.size() && i < max_supports; ++i) {
     const FeatureContact& c = closed[i];
-    if (c.carrier <= right) touched[c.carrier] = true;
+    if (c.pair.carrier <= right) touched[c.pair.carrier] = true;
     const double x = c.point.x - problem.slope * c.point.y;
-    const double slack = ContactTolerance::blank * problem.shapes.size;
+    const double slack = Tolerance::blank * problem.shapes.size;
     beside[left] = beside[left] && x < slack;
     beside[right] = beside[right] && x > -slack;
     add_rays(rays, c, Motion::stick, problem.shapes.size);
   }
   if (problem.on_both && (!touched[left] || !touched[right])) return DropReason::lifting;
   if (beside[left] || beside[right]) return DropReason::tipping;
-  const double least = 10.0 * ContactTolerance::blank;
+  const double least = 10.0 * Tolerance::blank;
   return depth_in(rays, problem.weight(false)) > least ? DropReason::none : DropReason::sliding;
 }
 
@@ -171,7 +171,7 @@ class RegimeSearch {
   RegimeCandidates candidates(const Frames& moving) const {
     Velocities velocities{};
     for (std::size_t i = 0; i < supports_.size(); ++i)
-      velocities[i] = moving[closed_[i].carrier].velocity_at(com_ + supports_[i].point);
+      velocities[i] = moving[closed_[i].pair.carrier].velocity_at(com_ + supports_[i].point);
     const Twists twists(supports_, velocities);
     RegimeCandidates found;
     const auto add_all = [&](const BalancingRays& balancing, bool pushed) {

@@ -20,7 +20,7 @@ namespace palmbots {
 
 // Tolerances, far below anything that is measured and above rounding. Gaps are in sizes of the
 // object.
-struct ContactTolerance {
+struct Tolerance {
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
   static constexpr double gap = 64.0 * epsilon;
   static constexpr double closed = 2e5 * epsilon;    // counts as closed at an event
@@ -76,7 +76,7 @@ void each_pair(const ContactShapes& shapes, std::size_t first, Visit visit) {
 inline void add_near(NearPairs& found, const FeatureContact& c, double reach, double closed) {
   if (found.full() || !(magnitude(c.gap) <= reach)) return;
   const bool behind = c.gap < -closed;
-  if (!behind || !(c.inside > ContactTolerance::blank)) found.push_back({c.pair, behind});
+  if (!behind || !(c.inside > Tolerance::blank)) found.push_back({c.pair, behind});
 }
 
 // Finds the near pairs repeatedly while object and surfaces move. It remembers the pairs of a wider
@@ -139,7 +139,7 @@ struct Conditions : FixedList<double, 2 * max_supports + NearPairs::capacity + 8
   bool settled = true;
 
   static constexpr double behind = -1.0;  // the value of a pair that is behind where it can touch
-  static constexpr double rounding = 8.0 * ContactTolerance::epsilon;
+  static constexpr double rounding = 8.0 * Tolerance::epsilon;
   static constexpr double met = 1.0;  // that of a condition without a measure
 
   // Adds the next `n` conditions as met where none of them fails in `elsewhere`, conditions of the
@@ -175,7 +175,7 @@ inline bool is_clear(const Instant& at, const NearPairs& near, const FeatureCont
   const Surface& surface = at.problem.surface(behind.pair);
   if (behind.pair.kind == PairKind::corner_on_face)
     return !(shapes.body.corners[behind.pair.feature].radius > 0.0) &&
-           !is_pierced(at, surface, ContactTolerance::blank * shapes.size);
+           !is_pierced(at, surface, Tolerance::blank * shapes.size);
   return std::ranges::any_of(near, [&](const NearPair& one) {
     const FeaturePair pair = one.pair;
     if (pair.surface != behind.pair.surface || pair.kind != PairKind::tip_on_edge) return false;
@@ -191,14 +191,13 @@ inline double balance_of(const PosedRegime& at) {
   double best = -1.0;
   for_each_combination(at.rays(), at.weight(),
                        [&](const RayShares& shares) { best = larger(best, shares.least()); });
-  return best + ContactTolerance::force;
+  return best + Tolerance::force;
 }
 
 // Adds those of robots with limits. `speed` is that of one that yields; it is known to `slack`, as a
 // share of the pace.
 inline void add_limits(Conditions& all, const PosedRegime& at, double speed, double slack,
                        double pace) {
-  using Tolerance = ContactTolerance;
   const BalancedForces forces(at, Tolerance::force);
   all.push_back(Tolerance::force - forces.least_excess());
   if (!at.regime.stalls()) return;
@@ -218,13 +217,12 @@ inline void add_limits(Conditions& all, const PosedRegime& at, double speed, dou
 // holds the regime's rate equations; `pace` bounds how far a point of a surface moves in the step [m].
 inline void add_motion(Conditions& all, const PosedRegime& at, const RegimeEquations& twist,
                        double pace) {
-  using Tolerance = ContactTolerance;
   const auto moves = twist.system.solution();
   const double least = twist.balance ? Tolerance::balanced_rate : Tolerance::rate;
   if (at.problem.is_limited()) add_limits(all, at, moves[3], least, pace);
   for (const ActiveContact& c : at.contacts) {
     if (c.motion == Motion::stick) continue;
-    const bool yields = c.carrier == at.regime.yielding();
+    const bool yields = c.pair.carrier == at.regime.yielding();
     const double speed = dot(at.row(c, c.tangent), {moves[0], moves[1], moves[2]}) -
                          at.given(c, c.tangent) - (yields ? c.tangent.x * moves[3] : 0.0);
     all.push_back(way_of(c.motion) * speed / pace + least);
@@ -236,7 +234,6 @@ inline void add_motion(Conditions& all, const PosedRegime& at, const RegimeEquat
 // as met.
 inline Conditions conditions_of(const PosedRegime& at, const NearPairs& near, double pace,
                                 const Conditions* failing = nullptr, bool all_of_them = true) {
-  using Tolerance = ContactTolerance;
   const ContactProblem& problem = at.problem;
   Conditions all;
   if (!all.skips(failing)) all.push_back(balance_of(at));

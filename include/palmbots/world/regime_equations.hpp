@@ -30,7 +30,7 @@ inline Unbalance unbalanced(const PosedRegime& at, const Frames& frames, Vec vel
   FixedList<Triple, 2> ray_rate;
   for (const ActiveContact& c : at.contacts) {
     const PairKind kind = c.pair.kind;
-    const Frame& frame = frames[c.carrier];
+    const Frame& frame = frames[c.pair.carrier];
     const double radius =
         kind == PairKind::tip_on_edge ? 0.0 : shapes.body.corners[c.pair.feature].radius;
     Vec point_rate{};
@@ -88,7 +88,7 @@ struct RegimeEquations {
     if (!yields) add({}, 0.0, 1.0);
     const auto close = [&](const FeatureContact& c, Vec direction, double off) {
       add(at.row(c, direction), rates ? at.given(c, direction) : off,
-          c.carrier == yielding ? -direction.x : 0.0);
+          c.pair.carrier == yielding ? -direction.x : 0.0);
     };
     for (const ActiveContact& c : at.contacts) close(c, c.normal, c.gap);
     for (const ActiveContact& c : at.contacts)

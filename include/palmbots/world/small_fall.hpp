@@ -245,7 +245,7 @@ class SmallFall {
   Instant& now_;
   double most_;
   double size_ = now_.problem.shapes.size;
-  double closed_ = ContactTolerance::closed * size_;
+  double closed_ = Tolerance::closed * size_;
 };
 
 // `SmallFall::run`.
