@@ -16,11 +16,14 @@ from emulator.board import Board, Image, PowerFailed
 from emulator.peripherals.radio import airtime_us
 from emulator.processor import CYCLES_PER_US
 from emulator.tick_record import FAULTS, read_record
-from palmbots._types import SIDES
+from palmbots._types import SIDES, Side
 from palmbots.boards.pair_settings import BoardPair
 from palmbots.boards.settings_page import PAGE_ADDRESS, SWITCHES
 from palmbots.scene.scene import load_scene
+from palmbots.scene.spec import to_spec
 from palmbots.simulation.episode import Episode
+from palmbots.simulation.world_stage import FloorCommand, FloorStage
+from palmbots.simulation.worlds import DEFAULT_WORLD
 
 QUANTUM_US = 1000.0
 MODES = _core.wire.robot_modes
@@ -87,11 +90,13 @@ class LiveBoard:
 
     last_palm = 0
 
-    def feel(self, sign: int, at_target: bool) -> None:
-        """Close the switches of the palm."""
+    def feel(self, sign: int, at_target: bool, touches: bool = True, beneath: bool = False) -> None:
+        """Close the switches of the palm, and that of its place below an object on a stand."""
         names = {-1: "minus", 0: "zero", 1: "plus"}
         meant = [i for i, m in enumerate(self.layout) if SWITCHES[m] == names[sign]]
-        closed = 1 << meant[0] if meant else 0
+        closed = 1 << meant[0] if meant and touches else 0
+        if beneath and (own := SWITCHES.index("beneath")) in self.layout:
+            closed |= 1 << self.layout.index(own)
         if at_target:
             closed |= 1 << (7 if self.note("palm") == 0 else 8)
         closed |= self.stuck
@@ -143,14 +148,19 @@ class LivePair:
         self._endless = load_scene(
             self.scene, {"task.distance_m": 1000.0, "task.timeout_s": 10000.0}
         )
-        self.world = Episode(self._endless, seed, record=False)
+        self.job: FloorStage | None = None
+        """The world of a job on the floor or at a stand."""
+        if to_spec(self.scene).uses_floor:
+            self.job = FloorStage(self.scene, DEFAULT_WORLD, seed)
+        else:
+            self.world = Episode(self._endless, seed, record=False)
         self.damaged = 0
         """Packets with a wrong bit."""
         self.collided = 0
         """Packets that nobody has received because two overlapped."""
         self._commands: list[tuple[Command, Command]] = []
         self.robots: list[LiveBoard] = []
-        for number, side in enumerate(SIDES):
+        for number, side in enumerate(self.scene.working_sides):
             settings = boards.settings(side, 1)
             flash = image.flash[:PAGE_ADDRESS] + boards.page(side, 1)
             board = Board(replace(image, flash=flash), seed + number, clocks[number])
@@ -175,18 +185,40 @@ class LivePair:
 
     def tick(self) -> None:
         """One control period of the world."""
-        for robot, seen in zip(self.robots, self.world.seen(), strict=True):
-            robot.feel(seen[0], bool(seen[1]))
+        if self.job is None:
+            for robot, seen in zip(self.robots, self.world.seen(), strict=True):
+                robot.feel(seen[0], bool(seen[1]))
+        else:
+            frames = dict(zip(SIDES, self.job.frames(), strict=True))
+            for side, robot in self.of_side.items():
+                sign, at_target, _, touches, *_, beneath = frames[side]
+                robot.feel(sign, at_target, touches, beneath)
         end_us = self.time_us + self.period_us
         while self.time_us < end_us - 1e-6:
             self.time_us = min(end_us, self.time_us + QUANTUM_US)
             for end in self.ends:
                 self._run(end)
             self._pass_packets()
+        if self.job is not None:
+            self.job.step(*(self._floor_command(side) for side in SIDES))
+            return
         left, right = (robot.command() for robot in self.robots)
         if self.is_held:
             self._commands.append((left, right))
             self._obey(left, right)
+
+    @property
+    def of_side(self) -> dict[Side, LiveBoard]:
+        """The robots that work."""
+        return dict(zip(self.scene.working_sides, self.robots, strict=True))
+
+    def _floor_command(self, side: Side) -> FloorCommand:
+        """What a robot commands in a job; an arm without pulses holds."""
+        assert self.job is not None
+        robot = self.of_side.get(side)
+        if robot is None or not robot.is_on or robot.mode == "off":
+            return self.job.rest(None)
+        return (*robot.command(), robot.note("arm"), robot.note("phase"))
 
     def _obey(self, left: Command, right: Command) -> None:
         self.world.stop(left[2], right[2])
@@ -279,11 +311,12 @@ class LivePair:
 
     def press(self, buttons: int, *sides: int) -> None:
         """Press and release buttons of these robots, of both by default."""
-        for side in sides or (0, 1):
-            self.robots[side].board.hold_buttons(buttons)
+        chosen = [self.robots[side] for side in sides] or self.robots
+        for robot in chosen:
+            robot.board.hold_buttons(buttons)
         self.run(0.1)
-        for side in sides or (0, 1):
-            self.robots[side].board.hold_buttons(0)
+        for robot in chosen:
+            robot.board.hold_buttons(0)
         self.run(0.1)
 
     def start(self) -> bool:
@@ -304,8 +337,8 @@ class LivePair:
 
     @property
     def is_held(self) -> bool:
-        """The object lies on both palms."""
-        return self.world.outcome != "dropped"
+        """The object has not been dropped."""
+        return (self.world if self.job is None else self.job).outcome != "dropped"
 
     def state(self) -> list[dict[str, Any]]:
         """What the robots report, for messages of tests."""

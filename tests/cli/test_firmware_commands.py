@@ -21,6 +21,7 @@ from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import read_state
 
 PAGE = 0xF000
+PAGE_SIZE = 208
 
 
 @pytest.fixture
@@ -37,9 +38,9 @@ def test_images_hold_what_the_pair_says(pair: Path, tmp_path: Path, here: Run) -
     for role, file in enumerate(files):
         assert stat.S_IMODE(file.stat().st_mode) == 0o600
         image = IntelHex(str(file))
-        page = image.tobinstr(start=PAGE, size=200)
+        page = image.tobinstr(start=PAGE, size=PAGE_SIZE)
         assert int.from_bytes(page[:4], "little") == 0x42504D42
-        assert int.from_bytes(page[196:], "little") == zlib.crc32(page[:196])
+        assert int.from_bytes(page[-4:], "little") == zlib.crc32(page[:-4])
         assert page[80] == role
         if role < 2:
             assert page[8:24] == key
@@ -51,6 +52,15 @@ def test_images_hold_what_the_pair_says(pair: Path, tmp_path: Path, here: Run) -
         stack, start = (int.from_bytes(image.tobinstr(start=i, size=4), "little") for i in (0, 4))
         assert 0x20000000 < stack <= 0x20002000
         assert 0x100 < start < PAGE
+
+
+def test_a_robot_that_stands_aside_has_no_image(tmp_path: Path, here: Run) -> None:
+    arm: dict[str, object] = {"hardware.arm_floor_deg": 50.0, "hardware.arm_top_deg": 150.0}
+    pair = init_pair(tmp_path / "pair.toml", scene="lone", values=arm)[0]
+    done = here("firmware", str(pair), "--out", str(tmp_path / "images"), "--json")
+    assert done.returncode == 0, done.stderr
+    files = [Path(name).name for name in json.loads(done.stdout)["files"]]
+    assert files == ["right.hex", "dongle.hex"]
 
 
 def test_a_pair_file_that_says_nothing_about_the_robots_gives_one_line(
@@ -71,7 +81,7 @@ def test_no_two_images_share_an_epoch(pair: Path, tmp_path: Path, here: Run) -> 
     spans = []
     for _ in range(2):
         assert here("firmware", str(pair), "--out", str(tmp_path / "images")).returncode == 0
-        page = IntelHex(str(tmp_path / "images" / "left.hex")).tobinstr(start=PAGE, size=200)
+        page = IntelHex(str(tmp_path / "images" / "left.hex")).tobinstr(start=PAGE, size=PAGE_SIZE)
         spans.append(tuple(int.from_bytes(page[i : i + 4], "little") for i in (24, 28)))
     (first, last), (next_first, _) = spans
     assert first == 1

@@ -55,10 +55,11 @@ def make_boards(
     controller: str = "resilient",
     overrides: dict[str, Any] | None = None,
     values: dict[str, Any] | None = None,
+    scene: str = "paper",
 ) -> BoardPair:
     """A pair that two boards can run without a station."""
-    scene = pb.load_scene("paper", {"task.distance_m": 0.3} | (overrides or {}))
-    (folder / "scene.toml").write_text(scene.to_toml())
+    own = pb.load_scene(scene, {"task.distance_m": 0.3} | (overrides or {}))
+    (folder / "scene.toml").write_text(own.to_toml())
     chosen = {
         "limits.station_lost": "carry-on",
         "limits.after_reboot": "rejoin",

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the LEDs of a robot show (docs/guide/firmware.md)."""
 
-import zlib
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -10,7 +9,7 @@ from emulator.board import Board, Image
 from emulator.live import A, B, LivePair
 from emulator.processor import CYCLES_PER_US
 from palmbots.boards.pair_settings import BoardPair
-from palmbots.boards.settings_page import PAGE_ADDRESS
+from palmbots.boards.settings_page import PAGE_ADDRESS, settings_page
 
 MakeBoards = Callable[..., BoardPair]
 PICTURES = {
@@ -97,10 +96,8 @@ def test_an_image_without_settings_shows_it(image: Image) -> None:
 
 
 def test_an_image_without_boots_shows_it(image: Image, boards: MakeBoards) -> None:
-    page = bytearray(boards().page("left", 1))
-    page[28:32] = (2).to_bytes(4, "little")  # the last of its boots is the second
-    page[196:200] = zlib.crc32(bytes(page[:196])).to_bytes(4, "little")
-    board = Board(replace(image, flash=image.flash[:PAGE_ADDRESS] + bytes(page)))
+    settings = replace(boards().settings("left", 1), last_epoch=2)
+    board = Board(replace(image, flash=image.flash[:PAGE_ADDRESS] + settings_page(settings)))
     for _ in range(2):
         board.boot()
         board.run_us(50_000)

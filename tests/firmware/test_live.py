@@ -4,16 +4,20 @@
 import zlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import palmbots._core as _core
 from emulator.board import Image
 from emulator.live import A, B, LivePair
 from emulator.processor import CYCLES_PER_US
 from flash_records import flash_record
+from live_faults import SHORT_WAY
 from palmbots.boards.pair_settings import BoardPair, board_pair
 from palmbots.control.registry import shipped_names
 from palmbots.pair.pair_file import init_pair, load_pair
+from sampled import in_soak
 
 MakeBoards = Callable[..., BoardPair]
 RESTING = ("disarmed", "armed", "done", "stopped", "fault")
@@ -51,6 +55,42 @@ def test_the_pair_of_the_guide_carries(image: Image, tmp_path: Path, controller:
     assert pair.run_until("done", within_s=60.0), pair.state()
     assert pair.is_held
     assert pair.world.sight().midpoint == pytest.approx(1.5, rel=0.05)
+
+
+ARM = {"hardware.arm_floor_deg": 50.0, "hardware.arm_top_deg": 150.0, "limits.time_limit_s": 300.0}
+STAND_SWITCH: dict[str, Any] = {"board.stand_switch": True}
+
+
+def job(image: Image, boards: MakeBoards, scene: str) -> LivePair:
+    overrides = SHORT_WAY.get(scene, {"task.distance_m": 0.3}) | {"robot.noise_m_s": 0.002}
+    values = ARM | (STAND_SWITCH if scene == "stand" else {})
+    made = boards("shared-sign", overrides, values, scene=scene)
+    pair = LivePair(image, made, seed=3)
+    assert pair.start(), pair.state()
+    return pair
+
+
+@pytest.mark.parametrize("scene", ["stand", "lone", in_soak("lift"), in_soak("handover")])
+def test_boards_do_a_job_by_their_buttons(image: Image, boards: MakeBoards, scene: str) -> None:
+    """Without encoders each travels for a time, and a switch states that it is below a stand."""
+    pair = job(image, boards, scene)
+    assert pair.run_until("done", within_s=120.0), pair.state()
+    assert pair.job is not None and pair.job.is_put_down
+    assert pair.job.carried_m == pytest.approx(pair.scene.task.distance_m, rel=0.05)
+
+
+def test_boards_put_the_object_down_if_one_that_hands_it_over_restarts(
+    image: Image, boards: MakeBoards
+) -> None:
+    pair = job(image, boards, "handover")
+    giver, taker = pair.robots
+    while _core.lift_state_numbers[64 + taker.note("phase")] != "ahead":
+        pair.run(0.1)
+    assert pair.job is not None and max(pair.job.heights_m) > 0.14
+    pair.cut_power(taker, 0.2)
+    assert pair.run_until("fault", within_s=10.0), pair.state()
+    assert {_core.wire.fault_codes[robot.note("code")] for robot in (giver, taker)} == {"job"}
+    assert max(pair.job.heights_m) < 0.05 and pair.is_held
 
 
 def test_packets_leave_at_random_instants(image: Image, boards: MakeBoards) -> None:
@@ -243,9 +283,9 @@ def test_another_key_is_shown(image: Image, boards: MakeBoards) -> None:
     mine = boards()
     pair = LivePair(image, mine, seed=11)
     stranger = LivePair(image, mine, seed=12)
-    other = bytearray(stranger.robots[1].board.bytes_at(0xF000, 200))
+    other = bytearray(mine.settings("right", 1).packed())
     other[8:24] = bytes(16)
-    other[196:] = zlib.crc32(bytes(other[:196])).to_bytes(4, "little")
+    other[-4:] = zlib.crc32(bytes(other[:-4])).to_bytes(4, "little")
     pair.ends[1] = pair.robots[1] = stranger.robots[1]
     pair.robots[1].board.set_bytes(0xF000, bytes(other))
     pair.run(4.0)
