@@ -62,11 +62,12 @@ def suffices(one: OutcomeCounts) -> bool:
 
 
 def best_of(counts: Sequence[OutcomeCounts]) -> OutcomeCounts | None:
-    """The recommended controller if it suffices, else the one that fails least often; None: no
-    carry of any controller delivers."""
+    """The recommended controller if it suffices or none fails less often, else the one that fails
+    least often; None: no carry of any controller delivers."""
     usable = [one for one in counts if one.failure_rate < 1]
     named = [one for one in usable if one.controller == RECOMMENDED and suffices(one)]
-    return (named or sorted(usable, key=lambda one: one.failure_rate) or [None])[0]
+    usable.sort(key=lambda one: (one.failure_rate, one.controller != RECOMMENDED))
+    return (named or usable or [None])[0]
 
 
 def swept(scene: Scene, key: str) -> str:

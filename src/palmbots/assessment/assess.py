@@ -36,6 +36,7 @@ from palmbots.assessment.friction import (
     try_friction,
 )
 from palmbots.assessment.load import LOAD_CARRIES, LoadTrial, try_load
+from palmbots.assessment.on_route import counts_of, one_job, plan_each, route_answers
 from palmbots.assessment.one_palm import one_palm_answers
 from palmbots.assessment.radio import RadioTrial, try_losses
 from palmbots.assessment.raised_noise import revealing_noise
@@ -59,7 +60,7 @@ from palmbots.assessment.what_if import (
 )
 from palmbots.control.registry import shipped_names
 from palmbots.control.tolerated_noise import RECOMMENDED
-from palmbots.errors import PalmbotsError, SceneError
+from palmbots.errors import PalmbotsError
 from palmbots.mechanics.load_limits import load_limits
 from palmbots.mechanics.lone import on_one_palm
 from palmbots.mujoco.curve_trial import (
@@ -157,7 +158,8 @@ class Assessment(Result):
             if self.answers.load.verdict == "no":
                 return "the object is too heavy for these robots"
             return "no carry arrives with any shipped controller"
-        use = f"use {best.controller}: it fails in {failures(best)} of carries"
+        what = "routes" if self.scene.task.route.is_set else "carries"
+        use = f"use {best.controller}: it fails in {failures(best)} of {what}"
         doubts = []
         if self.load is not None and self.load.cause == "other":
             doubts.append("in MuJoCo it fails more often, also with a light object")
@@ -265,26 +267,22 @@ def assess(
             "friction: an interval is tried with two palms, and one palm at a time holds this "
             "object; allowed: none, or palm.friction set to either end"
         )
-    if chosen.task.route.is_set:
-        raise SceneError(
-            "task.route: takes several carries, and each answer is on a single one; allowed: no "
-            "route, or palmbots route, which counts how often a route fails and states how far the "
-            "object drifts, and palmbots analyze, which states the margins of a job on it"
-        )
     name = chosen.spelled
     planar = respelled(name, {"task.path.kind": "straight"} if chosen.task.path.is_curved else {})
     interval = None if friction is None else interval_of_friction(chosen, friction)
     path = tried_turn(chosen, turn_radius_m, turn_angle_deg)
     if on_line is not None and (hint := without_mujoco()):
         on_line(f"nothing is tried in {hint}")
-    straight = _straightened(chosen)
+    left = TimeLeft(on_progress or (lambda fraction: None), _PARTS)
+    names = (RECOMMENDED,) if is_on_one else shipped_names()
+    plans = plan_each(chosen, names, left) if chosen.task.route.is_set else ()
+    straight = one_job(chosen, plans) if plans else _straightened(chosen)
     check_palms(to_spec(straight))
     analysis = analyze(straight)
     worst = least_sound(straight, interval)
     worst_mu = None if interval is None else worst.scene.palm_of("left").friction
     asked = {"turn_radius_m": turn_radius_m, "turn_angle_deg": turn_angle_deg}
     given = {"friction": interval, **{k: v for k, v in asked.items() if v != _USUAL_TURN[k]}}
-    left = TimeLeft(on_progress or (lambda fraction: None), _PARTS)
     answers: dict[str, Answer] = {}
 
     def known(name: str, answer: Answer) -> None:
@@ -292,10 +290,9 @@ def assess(
         if on_line is not None and left.total_s > _LONG_S:
             on_line(f"{answer.question} {answer.word}")
 
-    names = (RECOMMENDED,) if is_on_one else shipped_names()
-    counts = count_each(straight, names, left)
+    counts = counts_of(plans) if plans else count_each(straight, names, left)
     best = best_of(counts)
-    special = one_palm_answers(straight, planar) if is_on_one else {}
+    special = one_palm_answers(straight, planar) if is_on_one else route_answers(plans, name)
     known("carried", on_mechanics(worst, near_pivots(worst.scene, best), best, planar, worst_mu))
     known("controllers", on_controllers(counts, planar, straight))
     rough, loaded = None, chosen
@@ -310,12 +307,13 @@ def assess(
     change: ChangeTrial | NoChange | None = None
     report = left.begin("load")
     if best is not None:
-        load = try_load(_straightened(loaded), best, LOAD_CARRIES, report)
+        heavy = one_job(loaded, plans) if plans else _straightened(loaded)
+        load = try_load(heavy, best, LOAD_CARRIES, report)
         left.expect(curve=left.spent_s() / LOAD_CARRIES * carries_of_curve())
     known("load", on_load(load_limits(loaded), best, load, name, rough))
     known("drops", on_drops(counts, load, planar))
     report = left.begin("angles")
-    if best is not None and not is_on_one:
+    if best is not None and "angles" not in special:
         count = default_carries(prepare(straight, best.controller))
         noise = revealing_noise(straight, best.controller, count) if count else None
         angles = try_angles(
@@ -326,11 +324,11 @@ def assess(
     radio = () if "radio" in special else tuple(try_losses(straight, counts, report))
     known("radio", on_radio(radio, counts, planar, straight))
     report = left.begin("curve")
-    if best is not None and turn_radius_m > 0 and not is_on_one:
+    if best is not None and turn_radius_m > 0 and "curve" not in special:
         curve = try_curve(chosen, best.controller, path, report, carries=counted.CURVE_CARRIES)
     known("curve", on_curve(curve, best, chosen))
     report = left.begin("change")
-    if best is not None or load_limits(straight).refusal():
+    if "change" not in special and (best is not None or load_limits(straight).refusal()):
         change = try_changes(
             straight,
             best.controller if best else RECOMMENDED,

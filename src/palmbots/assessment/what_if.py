@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from itertools import takewhile
 from typing import Any
 
-from palmbots._types import Interval
+from palmbots._types import SIDES, Interval
 from palmbots._util.confidence_intervals import rate_interval, rate_text
 from palmbots._util.report import Table
 from palmbots._util.text import format_number, millimetres, plural
@@ -97,10 +97,11 @@ def on_friction(
     if trial is None:
         ranges = ", or ".join(f"from {low:.3f} to {high:.3f}" for low, high in analysis.friction)
         hold = f"hold for friction {ranges}" if ranges else "fail for every friction"
-        text = (
-            f"properties 1 and 2 {hold} (accelerations neglected); to try an interval of your own, "
-            "use --friction"
-        )
+        text = f"properties 1 and 2 {hold} (accelerations neglected)"
+        if any(analysis.scene.palm_of(side).heel_m > 0 for side in SIDES):
+            text += "; no certificate covers heels, so no interval is tried"
+            return Answer(question, "open", text, command_text("analyze", name))
+        text += "; to try an interval of your own, use --friction"
         middle = min(analysis.problem.friction)
         near = (float(f"{0.9 * middle:.3g}"), float(f"{1.1 * middle:.3g}"))
         options: dict[str, Any] = {**(given or {}), "friction": near}
