@@ -180,10 +180,9 @@ WASM_FLAGS = -target wasm32-wasi -std=c++20 -Iinclude -ffp-contract=off -fno-mat
 site/src/generated/core.wasm: $(wildcard site/core/*) $(shell find include -name '*.hpp') $(VENV)/site.done
 	@echo "Compiling the core to WebAssembly (about a minute)"
 	@mkdir -p $(@D)
-	@for part in page_scene touched_state recorded_job; do \
-		$(BIN)/python -m ziglang c++ $(WASM_FLAGS) -Oz -c site/core/$$part.cpp -o $(@D)/$$part.o || exit 1; done
-	@$(BIN)/python -m ziglang c++ $(WASM_FLAGS) -O2 -mexec-model=reactor -s site/core/core.cpp \
-		$(@D)/page_scene.o $(@D)/touched_state.o $(@D)/recorded_job.o -o $@
+	@printf '%s\n' 'core -O2' 'page_scene -Oz' 'touched_state -Oz' 'recorded_job -Oz' | xargs -P $$(nproc) -L 1 \
+		sh -c '$(BIN)/python -m ziglang c++ $(WASM_FLAGS) $$1 -c site/core/$$0.cpp -o $(@D)/$$0.o'
+	@$(BIN)/python -m ziglang c++ $(WASM_FLAGS) -O2 -mexec-model=reactor -s $(patsubst %,$(@D)/%.o,core page_scene touched_state recorded_job) -o $@
 
 site/src/generated/tables.json: scripts/site_tables.py verify/model_check.py verify/runs.toml \
 		$(shell find src/palmbots verify/counterexamples verify/models -type f -not -name '*.pyc') $(VENV)/extension.done
