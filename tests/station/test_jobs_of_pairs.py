@@ -35,11 +35,16 @@ class Job:
     """A pair, and what has to hold in every tick."""
 
     def __init__(
-        self, folder: Path, controller: str = "shared-sign", scene: str = "lift", **overrides: Any
+        self,
+        folder: Path,
+        controller: str = "shared-sign",
+        scene: str = "lift",
+        limits: dict[str, Any] = UP,
+        **overrides: Any,
     ) -> None:
         folder.mkdir(exist_ok=True)
         self.pair = SimulatedPair(
-            folder, controller, Air(), UP, {"task.distance_m": 0.3, **overrides}, scene=scene
+            folder, controller, Air(), limits, {"task.distance_m": 0.3, **overrides}, scene=scene
         )
         assert isinstance(self.pair.stage, FloorStage)
         self.stage: FloorStage = self.pair.stage
@@ -238,6 +243,18 @@ def test_jobs_at_stands_and_on_one_palm(scene: str, tmp_path: Path) -> None:
     assert job.pair.carry_until_the_end() == "delivered"
     assert job.stage.is_put_down
     assert job.stage.moved_m == pytest.approx(0.5, abs=0.1) or scene == "lone"
+    job.close()
+
+
+@pytest.mark.parametrize(("scene", "controller"), [("handover", "silent"), ("lift", "silent")])
+def test_robots_whose_controllers_say_nothing_hear_each_other_to_the_end(
+    scene: str, controller: str, tmp_path: Path
+) -> None:
+    """One is done earlier. Silence of the partner would end the carry of the other one."""
+    limits = UP | {"limits.partner_lost": "stop"}
+    job = Job(tmp_path / "pair", controller, scene, limits)
+    assert job.pair.carry_until_the_end() == "delivered", (job.pair.modes(), job.pair.lines)
+    assert not any("holding (partner_lost)" in line for line in job.pair.lines)
     job.close()
 
 

@@ -231,8 +231,10 @@ class RobotTalk {
     }
     if (packet.kind != wire::PacketKind::state && packet.kind != wire::PacketKind::phase) return;
     partner_mode_ = wire::state_of(packet.payload).mode;
-    // It was sent after the packet that it acknowledges, whose number is a tick of this robot.
-    partner_tick_ = packet.heard.sequence < tick_ ? packet.heard.sequence : tick_;
+    // It was sent after the packet that it acknowledges, whose number is a tick of this robot. A robot
+    // that sends one kind only hears little of that from packets of the other kind.
+    const std::uint32_t since = packet.heard.sequence < tick_ ? packet.heard.sequence : tick_;
+    if (partner_tick_ == never || since > partner_tick_) partner_tick_ = since;
   }
 
   std::uint16_t value_of(unsigned item, const Reading& reading, int phase) const {
@@ -279,7 +281,8 @@ class RobotTalk {
   ModeInputs arrived_;
   std::array<bool, wire::role_count> unanswered_{};  // senders of packets without a session
   wire::RobotMode partner_mode_ = wire::RobotMode::off;
-  std::uint32_t partner_tick_ = never;  // before which the partner's newest state was not sent
+  std::uint32_t partner_tick_ =
+      never;  // before which the newest packet of the partner was not sent
   std::uint32_t partner_settings_ = 0;
   AnswerAge station_;
   std::uint32_t sent_ = 0;
