@@ -3,9 +3,9 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <initializer_list>
+#include <memory>
 
 namespace palmbots {
 
@@ -22,7 +22,7 @@ class FixedList {
   }
   constexpr FixedList(const FixedList& other) { *this = other; }
   constexpr FixedList& operator=(const FixedList& other) {
-    std::copy(other.begin(), other.end(), items_.begin());
+    std::uninitialized_copy(other.begin(), other.end(), items_);
     size_ = other.size_;
     return *this;
   }
@@ -32,22 +32,24 @@ class FixedList {
   constexpr bool full() const { return size_ == most; }
   constexpr Item& operator[](std::size_t i) { return items_[i]; }
   constexpr const Item& operator[](std::size_t i) const { return items_[i]; }
-  constexpr Item* begin() { return items_.data(); }
-  constexpr Item* end() { return items_.data() + size_; }
-  constexpr const Item* begin() const { return items_.data(); }
-  constexpr const Item* end() const { return items_.data() + size_; }
+  constexpr Item* begin() { return items_; }
+  constexpr Item* end() { return items_ + size_; }
+  constexpr const Item* begin() const { return items_; }
+  constexpr const Item* end() const { return items_ + size_; }
 
   constexpr bool contains(const Item& item) const {
     return std::find(begin(), end(), item) != end();
   }
 
-  constexpr void push_back(const Item& item) { items_[size_++] = item; }
+  constexpr void push_back(const Item& item) { std::construct_at(items_ + size_++, item); }
   // Only the first ones.
   constexpr void keep(std::size_t size) { size_ = size; }
   constexpr void clear() { size_ = 0; }
 
  private:
-  std::array<Item, most> items_;
+  union {
+    Item items_[most];  // in a union, so that it is not initialized
+  };
   std::size_t size_ = 0;
 };
 

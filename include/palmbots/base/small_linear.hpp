@@ -26,10 +26,10 @@ class EchelonForm {
       row[pivots_[k]] = Real(0);
       value -= factor * values_[k];
     }
-    if (!(largest(row) > dependent * scale)) return false;
     std::size_t pivot = 0;
     for (std::size_t c = 1; c < n; ++c)
       pivot = magnitude(row[c]) > magnitude(row[pivot]) ? c : pivot;
+    if (!(magnitude(row[pivot]) > dependent * scale)) return false;
     rows_[count_] = row;
     values_[count_] = value;
     pivots_[count_++] = pivot;
