@@ -74,14 +74,17 @@ using Motions = std::array<Motion, max_supports>;
 // Tolerance below which unit vectors, wrenches [weights] and rates count as equal.
 inline constexpr double wrench_tolerance = 1e-9;
 
-// The shares with which two, three or four vectors cancel, in any scale: Σ share v = 0. False where the
-// vectors do not span exactly one dimension less than there are of them, up to rounding.
+// The shares with which two, three or four vectors of unit size cancel, in any scale: Σ share v = 0.
+// False where they do not span exactly one dimension less than there are of them, up to rounding.
 inline bool cancels(const std::array<Triple, 2>& v, std::array<double, 2>& shares) {
+  const Triple across = cross(v[0], v[1]);
+  if (dot(across, across) > wrench_tolerance) return false;  // clearly; mostly
   shares = {size(v[1]), dot(v[0], v[1]) < 0.0 ? size(v[0]) : -size(v[0])};
-  return size(cross(v[0], v[1])) <= wrench_tolerance * larger(size(v[0]), size(v[1]));
+  return size(across) <= wrench_tolerance * larger(size(v[0]), size(v[1]));
 }
 inline bool cancels(const std::array<Triple, 3>& v, std::array<double, 3>& shares) {
   const std::array<Triple, 3> across{cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])};
+  if (magnitude(dot(v[0], across[0])) > 2.0 * wrench_tolerance) return false;  // clearly; mostly
   const std::array<double, 3> areas{dot(across[0], across[0]), dot(across[1], across[1]),
                                     dot(across[2], across[2])};
   std::size_t widest = areas[1] > areas[0] ? 1 : 0;
