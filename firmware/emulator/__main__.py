@@ -33,9 +33,20 @@ _RADIO_FAILS = [
 ]
 
 
-JOB = {"arm.height_error_m": 0.0, "radio.lease_s": 0.5437, "task.distance_m": 0.3}
+JOB: dict[str, Any] = {"arm.height_error_m": 0.0, "radio.lease_s": 0.5437, "task.distance_m": 0.3}
 """Of a job on the floor. Nothing measures the arm of a board, which knows its height by what it has
 commanded: so the arm of the world is as exact, and no step of it ends with a tick."""
+JOBS: dict[str, dict[str, Any]] = {
+    "stand": {
+        "task.distance_m": 0.5,
+        "floor.stands": [
+            {"from_m": x - 0.2, "to_m": x + 0.2, "height_m": 0.1, "gap_m": 0.26} for x in (0.0, 0.5)
+        ],
+    },
+    # Arms arrive, and pass their steps, in the middle of a tick.
+    "handover": {"arm.carry_height_m": 0.15034, "radio.lease_s": 0.874},
+}
+"""The same of some scenes."""
 
 
 def faults(controller: str) -> dict[str, Any]:
@@ -106,7 +117,7 @@ def main() -> int:
     for controller in given.controllers.split(","):
         overrides: dict[str, Any] = {"radio.loss": given.loss} if given.loss else {}
         if to_spec(pb.load_scene(given.scene)).uses_floor:
-            overrides |= JOB
+            overrides |= JOB | JOBS.get(given.scene, {})
         if given.faults:
             overrides |= faults(controller)
         for seed in range(given.seeds):

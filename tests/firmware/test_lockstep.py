@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from emulator.__main__ import CONTROLLERS, IMAGES, JOB, carried, dongle_image, faults
+from emulator.__main__ import JOBS as JOBS_OF_SCENES
 from emulator.board import Image
-from live_faults import SHORT_WAY
 
 HARD_RADIO = {
     "radio.loss": 0.1, "radio.latency_s": 0.03, "radio.jitter_s": 0.04, "radio.reorder": True,
@@ -110,9 +110,7 @@ def rebooted(*reboots: tuple[str, float]) -> dict[str, Any]:
     return {"faults.script": events, "radio.loss": 0.1}
 
 
-STAND: dict[str, Any] = JOB | SHORT_WAY["stand"]
-# The arm arrives, and passes its steps, in the middle of a tick.
-HANDOVER = JOB | {"arm.carry_height_m": 0.15034, "radio.lease_s": 0.874}
+STAND, HANDOVER = (JOB | JOBS_OF_SCENES[scene] for scene in ("stand", "handover"))
 OTHER_JOBS: dict[str, tuple[str, dict[str, Any]]] = {
     "from a stand onto a stand": ("stand", STAND),
     "from a stand onto a stand, reboots and losses": (
