@@ -8,20 +8,20 @@
 
 namespace palmbots {
 
-// `before(a, b)`: whether a belongs before b.
-template <class Item, class Before>
-constexpr void sort_few(Item* items, std::size_t count, Before before) {
+// By their rank: items with a lower one come first.
+template <class Item, class Rank>
+constexpr void sort_few(Item* items, std::size_t count, Rank rank) {
   for (std::size_t i = 1; i < count; ++i) {
     Item moved = std::move(items[i]);
     std::size_t at = i;
-    for (; at > 0 && before(moved, items[at - 1]); --at) items[at] = std::move(items[at - 1]);
+    for (; at > 0 && rank(moved) < rank(items[at - 1]); --at) items[at] = std::move(items[at - 1]);
     items[at] = std::move(moved);
   }
 }
 
 template <class Item>
 constexpr void sort_few(Item* items, std::size_t count) {
-  sort_few(items, count, [](const Item& a, const Item& b) { return a < b; });
+  sort_few(items, count, [](const Item& item) -> const Item& { return item; });
 }
 
 }  // namespace palmbots

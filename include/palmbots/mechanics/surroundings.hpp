@@ -57,8 +57,7 @@ struct Surroundings : FixedList<Surface, max_surfaces - 2 * max_palm_surfaces> {
   constexpr void add(const Surface& surface) {
     if (full()) return;  // scenes with more of them are refused
     push_back(surface);
-    sort_few(begin() + ordered, size() - ordered,
-             [](const Surface& a, const Surface& b) { return a.at.x < b.at.x; });
+    sort_few(begin() + ordered, size() - ordered, [](const Surface& one) { return one.at.x; });
   }
 };
 

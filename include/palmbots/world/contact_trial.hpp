@@ -164,11 +164,9 @@ class ContactTrial {
     for (const FeatureContact& c : closed_among(now, near_, closed_))
       if (!regime_.has(c.pair) && !closed.full()) closed.push_back(c);
     const bool is_right_first = leading_side(now, regime_) == right;
-    const auto rank = [&](const FeatureContact& c) {
+    sort_few(closed.begin(), closed.size(), [&](const FeatureContact& c) {
       return c.pair.carrier == right && is_right_first ? -1 : int(c.pair.carrier);
-    };
-    sort_few(closed.begin(), closed.size(),
-             [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+    });
     return closed;
   }
 

@@ -70,9 +70,8 @@ struct GeneralStep {
     Real look = interval;
     bool known = false;  // the direction, from the event that ended the last piece
     for (int looks = 1;; ++looks) {
-      const bool iteration_limit =
-          looks >= 200;  // limits the work; tests show that it is not reached
-      const Real goal = done + look >= Real(1) || iteration_limit ? Real(1) : done + look;
+      const bool is_last = looks >= 200;  // limits the work; tests show that it is not reached
+      const Real goal = done + look >= Real(1) || is_last ? Real(1) : done + look;
       if (!known) direction = direction_until(goal);
       known = false;
       const SlidingContact first = first_to_slide();
@@ -88,7 +87,7 @@ struct GeneralStep {
         continue;
       }
       look = interval;
-      const auto [event, when] = first_event(goal, then, slider, iteration_limit);
+      const auto [event, when] = first_event(goal, then, slider, is_last);
       const State next = event == Event::none ? then : state(when, slider);
       if (is_rounded && reason_at(next) != DropReason::none) return leave();
       switch (event) {
@@ -123,8 +122,7 @@ struct GeneralStep {
   };
 
   // The earliest event up to `goal`, given the state at `goal` if there were no event.
-  StepEvent first_event(Real goal, const State& then, SlidingContact slider,
-                        bool iteration_limit) const {
+  StepEvent first_event(Real goal, const State& then, SlidingContact slider, bool is_last) const {
     StepEvent first{Event::none, goal};
     const auto note = [&](Event event, Real when) {
       if (first.event == Event::none || when < first.when) first = {event, when};
@@ -134,7 +132,7 @@ struct GeneralStep {
              return reason_at(state(t, slider)) == DropReason::none;
            }));
     }
-    if (iteration_limit) return first;
+    if (is_last) return first;
     // Where a condition of the regime falls below 0.
     const auto note_root = [&](Event event, auto condition) {
       const Real last = condition(then);

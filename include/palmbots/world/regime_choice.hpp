@@ -182,12 +182,10 @@ class RegimeSearch {
     add_all(balancing_, true);
     if (found.empty() && problem_.push != 0.0)
       add_all(balancing_edges(supports_, problem_.weight(false).x), false);
-    const auto rank = [](const RegimeCandidate& one) {
-      return std::tuple(!one.on_both, max_supports - one.regime.active.size(), !one.alike,
-                        one.selection);
-    };
-    sort_few(found.begin(), found.size(),
-             [&](const RegimeCandidate& a, const RegimeCandidate& b) { return rank(a) < rank(b); });
+    sort_few(found.begin(), found.size(), [](const RegimeCandidate& one) {
+      const std::size_t lost = max_supports - one.regime.active.size();
+      return std::tuple(!one.on_both, lost, !one.alike, one.selection);
+    });
     return found;
   }
 

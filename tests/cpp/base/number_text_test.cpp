@@ -83,7 +83,7 @@ void check_sort() {
     std::stable_sort(other.begin(), other.begin() + std::ptrdiff_t(n));
     CHECK(items == other);
     // Items that compare equal keep their order.
-    sort_few(other.data(), n, [](int a, int b) { return a % 3 < b % 3; });
+    sort_few(other.data(), n, [](int item) { return item % 3; });
     std::stable_sort(items.begin(), items.begin() + std::ptrdiff_t(n),
                      [](int a, int b) { return a % 3 < b % 3; });
     CHECK(items == other);
