@@ -21,7 +21,7 @@ PY_FILES = src tests examples benchmarks scripts verify docs software-paper firm
 # only what a single carry needs, with -O1: a quarter of the compilation. $(3): ON for `make quick`.
 define install
 	@touch $(VENV)/started
-	@echo "Building the extension ($(if $(filter ON,$(2)),some minutes,about a minute))"
+	@echo "Building the extension ($(if $(filter ON,$(2)),some minutes,about two minutes))"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps \
 		--config-settings=build-dir=build/extension \
 		--config-settings=cmake.define.PALMBOTS_WERROR=$(1) \
