@@ -2,6 +2,7 @@
 """The page about a route: stages, failures of whole routes, and what limits them."""
 
 import shlex
+from dataclasses import replace
 
 import pytest
 
@@ -33,6 +34,14 @@ def test_routes_are_counted_with_each_controller(monkeypatch: pytest.MonkeyPatch
     assert f"at most {1e3 * stage.worst_m:.1f} mm of the 35.0 mm" in answers.curve.text
     assert answers.carried.verdict == "yes" and "tightest margin" in answers.carried.text
     assert found.load is not None and "heels" in answers.friction.text
+    assert answers.controllers.text == f"none of 4 routes fails with {', '.join(NAMES)}"
+    failing = [
+        replace(one, counts=replace(one.counts, dropped=1, reasons={"tipping": 1}))
+        for one in plans.values()
+        if one.counts is not None
+    ]
+    some = on_route.route_answers(failing, "around-wall")["controllers"]
+    assert (some.verdict, some.text) == ("no", "each controller fails in some of 4 routes")
     for name in ("angles", "radio", "change"):
         assert getattr(answers, name).verdict == "open"
     for name in QUESTIONS:

@@ -3,17 +3,9 @@
 and at least 60 % of the possible jobs are certain (lift_agreement). In the first 387 of them,
 99.5 % ended alike (docs/reference/mujoco-agreement.md has the differences)."""
 
-from lift_agreement import NEARBY, compare, is_possible, keys_of
-from palmbots.errors import SceneError
+from lift_agreement import NEARBY, can_start, compare
 
 STARTS = 1000
-
-
-def can_start(seed: int) -> bool:
-    try:
-        return is_possible(keys_of(seed))
-    except SceneError:  # the object does not stand
-        return False
 
 
 def test_random_jobs_end_alike(soak_seed: int) -> None:

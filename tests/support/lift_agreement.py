@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Random jobs on the floor in both worlds: do they end alike where the end is certain?
 
+.venv/bin/python tests/support/lift_agreement.py FROM TO     compares the jobs of these seeds
+
 A start has *margin* if in the quasistatic world the job ends alike (success, or what was not
 achieved) under each of these changes alone, in both directions, and under `NEARBY` random
 combinations of all of them: COM ± 2 mm, friction angles of palms and floor ± 1°, plate ± 0.2 mm,
@@ -12,6 +14,7 @@ that corrections may never centre both contacts on the floor (property 1): they 
 """
 
 import math
+import sys
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -169,3 +172,22 @@ def compare(seed: int) -> Pair | None:
         return None
     keys, end = start
     return Pair(seed, yaw_of(seed), end, mujoco_end(keys, seed, yaw_of(seed)))
+
+
+def can_start(seed: int) -> bool:
+    try:
+        return is_possible(keys_of(seed))
+    except SceneError:  # the object does not stand
+        return False
+
+
+if __name__ == "__main__":
+    first, end = map(int, sys.argv[1:])
+    pairs = [compare(seed) for seed in range(first, end) if can_start(seed)]
+    certain = [one for one in pairs if one is not None]
+    differ = [one for one in certain if not one.agrees]
+    print(
+        f"{len(pairs)} can begin, {len(certain)} have margin, {len(differ)} differ",
+        *differ,
+        sep="\n",
+    )

@@ -72,7 +72,8 @@ def route_answers(plans: Sequence[RoutePlan], name: str) -> dict[str, Answer]:
         "drops": ("Does it arrive reliably?", verdict, fails),
         "controllers": (
             "Which controllers suffice?", "likely" if never else "no",
-            f"none of {ROUTES} routes fails with {', '.join(never) or 'no controller'}",
+            f"none of {ROUTES} routes fails with {', '.join(never)}" if never
+            else f"each controller fails in some of {ROUTES} routes",
         ),
         "curve": (
             "Does it survive a curve?", verdict,
