@@ -92,7 +92,7 @@ std::vector<std::vector<int>> possible(const std::vector<SupportTuple>& given,
   const Supports supports = supports_of(given);
   std::vector<std::vector<int>> found;
   Twists(supports, velocities_of(velocities, supports.size()))
-      .each({0}, BalancingRays(),
+      .each({0}, ContainingCones(),
             [&](const Motions& m, std::size_t) { found.push_back(listed(m, supports.size())); });
   return found;
 }
@@ -139,7 +139,7 @@ std::tuple<std::vector<std::pair<Ends, Ends>>, double, std::optional<std::vector
 void bind_multi_contact(nb::module_& m) {
   m.attr("contact_kinds") = names_to(ContactKind::tip);
   m.attr("contact_tolerance") = contact_tolerance<double>;
-  m.attr("wrench_tolerance") = wrench_tolerance;
+  m.attr("wrench_tolerance") = unit_tolerance;
   m.def(
       "contacts", &contacts_of, nb::arg("spec"), nb::arg("angles"), nb::arg("places"),
       "All contacts as (kind, palm, place, object x, object y, support), the palm that lies in the "

@@ -42,6 +42,9 @@ constexpr Triple cross(Triple p, Triple q) {
 }
 inline double size(Triple p) { return square_root(dot(p, p)); }
 
+// What is smaller than this counts as zero beside vectors of unit size.
+inline constexpr double unit_tolerance = 1e-9;
+
 // The parts of a vector along three others that span the space. Cramer's rule.
 inline std::array<double, 3> parts_along(const std::array<Triple, 3>& v, Triple of) {
   const Triple across = cross(v[1], v[2]);

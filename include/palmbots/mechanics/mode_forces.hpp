@@ -80,7 +80,7 @@ struct EdgeShares {
   // The shares, as normal forces, of each minimal set of edges that balances a wrench.
   std::vector<Shares> balancing(const Rays& rays, Triple wrench) const {
     std::vector<Shares> found;
-    const BalancingRays balancing(rays, wrench);
+    const ContainingCones balancing(rays, wrench);
     for (const std::uint32_t set : balancing.sets()) {
       std::array<Triple, 3> ray;
       FixedList<std::size_t, 3> used;

@@ -6,17 +6,12 @@
 // velocity of a contact point relative to the palm obeys these conditions. Along the normal it is
 // zero where the contact stays and positive where it leaves. Along the tangent it is zero where the
 // contact sticks, positive where it slides up and negative where it slides down. Together they are
-// equations and strict inequalities for three unknowns.
-//
-// No linear program is needed. The equations leave a space of three dimensions or fewer. By
-// Motzkin's theorem strict inequalities g · z > h have no solution there iff some of them
-// contradict each other: positive shares with Σ share g = 0 and Σ share h ≥ 0. The extreme sets of
-// such inequalities have at most one member more than the space has dimensions. It is therefore
-// sufficient to test pairs, triples and quadruples.
+// equations and strict inequalities for three unknowns (base/half_spaces.hpp).
 #pragma once
 
 #include <bit>
 
+#include "palmbots/base/half_spaces.hpp"
 #include "palmbots/mechanics/wrench_cone.hpp"
 
 namespace palmbots {
@@ -36,105 +31,6 @@ constexpr Vec velocity_at(const PalmMotion& palm, Vec place) {
   return {palm.vx - palm.spin * place.y, palm.vy + palm.spin * place.x};
 }
 
-// A condition row · twist = value, or row · twist > value. The row has unit size.
-struct Condition {
-  Triple row;
-  double value;
-};
-
-// The twists that satisfy a set of equations: origin + Σ z_k basis_k.
-struct TwistSpace {
-  Triple origin{};
-  std::array<Triple, 3> basis{{{1.0, 0, 0}, {0, 1.0, 0}, {0, 0, 1.0}}};
-  std::size_t dimension = 3;
-  double error = 0.0;  // bound of that of the origin, by rounding
-
-  // Adds an equation. Returns false if it contradicts the earlier ones.
-  bool restrict(const Condition& to) {
-    const double missing = to.value - dot(to.row, origin);
-    std::array<double, 3> along{};
-    Triple within{};
-    for (std::size_t k = 0; k < dimension; ++k) {
-      along[k] = dot(to.row, basis[k]);
-      within = within + basis[k] * along[k];
-    }
-    const double part = size(within);
-    if (!(part > wrench_tolerance)) {
-      // Wider than what an inequality must be met by (HalfSpaces): a contact that comes to rest, or
-      // begins to slide, is within one of the two at every instant, in whichever order and scale
-      // its conditions are added.
-      const double within_rounding = 4.0 * wrench_tolerance + error;
-      return missing <= within_rounding && -missing <= within_rounding;
-    }
-    const Triple unit = within * (1.0 / part);
-    origin = origin + unit * (missing / part);
-    // Equations that nearly depend on each other magnify rounding.
-    error = (error + 4.0 * std::numeric_limits<double>::epsilon()) / part;
-    // What remains is at right angles to `unit`.
-    if (dimension == 3) {
-      const Triple beside =
-          magnitude(unit.x) < 0.7 ? Triple{0.0, unit.z, -unit.y} : Triple{-unit.z, 0.0, unit.x};
-      basis[0] = beside * (1.0 / size(beside));
-      basis[1] = cross(unit, basis[0]);
-    } else if (dimension == 2) {
-      basis[0] = (basis[0] * along[1] - basis[1] * along[0]) * (1.0 / part);
-    }
-    --dimension;
-    return true;
-  }
-};
-
-// Strict inequalities in a twist space, as half spaces g · z > h with |g| = 1.
-class HalfSpaces : public FixedList<Condition, max_supports> {
- public:
-  // Adds an inequality. It may hold nowhere, everywhere or in a half space. Returns false if it holds
-  // nowhere where the earlier ones hold.
-  bool add(const TwistSpace& space, const Condition& above) {
-    const double h = above.value - dot(above.row, space.origin);
-    Triple g{};
-    const std::size_t n = space.dimension;
-    g.x = n > 0 ? dot(above.row, space.basis[0]) : 0.0;
-    g.y = n > 1 ? dot(above.row, space.basis[1]) : 0.0;
-    g.z = n > 2 ? dot(above.row, space.basis[2]) : 0.0;
-    const double part = palmbots::size(g);
-    if (!(part > wrench_tolerance)) return h < -wrench_tolerance;
-    const Condition last{g * (1.0 / part), h / part};
-    for (const Condition* a = begin(); a != end(); ++a) {
-      if (contradict(*a, last)) return false;
-      for (const Condition* b = a + 1; b != end() && n > 1; ++b) {
-        if (contradict(*a, *b, last)) return false;
-        for (const Condition* c = b + 1; c != end() && n > 2; ++c)
-          if (contradict(*a, *b, *c, last)) return false;
-      }
-    }
-    push_back(last);
-    return true;
-  }
-
- private:
-  // Whether Σ share g = 0 and, up to rounding, Σ share h ≥ 0 for some shares > 0. If one share is
-  // (almost) zero, fewer inequalities decide.
-  template <class... Sides>
-  static bool contradict(const Sides&... sides) {
-    constexpr std::size_t n = sizeof...(Sides);
-    const std::array<double, n> values{sides.value...};
-    std::array<double, n> shares;
-    if (!cancels({sides.row...}, shares)) return false;
-    double total = 0.0;
-    for (const double share : shares) total += share;
-    const double sign = total < 0.0 ? -1.0 : 1.0;
-    double value = 0.0;
-    double sizes = 0.0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const double share = sign * shares[k];
-      if (!(share > 0.0 && share > wrench_tolerance * (sign * total))) return false;
-      value += share * values[k];
-      sizes += share * magnitude(values[k]);
-    }
-    return value >= -wrench_tolerance * (sign * total + sizes);
-  }
-};
-
 // Selections of contacts: which ones each of them leaves out, as bits.
 using Selections = FixedList<std::uint32_t, 27>;
 
@@ -151,7 +47,7 @@ class Twists {
       const auto condition = [&](Vec direction) {
         const Triple row = supports[i].row(direction, reach);
         const double scale = 1.0 / size(row);
-        return Condition{row * scale, dot(direction, palms[i]) * pace * scale};
+        return LinearCondition{row * scale, dot(direction, palms[i]) * pace * scale};
       };
       normal_[i] = condition(supports[i].normal);
       tangent_[i] = condition(supports[i].tangent);
@@ -162,7 +58,7 @@ class Twists {
   // in which the edges of the friction cones on which forces can lie balance. The contacts that the
   // k-th selection leaves out count as not there and get the motion `leave`.
   template <class Found>
-  void each(const Selections& selections, const BalancingRays& balancing, Found found) const {
+  void each(const Selections& selections, const ContainingCones& balancing, Found found) const {
     Search<Found> search{*this, balancing, found};
     std::uint32_t hold = 0;  // selections that balance where all of their contacts stick
     std::uint32_t edges = 0;
@@ -182,12 +78,12 @@ class Twists {
   }
 
  private:
-  using Forces = BalancingRays::Some;  // sets of edges on which forces can lie and that balance
+  using Forces = ContainingCones::Some;  // sets of edges on which forces can lie and that balance
   static constexpr std::uint32_t all_edges = (std::uint32_t{1} << 2 * max_supports) - 1;
 
   // Adds the inequality of a contact. False if no twist of the space satisfies it as well.
-  bool add(HalfSpaces& open, const TwistSpace& space, std::size_t i, Motion motion) const {
-    const Condition& along = tangent_[i];
+  bool add(HalfSpaces& open, const SolutionSpace& space, std::size_t i, Motion motion) const {
+    const LinearCondition& along = tangent_[i];
     if (motion == Motion::leave) return open.add(space, normal_[i]);
     if (motion == Motion::up) return open.add(space, along);
     return motion == Motion::stick || open.add(space, {along.row * -1.0, -along.value});
@@ -196,7 +92,7 @@ class Twists {
   template <class Found>
   struct Search {
     const Twists& twists;
-    const BalancingRays& balancing;
+    const ContainingCones& balancing;
     Found& found;
     Motions motions{};
     std::array<std::uint32_t, max_supports> without{};  // each contact: the selections, as bits
@@ -204,7 +100,7 @@ class Twists {
     // From contact i on. The earlier ones leave this space, in which their inequalities are `open`;
     // they are the same in all of these selections.
     void descend(std::size_t i, std::uint32_t selections, const Forces& forces,
-                 const TwistSpace& space, HalfSpaces& open) {
+                 const SolutionSpace& space, HalfSpaces& open) {
       if (i == twists.count_) return found(motions, std::size_t(std::countr_zero(selections)));
       const auto with = [&](Motion motion) {
         const std::uint32_t closed = edges_of(Motion::stick) & ~edges_of(motion);
@@ -217,7 +113,7 @@ class Twists {
         selections &= ~out;
         if (selections == 0) return;
       }
-      const auto go_on = [&](Motion motion, const Forces& rest, const TwistSpace& in,
+      const auto go_on = [&](Motion motion, const Forces& rest, const SolutionSpace& in,
                              HalfSpaces& there) {
         motions[i] = motion;
         const std::size_t before = there.size();
@@ -227,7 +123,7 @@ class Twists {
       };
       // The inequalities in a part of the space: the same, or `made` anew. None: no twist satisfies
       // them.
-      const auto in_part = [&](const TwistSpace& part, HalfSpaces& made) -> HalfSpaces* {
+      const auto in_part = [&](const SolutionSpace& part, HalfSpaces& made) -> HalfSpaces* {
         if (part.dimension == space.dimension) return &open;
         for (std::size_t k = 0; k < i; ++k) {
           if ((selections & without[k]) == 0 && !twists.add(made, part, k, motions[k]))
@@ -235,9 +131,9 @@ class Twists {
         }
         return &made;
       };
-      TwistSpace touching = space;
+      SolutionSpace touching = space;
       if (touching.restrict(twists.normal_[i])) {
-        TwistSpace still = touching;
+        SolutionSpace still = touching;
         HalfSpaces made;
         if (still.restrict(twists.tangent_[i]))
           if (HalfSpaces* const there = in_part(still, made))
@@ -256,13 +152,14 @@ class Twists {
     }
   };
 
+  static_assert(max_supports <= max_half_spaces);
   std::size_t count_;
-  std::array<Condition, max_supports> normal_{};
-  std::array<Condition, max_supports> tangent_{};
+  std::array<LinearCondition, max_supports> normal_{};
+  std::array<LinearCondition, max_supports> tangent_{};
 };
 
 // Which edges of all friction cones balance the weight.
-inline BalancingRays balancing_edges(const Supports& supports, double slope) {
+inline ContainingCones balancing_edges(const Supports& supports, double slope) {
   return {rays_of(supports, Motions{}), {slope, 1.0, 0.0}};
 }
 
@@ -270,7 +167,7 @@ inline BalancingRays balancing_edges(const Supports& supports, double slope) {
 // There may be none (the body falls or jams) or several.
 template <class Found>
 void each_outcome(const Supports& supports, const Velocities& palms, double slope, Found found) {
-  const BalancingRays balancing = balancing_edges(supports, slope);
+  const ContainingCones balancing = balancing_edges(supports, slope);
   Twists(supports, palms).each({0}, balancing, [&](const Motions& motions, std::size_t) {
     found(motions);
   });

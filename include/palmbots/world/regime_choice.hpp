@@ -174,7 +174,7 @@ class RegimeSearch {
       velocities[i] = moving[closed_[i].pair.carrier].velocity_at(com_ + supports_[i].point);
     const Twists twists(supports_, velocities);
     RegimeCandidates found;
-    const auto add_all = [&](const BalancingRays& balancing, bool pushed) {
+    const auto add_all = [&](const ContainingCones& balancing, bool pushed) {
       twists.each(selections_, balancing, [&](const Motions& motions, std::size_t selection) {
         add_candidate(problem_, closed_, motions, pushed, selection, found);
       });
@@ -217,7 +217,7 @@ class RegimeSearch {
   const ClosedPairs& closed_;
   Selections selections_{0};
   Supports supports_;
-  BalancingRays balancing_;
+  ContainingCones balancing_;
 };
 
 }  // namespace palmbots

@@ -188,10 +188,7 @@ inline bool is_clear(const Instant& at, const NearPairs& near, const FeatureCont
 // ≥ 0 iff the forces of the regime balance: the best, over all combinations, of the least share of a
 // force.
 inline double balance_of(const PosedRegime& at) {
-  double best = -1.0;
-  for_each_combination(at.rays(), at.weight(),
-                       [&](const RayShares& shares) { best = larger(best, shares.least()); });
-  return best + Tolerance::force;
+  return best_least_share(at.rays(), at.weight()) + Tolerance::force;
 }
 
 // Adds those of robots with limits. `speed` is that of one that yields; it is known to `slack`, as a
