@@ -58,6 +58,7 @@ def squeezes(
 def test_the_truth_stays_in_the_set(count: int) -> None:
     """The promises of a probe, for random objects and errors of the palms."""
     half_mm: list[float] = []
+    most = dict.fromkeys(("strokes", "time_s", "contact_m"), 0.0)
     for seed in range(count):
         found = pb.probe("paper", overrides=hidden(seed), seed=seed)
         assert found.contains_truth, seed
@@ -68,9 +69,12 @@ def test_the_truth_stays_in_the_set(count: int) -> None:
         assert found.contact_m <= 0.010
         low, high = found.com_x_m
         half_mm.append(500 * (high - low))
+        own = len(found.strokes), found.time_s, found.contact_m
+        most = {key: max(most[key], one) for key, one in zip(most, own, strict=True)}
     print(
         f"COM to ±{statistics.median(half_mm):.1f} mm in the median, to ±{max(half_mm):.1f} mm at "
-        "worst"
+        f"worst; at most {most['strokes']:.0f} strokes and {most['time_s']:.0f} s, contacts within "
+        f"±{1000 * most['contact_m']:.1f} mm"
     )
     assert max(half_mm) <= 5
 
@@ -169,16 +173,20 @@ def test_a_flipped_switch_is_found(flipped: int) -> None:
         assert len(found.boxes)
 
 
-def test_contradictions_are_reported(here: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_contradictions_are_reported(
+    here: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     """Through the command, with every second observation false."""
     flipped = partial(ProbeRun, flipped=frozenset(range(4, 20, 2)))
     monkeypatch.setattr(probe_command, "ProbeRun", flipped)
-    result = here("probe", "--set", "object.com_m=[0.115,0.04]", "--json")
+    result = here("probe", "--set", "object.com_m=[0.115,0.04]", "--json", "--out", str(tmp_path))
     found = json.loads(result.stdout)
     assert result.returncode == 1
     assert not found["is_consistent"]
     assert 1 < found["dropped"] <= 8
     assert {7, 9} <= {*found["contradicted"]}
+    file = (tmp_path / "probe.toml").read_text()
+    assert file.startswith("# The observations contradict each other")
 
 
 @pytest.mark.slow

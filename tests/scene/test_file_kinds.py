@@ -3,6 +3,7 @@
 
 import shutil
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.scene.file_kinds import KINDS, all_kinds, other_kind
 from palmbots.scene.files import read_scene, read_table
 from palmbots.scene.key_reference import init_scene
+from palmbots.scene.scene import Scene
 from palmbots.simulation.imperfections import load_imperfections
 from palmbots.stability.certificates.checker.certificate_file import read_certificate
 from palmbots.stability.probed_object import read_probed
@@ -42,7 +44,7 @@ READERS: list[tuple[str, Callable[[Any], Any]]] = [
     ("log", lambda file: replay_logs([file])),
     ("image", flash),
     ("recording", read_packets),
-    ("probed object", read_probed),
+    ("probed object", partial(read_probed, scene=Scene())),
 ]
 
 

@@ -2,6 +2,7 @@
 """What the commands have in common: the scene, warnings, and the presentation of a result."""
 
 import json
+import os
 import shlex
 import signal
 import threading
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palmbots._util.plain_values import plain
+from palmbots._util.user_paths import user_path
 from palmbots.cli._streams import say, say_interrupted
 from palmbots.cli._warnings import print_held_warnings, warn
 from palmbots.errors import PalmbotsError
@@ -59,6 +61,12 @@ def interruption_line(line: str) -> Iterator[None]:
             signal.signal(signal.SIGINT, before)
 
 
+def is_file_name(text: str) -> bool:
+    """Whether a word that is no KEY=VALUE names a file: a key has neither a slash nor a file of its
+    name."""
+    return text.endswith(".toml") or os.sep in text or user_path(text).exists()
+
+
 def load(source: str, changes: list[str] | None) -> "Scene":
     """The scene of a command, with the files of ``--with`` and then the overrides of ``--set``;
     prints its warnings."""
@@ -66,7 +74,7 @@ def load(source: str, changes: list[str] | None) -> "Scene":
     from palmbots.scene.overrides import parse_overrides
     from palmbots.scene.scene import SCENE_FILE, beside, empty_tables, load_scene
 
-    files = [one for one in changes or () if "=" not in one and one.endswith(".toml")]
+    files = [one for one in changes or () if "=" not in one and is_file_name(one)]
     overrides = parse_overrides(one for one in changes or () if one not in files)
     scene = load_scene(source, None if files else overrides, called="--set", on_warning=warn)
     for file in files:

@@ -11,6 +11,7 @@ from pathlib import Path
 from palmbots._util.atomic_files import folder, write_whole
 from palmbots._util.command import Option, command, writes
 from palmbots._util.report import Item, Line
+from palmbots._util.user_paths import user_path
 from palmbots.errors import PalmbotsError
 from palmbots.fitting.log_fit import LogFit, fit_logs
 from palmbots.fitting.motion_fit import MotionFit, fit_motion
@@ -62,6 +63,9 @@ def fit(
         return fit_motion(files, on_progress)
     if radio:
         return fit_radio(files, on_progress)
+    for file in files:
+        if not user_path(file).exists():
+            raise PalmbotsError(f"{file}: no such file or folder; allowed: recordings")
     raise PalmbotsError(
         "fit: no kind of recording is given; allowed: --motion or --radio, or only logs (*.mcap)"
     )

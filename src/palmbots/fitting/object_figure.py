@@ -60,7 +60,8 @@ def _draw_slides(axes: Axes, result: ObjectFit) -> None:
             label=f"{side} contact slid",
         )  # fmt: skip
     axes.axvline(0, color=style.INK, linestyle=":")
-    axes.set_title(f"{against} of {len(data.leads):,} slides against the fit")
+    which = "slides" if len(data.leads) == result.slides else "sampled slides"
+    axes.set_title(f"{against} of {len(data.leads):,} {which} against the fit")
     axes.legend()
 
 

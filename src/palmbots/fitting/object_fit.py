@@ -197,17 +197,8 @@ def _of_object(found: ObjectSet, scene: Scene, frame: ObjectFrame) -> list[Estim
             com = Estimate("com_from_left_contact_m", float(centre[0]), low, high)
     estimates = [com]
     for number, side in enumerate(SIDES, 1):
-        ends = np.tan(hull[number])
-        reason = ""
-        if ends[1] > _NARROW_FRICTION * ends[0]:
-            reason = (
-                f"the slides bound it to {ends[0]:.2g} to {ends[1]:.2g}; they compare both palms, "
-                "and hardly show the level"
-            )
-        value = float(math.tan(centre[number]))
-        estimates.append(
-            Estimate(f"palm.{side}.friction", value, float(ends[0]), float(ends[1]), reason)
-        )
+        low, high = map(math.tan, hull[number].tolist())
+        estimates.append(_level(f"palm.{side}.friction", math.tan(centre[number]), low, high))
     boxes = found.boxes
     low, high = (
         math.degrees(one)
@@ -229,7 +220,18 @@ def _of_equal_palms(boxes: Floats) -> Estimate:
     if not is_equal.any():
         return Estimate(key, reason="the palms differ")
     ends = math.tan(low[is_equal].min()), math.tan(high[is_equal].max())
-    return Estimate(key, 0.5 * (ends[0] + ends[1]), *ends)
+    return _level(key, 0.5 * (ends[0] + ends[1]), *ends)
+
+
+def _level(key: str, value: float, low: float, high: float) -> Estimate:
+    """A coefficient of friction, if its bounds are narrow."""
+    reason = ""
+    if high > _NARROW_FRICTION * low:
+        reason = (
+            f"the slides bound it to {low:.2g} to {high:.2g}; they compare both palms, and hardly "
+            "show the level"
+        )
+    return Estimate(key, value, low, high, reason)
 
 
 def _centre(found: ObjectSet) -> Floats:

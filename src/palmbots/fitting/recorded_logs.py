@@ -17,6 +17,7 @@ import hashlib
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +32,7 @@ from palmbots.fitting.recorded_packets import Packets, packets_of
 from palmbots.fitting.speed_steps import Step, steps_in
 from palmbots.fitting.straight_stretches import LEAST_S, MOST_S, SLOWEST_M_S, thinned
 from palmbots.logs.mcap_reader import read_log
-from palmbots.logs.run_log_reader import RunLog
+from palmbots.logs.run_log_reader import RunLog, is_run_log
 from palmbots.simulation.result import Carry
 from palmbots.views.log_alignment import ClockFit, Stamp, align, traffic
 from palmbots.views.run_figures import carry_of
@@ -49,6 +50,22 @@ def are_logs(files: Sequence[str | os.PathLike[str]]) -> bool:
     """Whether all files are logs of carries, or folders with the logs of robots."""
     paths = [user_path(file) for file in files]
     return bool(paths) and all(path.is_dir() or path.suffix == ".mcap" for path in paths)
+
+
+def _file_of_one_carry(place: Path) -> Path:
+    """The log in a folder that `palmbots carry --out` wrote; any other path as it is.
+
+    Raises:
+        PalmbotsError: the folder has the logs of several carries.
+    """
+    logs = sorted(place.glob("*.mcap")) if place.is_dir() else []
+    of_carries = [one for one in logs if not is_run_log(one)]
+    if len(of_carries) > 1:
+        raise PalmbotsError(
+            f"{place}: has {len(of_carries)} logs that are not of robots; expected the log of one "
+            f"carry, the logs of a pair of robots, or the files ({place / '*.mcap'})"
+        )
+    return of_carries[0] if len(logs) == len(of_carries) == 1 else place
 
 
 @dataclass(frozen=True)
@@ -73,7 +90,7 @@ def read_carry(path: str | os.PathLike[str], run: int) -> RecordedCarry:
     Raises:
         PalmbotsError: it cannot be read, shows no carry, or one on a curved path.
     """
-    place = user_path(path)
+    place = _file_of_one_carry(user_path(path))
     if place.is_dir():
         logs = read_run([place])
         clocks = align(logs)

@@ -157,6 +157,12 @@ def _whole(table: Recording) -> NDArray[np.int64]:
         )
     if len(np.unique(index)) < 2:
         raise PalmbotsError(f"{table.name}: the index is constant; expected one for each packet")
+    falling = int(np.sum(np.diff(index) < 0))
+    if 2 * falling > len(index):
+        raise PalmbotsError(
+            f"{table.name}: the index falls in {falling} of {len(index)} rows; expected the number "
+            "of the packet, which grows by 1 for each packet sent"
+        )
     return index
 
 

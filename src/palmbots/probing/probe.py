@@ -355,8 +355,14 @@ def write_probe(result: Probe, path: str | os.PathLike[str]) -> list[Path | Item
     }
     files: list[Path | Item] = [place / "probe.toml", place / "probe.png"]
     head = "# The intervals that contain the object; palmbots probe wrote them.\n"
+    if not result.is_consistent:
+        head = (
+            "# The observations contradict each other, so the object may be outside these intervals"
+            ".\n# Palmbots probe wrote them.\n"
+        )
     write_whole(place / "probe.toml", head + toml_text({"probed": outward}))
     result.save_figure(place / "probe.png")
-    command = command_text("certify", **{"from": shlex.quote(str(place / "probe.toml"))})
-    files.append(Line(f"certify it: {command}", is_whole=True))
+    if result.is_consistent:
+        command = command_text("certify", **{"from": shlex.quote(str(place / "probe.toml"))})
+        files.append(Line(f"certify it: {command}", is_whole=True))
     return files

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import io
 import lzma
 import os
 import re
@@ -119,12 +120,16 @@ def _bytes(name: str) -> bytes:
 
 def _text(name: str, data: bytes, expected: str) -> str:
     try:
-        if name.endswith(".xz"):
-            data = lzma.LZMADecompressor().decompress(data, _LARGEST)
-        elif name.endswith(".gz"):
-            data = gzip.decompress(data)
+        packing = {"xz": lzma, "gz": gzip}.get(name.rpartition(".")[2])
+        if packing is not None:
+            with packing.open(io.BytesIO(data)) as packed:
+                data = packed.read(_LARGEST + 1)
+        if len(data) > _LARGEST:
+            raise PalmbotsError(f"{name}: holds more than 1 GiB; {expected}")
         return data.decode("utf-8-sig")
-    except (UnicodeDecodeError, lzma.LZMAError, EOFError, OSError):
+    except EOFError:
+        raise PalmbotsError(f"{name}: is cut short; {expected}") from None
+    except (UnicodeDecodeError, lzma.LZMAError, OSError):
         raise PalmbotsError(f"{name}: is not a text file; {expected}") from None
 
 

@@ -26,6 +26,8 @@ PROBED_FILE = FileKind(
 
 _LIMITS = {"com_x_m": (-10.0, 10.0), "com_y_m": (-10.0, 10.0)}
 _FRICTION = (0.0, 100.0)
+_ROUNDING_M = 1e-6
+"""The file has six digits."""
 
 
 @dataclass(frozen=True)
@@ -62,12 +64,16 @@ class ProbedObject:
         return both, both
 
 
-def read_probed(path: str | os.PathLike[str]) -> ProbedObject:
+def read_probed(path: str | os.PathLike[str], scene: Scene) -> ProbedObject:
     """Read the file of a probe.
+
+    Args:
+        path: of the file.
+        scene: with the object that was probed.
 
     Raises:
         SceneError: the file cannot be read.
-        PalmbotsError: its content is not allowed.
+        PalmbotsError: its content is not allowed, or is of another object.
     """
     name = os.fspath(path)
     table = read_table(name, PROBED_FILE).get("probed")
@@ -77,12 +83,20 @@ def read_probed(path: str | os.PathLike[str]) -> ProbedObject:
         raise PalmbotsError(
             f"{name}: probed: has {show(given)}; allowed: a table with {', '.join(names)}"
         )
-    return ProbedObject(
+    found = ProbedObject(
         **{
             key: _interval(f"{name}: probed.{key}", table[key], *_LIMITS.get(key, _FRICTION))
             for key in names
         }
     )
+    body = scene.object
+    width = object_frame(body.vertices_m, body.contacts, body.com_m).width
+    if not 0 <= found.com_x_m[0] <= found.com_x_m[1] <= width + _ROUNDING_M:
+        raise PalmbotsError(
+            f"{name}: probed.com_x_m: value is {show(list(found.com_x_m))}, and the contacts of "
+            f"the object in the scene are {width:g} m apart; allowed: the probe of this object"
+        )
+    return found
 
 
 def _interval(name: str, value: Any, least: float, most: float) -> Interval:
@@ -116,7 +130,7 @@ def with_probed(
     """
     if path is None:
         return scene, None
-    found = read_probed(path)
+    found = read_probed(path, scene)
     body = scene.object
     frame = object_frame(body.vertices_m, body.contacts, body.com_m)
     (left_x, left_y), (right_x, right_y) = (body.vertices_m[k] for k in body.contacts)

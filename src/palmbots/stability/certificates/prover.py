@@ -313,9 +313,9 @@ def certify(
     """
     for name in intervals:
         one_of("certify", name, tuple(Intervals.__annotations__))
-    if probe is not None:
-        intervals = with_probed(intervals, read_probed(probe), common_friction)
     chosen = load_scene(scene, overrides)
+    if probe is not None:
+        intervals = with_probed(intervals, read_probed(probe, chosen), common_friction)
     refuse_curved(chosen)
     refuse_pipe(chosen, "the proof")
     refuse_low_noses(chosen)
