@@ -99,19 +99,16 @@ class StaticsOfState {
     const ContactVector<double> v{here.dx, here.dy};
     out.push_back(reaches ? 1 : 0);
     out.push_back(double(reason(at.configuration)));
+    const PerSide<Squeezes<double>> of = squeezes(here);
     PerSide<bool> is_wedged{};
     for (const std::size_t side : {left, right}) {
-      const Interval<double> all = squeeze(here.moments, side, here.cones[side], v.dx, v.dy);
+      const Interval<double>& all = of[side].all;
       out.insert(out.end(), {all.low, all.high});
       is_wedged[side] = wedged(side, here.cones[side].up, v.dx, v.dy);
     }
-    for (const SlipDirection l : slip_directions) {
-      for (const SlipDirection r : slip_directions) {
-        out.push_back(feasible<double>(here, {l, r}) ? 1 : 0);
-      }
-    }
-    out.push_back(detail::index_of(selected_mode(here, SlipDirection::up)));
-    out.push_back(detail::index_of(selected_mode(here, SlipDirection::down)));
+    for (const bool balances : balanced_modes(of)) out.push_back(balances ? 1 : 0);
+    out.push_back(detail::index_of(selected_mode(of, SlipDirection::up)));
+    out.push_back(detail::index_of(selected_mode(of, SlipDirection::down)));
     const PerSide<PalmAngle<double>>& palms = at.configuration.palms;
     out.push_back(friction_margin<double>(
         here.moments,
@@ -138,8 +135,8 @@ class StaticsOfState {
           out.push_back(not_held);
           continue;
         }
-        out.push_back(detail::index_of(
-            selected_mode(contacts(at), closing ? SlipDirection::up : SlipDirection::down)));
+        out.push_back(detail::index_of(selected_mode(
+            squeezes(contacts(at)), closing ? SlipDirection::up : SlipDirection::down)));
       }
     }
   }

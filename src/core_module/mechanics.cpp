@@ -34,8 +34,8 @@ constexpr ContactMode mode_of(std::size_t bit) {
 }
 
 // The bit of the mode that happens, or −1 if the object is not held, −2 if nothing lets go.
-std::int8_t happening(const Contacts<double>& at, SlipDirection direction) {
-  const SelectedMode result = selected_mode(at, direction);
+std::int8_t happening(const PerSide<Squeezes<double>>& of, SlipDirection direction) {
+  const SelectedMode result = selected_mode(of, direction);
   if (!result.balanced) return -1;
   if (result.jammed) return -2;
   for (std::size_t bit = 0; bit < 9; ++bit) {
@@ -117,19 +117,18 @@ nb::tuple contact_modes(const std::vector<Column>& columns, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) {
       double v[13];
       for (std::size_t k = 0; k < 13; ++k) v[k] = in[k][i];
-      const Contacts<double> at = contacts_of(v);
+      const PerSide<Squeezes<double>> of = squeezes(contacts_of(v));
       for (const std::size_t side : {left, right}) {
-        const Interval<double> h = squeeze(at.moments, side, at.cones[side], at.dx, at.dy);
+        const Interval<double> h = of[side].all;
         ends[2 * side][i] = h.low;
         ends[2 * side + 1][i] = h.high;
       }
       unsigned bits = 0;
-      for (unsigned bit = 0; bit < 9; ++bit) {
-        bits |= (feasible(at, mode_of(bit)) ? 1U : 0U) << bit;
-      }
+      unsigned bit = 0;
+      for (const bool balances : balanced_modes(of)) bits |= (balances ? 1U : 0U) << bit++;
       feasible_bits[i] = static_cast<std::uint16_t>(bits);
-      closing[i] = happening(at, SlipDirection::up);
-      opening[i] = happening(at, SlipDirection::down);
+      closing[i] = happening(of, SlipDirection::up);
+      opening[i] = happening(of, SlipDirection::down);
     }
   }
   return nb::make_tuple(numpy(std::move(ends[0])), numpy(std::move(ends[1])),

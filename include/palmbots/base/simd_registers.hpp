@@ -35,6 +35,31 @@ struct Register {
   static Truths no_more(Numbers a, Numbers b) { return a <= b; }
   static Truths equal(Numbers a, Numbers b) { return a == b; }
   static Truths differ(Numbers a, Numbers b) { return a != b; }
+#if defined(__SSE2__)
+  // GCC would take truth values of two doubles apart where several are combined: SSE2 has no
+  // instruction for the form to which it simplifies them.
+  static constexpr bool is_pair = n == 2 && sizeof(Real) == 8;
+  static Truths less(Numbers a, Numbers b)
+    requires is_pair
+  {
+    return (Truths)_mm_cmplt_pd(a, b);
+  }
+  static Truths no_more(Numbers a, Numbers b)
+    requires is_pair
+  {
+    return (Truths)_mm_cmple_pd(a, b);
+  }
+  static Truths equal(Numbers a, Numbers b)
+    requires is_pair
+  {
+    return (Truths)_mm_cmpeq_pd(a, b);
+  }
+  static Truths differ(Numbers a, Numbers b)
+    requires is_pair
+  {
+    return (Truths)_mm_cmpneq_pd(a, b);
+  }
+#endif
   static Numbers blend(Truths truths, Numbers yes, Numbers no) { return truths ? yes : no; }
   static Numbers larger(Numbers a, Numbers b) { return a > b ? a : b; }
   static Numbers smaller(Numbers a, Numbers b) { return a < b ? a : b; }

@@ -35,31 +35,37 @@ struct Contacts {
   Real dy;
 };
 
-// The squeezes [weights] at which one contact is in the given mode: an interval for sticking, one
-// point or nothing for sliding.
-template <class Real>
-constexpr Interval<Real> squeeze_in(const Contacts<Real>& at, std::size_t side,
-                                    SlipDirection slide) {
-  const Interval<Real> all = squeeze(at.moments, side, at.cones[side], at.dx, at.dy);
-  if (slide == SlipDirection::stick || all.empty()) return all;
-  const ConeEdge<Real> edge = slide == SlipDirection::up ? at.cones[side].up : at.cones[side].down;
-  const Bound<Real> limit = bound(at.moments, side, edge, at.dx, at.dy);
-  constexpr Interval<Real> none{Real(1), Real(-1)};
-  if (limit.a == Real(0)) return none;
-  const Real h = limit.b / (limit.a * at.moments.width);
-  return h == all.low || h == all.high ? Interval<Real>{h, h} : none;
+// The squeezes of both contacts.
+template <class V>
+[[gnu::always_inline]] constexpr PerSide<Squeezes<V>> squeezes(const Contacts<V>& at) {
+  return {squeezes(at.moments, left, at.cones[left], at.dx, at.dy),
+          squeezes(at.moments, right, at.cones[right], at.dx, at.dy)};
 }
 
-// True if some squeeze balances the object with both contacts in this mode.
-template <class Real>
-constexpr bool feasible(const Contacts<Real>& at, ContactMode mode) {
-  const Interval<Real> l = squeeze_in(at, left, mode[left]);
-  const Interval<Real> r = squeeze_in(at, right, mode[right]);
-  if (l.empty() || r.empty()) return false;
-  const Interval<Real> both = intersect(l, r);
-  if (mode[left] == SlipDirection::stick || mode[right] == SlipDirection::stick)
-    return !both.empty();
-  return both.low - both.high <= squeeze_tolerance<Real> * (magnitude(l.low) + magnitude(r.low));
+// Which of the nine contact modes some squeeze balances. The left contact counts first, and both
+// follow the order of `slip_directions`.
+template <class V>
+[[gnu::always_inline]] constexpr std::array<MaskOf<V>, 9> balanced_modes(
+    const PerSide<Squeezes<V>>& of) {
+  const auto& [l, r] = of;
+  const MaskOf<V> held = (l.all.low <= l.all.high) & (r.all.low <= r.all.high);
+  const MaskOf<V> stick = held & (l.all.low <= r.all.high) & (r.all.low <= l.all.high);
+  const auto in = [&](const Interval<V>& all, V h) -> MaskOf<V> {
+    return held & (all.low <= h) & (h <= all.high);
+  };
+  const auto meet = [&](V p, V q) -> MaskOf<V> {
+    const V size = magnitude(p) + magnitude(q);
+    return held & (magnitude(p - q) <= V(squeeze_tolerance<typename ScalarOf<V>::type>) * size);
+  };
+  return {stick,
+          in(l.all, r.up),
+          in(l.all, r.down),
+          in(r.all, l.up),
+          meet(l.up, r.up),
+          meet(l.up, r.down),
+          in(r.all, l.down),
+          meet(l.down, r.up),
+          meet(l.down, r.down)};
 }
 
 // True if the contact mode can occur in this direction: closing needs a contact that slides up,
@@ -78,21 +84,18 @@ struct SelectedMode {
 
 // Finds the contact mode that occurs in this direction (docs/theory/mechanics.md).
 template <class Real>
-constexpr SelectedMode selected_mode(const Contacts<Real>& at, SlipDirection direction) {
-  const PerSide<Interval<Real>> ends{squeeze_in(at, left, SlipDirection::stick),
-                                     squeeze_in(at, right, SlipDirection::stick)};
-  const Interval<Real> both = intersect(ends[left], ends[right]);
+constexpr SelectedMode selected_mode(const PerSide<Squeezes<Real>>& of, SlipDirection direction) {
+  const Interval<Real> both = intersect(of[left].all, of[right].all);
   if (both.empty()) return {false, false, {}};
   const bool closing = direction == SlipDirection::up;
   const Real end = closing ? both.high : both.low;
   ContactMode mode{SlipDirection::stick, SlipDirection::stick};
   for (const std::size_t side : {left, right}) {
-    const Real own = closing ? ends[side].high : ends[side].low;
+    const Real own = closing ? of[side].all.high : of[side].all.low;
     if (own == end || magnitude(own - end) <= squeeze_tolerance<Real> * magnitude(end)) {
       // The end that binds must be the edge that slides in this direction. If the COM lies beyond a
       // contact it can be the other edge; then no contact can slide.
-      const Interval<Real> slide = squeeze_in(at, side, direction);
-      if (!slide.empty() && slide.low == own) mode[side] = direction;
+      if ((closing ? of[side].up : of[side].down) == own) mode[side] = direction;
     }
   }
   return {true, !consistent(mode, direction), mode};
@@ -109,7 +112,7 @@ Real friction_margin(const Moments<Real>& moments, PerSide<SinCos<Real>> palm,
     for (const std::size_t side : {left, right}) {
       const FrictionCone<Real> cone =
           friction_cone(palm[side], tangent(friction_angle[side] - shrink));
-      both = intersect(both, squeeze(moments, side, cone, dx, dy));
+      both = intersect(both, squeezes(moments, side, cone, dx, dy).all);
     }
     return !both.empty();
   };

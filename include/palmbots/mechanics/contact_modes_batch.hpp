@@ -1,16 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of the nine contact modes balance, for many states at once, as one bit for each mode.
-//
-// Bit k is set iff `feasible` of mechanics/contact_modes.hpp holds for mode k. The left contact
-// counts first, and both follow the order of `slip_directions`. The answers equal those of
-// `feasible` for every input, in a tenth of the time: several states are evaluated in lanes
-// (base/simd_lanes.hpp).
-//
-// Usually every edge bounds the squeeze from its own side (a w > 0 in mechanics/equilibrium.hpp).
-// Then the ends of I_L and I_R are the squeezes at the edges, and each mode takes one or two
-// comparisons of these four numbers. Any other reachable state has a wedged edge, a palm without
-// friction or a bound that is not a number. It is left to `feasible`. Where the object cannot
-// reach, dx is not a number, no comparison holds, and no mode balances, as in `feasible`.
+// Which of the nine contact modes balance, for many states at once, as one bit for each mode: bit k
+// for the k-th of `balanced_modes` (mechanics/contact_modes.hpp). Several states are evaluated in
+// lanes (base/simd_lanes.hpp). Where the object cannot reach, dx is not a number, and no mode balances.
 #pragma once
 
 #include <algorithm>
@@ -48,65 +39,6 @@ enum Number : std::size_t {
 // The columns of all quantities, in the order of state::Number.
 using StateColumns = std::array<Column, state::count>;
 
-namespace detail {
-
-// The bits of the contact modes that balance in several states, and where they are those of
-// `feasible`. With an empty interval none balances, whatever the other numbers are.
-template <class V>
-struct PlainModes {
-  typename MaskOf<V>::Raw bits;
-  std::uint32_t valid;  // a bit for each lane
-};
-
-template <class V>
-[[gnu::always_inline]] inline PlainModes<V> plain_modes(const Contacts<V>& at) {
-  PerSide<Interval<V>> ends;
-  MaskOf<V> plain = at.dx == at.dx;
-  on_both_sides([&](std::size_t side) {
-    const FrictionCone<V>& cone = at.cones[side];
-    const Bound<V> up = bound(at.moments, side, cone.up, at.dx, at.dy);
-    const Bound<V> down = bound(at.moments, side, cone.down, at.dx, at.dy);
-    const V up_a = up.a * at.moments.width;
-    const V down_a = down.a * at.moments.width;
-    ends[side] = {down.b / down_a, up.b / up_a};
-    plain = plain & (up_a > V(0)) & (down_a > V(0)) & (ends[side].high == ends[side].high) &
-            (cone.up.lateral > cone.down.lateral);
-  });
-  const auto& [l, r] = ends;
-  const auto held = (l.low <= l.high) & (r.low <= r.high);
-  const auto meet = [&](V p, V q) {
-    const V size = magnitude(p) + magnitude(q);
-    return held & (magnitude(p - q) <= V(squeeze_tolerance<typename ScalarOf<V>::type>) * size);
-  };
-  const auto l_under = held & (l.low <= r.high);
-  const auto r_under = held & (r.low <= l.high);
-  const MaskOf<V> modes[] = {l_under & r_under,          l_under & (r.high <= l.high),
-                             r_under & (l.low <= r.low), r_under & (l.high <= r.high),
-                             meet(l.high, r.high),       meet(l.high, r.low),
-                             l_under & (r.low <= l.low), meet(l.low, r.high),
-                             meet(l.low, r.low)};
-  PlainModes<V> found{{}, (plain | (at.dx != at.dx)).bits()};
-  typename V::In::Int bit = 1;
-  for (const MaskOf<V>& balances : modes) {
-    found.bits |= balances.raw & bit;
-    bit *= 2;
-  }
-  return found;
-}
-
-// The modes of any state, by `feasible`.
-template <class Real>
-std::uint16_t feasible_bits(const Contacts<Real>& at) {
-  unsigned bits = 0;
-  unsigned bit = 0;
-  for (const SlipDirection l : slip_directions) {
-    for (const SlipDirection r : slip_directions) bits |= (feasible(at, {l, r}) ? 1U : 0U) << bit++;
-  }
-  return static_cast<std::uint16_t>(bits);
-}
-
-}  // namespace detail
-
 // Writes the bits of the contact modes that balance, for n states.
 inline void feasible_modes(const StateColumns& columns, std::size_t n, std::uint16_t* out) {
   using V = Lanes<double, 2>;  // for the registers of all 64-bit processors
@@ -140,11 +72,14 @@ inline void feasible_modes(const StateColumns& columns, std::size_t n, std::uint
     const V w = at.moments.width;
     at.dy = contact_vector<V>({V(0), palms, contacts}, offset).dy;
     at.dx = square_root((w - at.dy) * (w + at.dy));
-    const auto plain = detail::plain_modes(at);
-    for (std::size_t l = 0; l < V::count && first + l < n; ++l) {
-      out[first + l] = (plain.valid >> l & 1) != 0 ? static_cast<std::uint16_t>(plain.bits[l])
-                                                   : detail::feasible_bits(take_lane(at, int(l)));
+    V::Mask::Raw bits{};
+    V::In::Int bit = 1;
+    for (const V::Mask& balances : balanced_modes(squeezes(at))) {
+      bits |= balances.raw & bit;
+      bit *= 2;
     }
+    for (std::size_t l = 0; l < V::count && first + l < n; ++l)
+      out[first + l] = static_cast<std::uint16_t>(bits[l]);
   }
 }
 

@@ -22,6 +22,7 @@
 
 #include <limits>
 
+#include "palmbots/base/interval.hpp"
 #include "palmbots/base/side.hpp"
 #include "palmbots/mechanics/friction_cone.hpp"
 
@@ -105,43 +106,49 @@ constexpr Bound<Real> bound(const Moments<Real>& moments, std::size_t side, Cone
               Real(0.5) * push * moments.width * edge.vertical * dx};
 }
 
-// The squeezes [weights] that one contact, or both, can carry. Empty iff low > high.
-template <class Real>
-struct Interval {
-  Real low;
-  Real high;
+// The half line {H : a H ≤ b}.
+template <class V>
+constexpr Interval<V> half_line(V a, V b) {
+  const V inf(std::numeric_limits<typename ScalarOf<V>::type>::infinity());
+  const V end = b / a;
+  const MaskOf<V> none = !((a < V(0)) | (a > V(0)) | (b >= V(0)));
+  return {select(a < V(0), end, select(none, inf, -inf)),
+          select(a > V(0), end, select(none, -inf, inf))};
+}
 
-  constexpr bool empty() const { return !(low <= high); }
+// The squeezes H [weights] that one contact can carry: `all` is I_L or I_R, where its force lies in
+// its cone; `up` and `down` are those at which it slides, an end of that interval or not a number.
+// They are valid if the interval is not empty.
+template <class V>
+struct Squeezes {
+  Interval<V> all;
+  V up;
+  V down;
 };
 
-// The squeezes that lie in both intervals.
-template <class Real>
-constexpr Interval<Real> intersect(Interval<Real> p, Interval<Real> q) {
-  return {p.low > q.low ? p.low : q.low, p.high < q.high ? p.high : q.high};
-}
-
-// The half line {H : a H ≤ b}.
-template <class Real>
-constexpr Interval<Real> half_line(Real a, Real b) {
-  constexpr Real inf = std::numeric_limits<Real>::infinity();
-  if (a > Real(0)) return {-inf, b / a};
-  if (a < Real(0)) return {b / a, inf};
-  return b >= Real(0) ? Interval<Real>{-inf, inf} : Interval<Real>{inf, -inf};
-}
-
-// I_L or I_R: every squeeze H [weights] whose force on this contact lies in the contact's cone.
-template <class Real>
-constexpr Interval<Real> squeeze(const Moments<Real>& moments, std::size_t side,
-                                 const FrictionCone<Real>& cone, Real dx, Real dy) {
-  const Bound<Real> up = bound(moments, side, cone.up, dx, dy);
-  const Bound<Real> down = bound(moments, side, cone.down, dx, dy);
-  // Without friction the cone is one ray, and its two bounds leave the line through it.
-  const bool is_ray = cone.up.lateral == cone.down.lateral;
-  if (is_ray && up.a * moments.moment_arm(side, dx, mirrored(side, dy)) < Real(0)) {
-    return {Real(1), Real(-1)};  // the contact would have to pull
-  }
-  return intersect(half_line(up.a * moments.width, up.b),
-                   half_line(-down.a * moments.width, -down.b));
+template <class V>
+[[gnu::always_inline]] constexpr Squeezes<V> squeezes(const Moments<V>& moments, std::size_t side,
+                                                      const FrictionCone<V>& cone, V dx, V dy) {
+  const Bound<V> up = bound(moments, side, cone.up, dx, dy);
+  const Bound<V> down = bound(moments, side, cone.down, dx, dy);
+  const V up_a = up.a * moments.width;
+  const V down_a = down.a * moments.width;
+  const V at_up = up.b / up_a;
+  const V at_down = down.b / down_a;
+  // Without friction the cone is one ray.
+  const MaskOf<V> is_ray = cone.up.lateral == cone.down.lateral;
+  // Usually every edge bounds the squeeze from its own side.
+  if (all((up_a > V(0)) & (down_a > V(0)) & (at_up == at_up) & !is_ray))
+    return {{at_down, at_up}, at_up, at_down};
+  Interval<V> held = intersect(half_line(up_a, up.b), half_line(-down_a, -down.b));
+  // The two bounds of a ray leave the line through it, on which the contact may have to pull.
+  const MaskOf<V> pulls = is_ray & (up.a * moments.moment_arm(side, dx, mirrored(side, dy)) < V(0));
+  held = {select(pulls, V(1), held.low), select(pulls, V(-1), held.high)};
+  const auto end = [&](V a, V h) {
+    const V none(std::numeric_limits<typename ScalarOf<V>::type>::quiet_NaN());
+    return select((a != V(0)) & ((h == held.low) | (h == held.high)), h, none);
+  };
+  return {held, end(up_a, at_up), end(down_a, at_down)};
 }
 
 // The line in (dx, dy) on which the squeezes at one edge of the left cone and one edge of the right

@@ -243,10 +243,8 @@ class LoadStates {
     Interval<double> held{-any, any};
     for (const std::size_t side : {left, right}) {
       const PalmAngle<double>& palm = palms[side];
-      held = intersect(
-          held,
-          squeeze(moments, side, friction_cone<double>({palm.sin, palm.cos}, model_.friction[side]),
-                  v.dx, v.dy));
+      const auto cone = friction_cone<double>({palm.sin, palm.cos}, model_.friction[side]);
+      held = intersect(held, squeezes(moments, side, cone, v.dx, v.dy).all);
     }
     if (held.empty()) return;
     // Wheels that lose their load slip, and end a pull inward: the least squeeze remains.
