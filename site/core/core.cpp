@@ -278,7 +278,9 @@ PAGE_EXPORT(touched_modes)
 const double* touched_modes(double x_left, double y_left, double spin_left, double x_right,
                             double y_right, double spin_right) {
   answer.clear();
-  touched.append_modes({{{x_left, y_left, spin_left}, {x_right, y_right, spin_right}}}, answer);
+  const RigidMotion of_left{{x_left, y_left}, spin_left};
+  const RigidMotion of_right{{x_right, y_right}, spin_right};
+  touched.append_modes({of_left, of_right}, answer);
   return give(answer);
 }
 

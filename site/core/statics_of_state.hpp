@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include "palmbots/mechanics/acting_object.hpp"
 #include "palmbots/mechanics/contact_modes.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
+#include "palmbots/mechanics/loop_closure.hpp"
 #include "palmbots/mechanics/sliding.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/placement.hpp"

@@ -116,14 +116,14 @@ void TouchedState::append(std::vector<double>& out) const {
   out.insert(out.end(), places_.begin(), places_.end());
 }
 
-void TouchedState::append_modes(const PerSide<PalmMotion>& palms, std::vector<double>& out) const {
+void TouchedState::append_modes(const PerSide<RigidMotion>& palms, std::vector<double>& out) const {
   Velocities velocities{};
   SurfaceNumbers surfaces{};
   for (std::size_t i = 0; i < supports_.size(); ++i) {
     const std::size_t carrier = touched_[i].carrier;
     surfaces[i] = carrier > right ? 0 : carrier + 1;  // by name, as in Python
     if (carrier > right) continue;
-    velocities[i] = velocity_at(palms[carrier], supports_[i].point - pivots_[carrier]);
+    velocities[i] = palms[carrier].velocity_at(supports_[i].point - pivots_[carrier]);
   }
   each_outcome(supports_, velocities, slope_, [&](const Motions& motions) {
     const auto forces = contact_forces(supports_, motions, slope_);

@@ -48,7 +48,7 @@ class TouchedState {
   // Appends each contact mode that may occur while the palms move like this: the motion of each
   // contact, its normal and its friction force (from, to), and as what it is loaded where the margin
   // ends; then the margin [rad].
-  void append_modes(const PerSide<PalmMotion>& palms, std::vector<double>& out) const;
+  void append_modes(const PerSide<RigidMotion>& palms, std::vector<double>& out) const;
 
  private:
   explicit TouchedState(const Spec& spec) : slope_(spec.slope) {}

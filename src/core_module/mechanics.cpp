@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "bindings.hpp"
-#include "palmbots/mechanics/acting_object.hpp"
 #include "palmbots/mechanics/contact_modes.hpp"
+#include "palmbots/mechanics/loop_closure.hpp"
 
 namespace palmbots::bindings {
 

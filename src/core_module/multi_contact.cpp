@@ -81,7 +81,7 @@ std::vector<Numbers2> palm_velocities(const std::vector<SupportTuple>& given,
   for (const Support& s : supports) {
     const Numbers2 pivot = s.side == left ? pivots.first : pivots.second;
     const auto [vx, vy, spin] = s.side == left ? palms.first : palms.second;
-    const Vec v = velocity_at({vx, vy, spin}, s.point - Vec{pivot.first, pivot.second});
+    const Vec v = RigidMotion{{vx, vy}, spin}.velocity_at(s.point - Vec{pivot.first, pivot.second});
     found.emplace_back(v.x, v.y);
   }
   return found;

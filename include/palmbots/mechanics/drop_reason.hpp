@@ -34,7 +34,7 @@ constexpr V overlap(const Moments<V>& moments, const PerSide<FrictionCone<V>>& c
 // Sufficient test, without a branch, that the object is held; it settles almost every tick. It may
 // return false although the object is held, because of a wedged edge or a palm that passes below an
 // overhang. `moments` and `touching` are about the points that touch the palms; `contact_vector` is
-// about the centres of the arcs if contact vertices are rounded (mechanics/acting_object.hpp).
+// about the centres of the arcs if contact vertices are rounded (mechanics/loop_closure.hpp).
 template <class Real>
 [[gnu::always_inline]] inline MaskOf<Real> certainly_held(
     const ModelParams<Real>& params, const Moments<Real>& moments, ContactVector<Real> touching,

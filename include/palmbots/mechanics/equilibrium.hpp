@@ -1,32 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
-// Static equilibrium of an object on two contacts: the squeeze interval, and which contact slips
-// first.
+// Static equilibrium of an object on two contacts: the friction cones, the interval of squeezes, and
+// which contact slips first.
 //
-// Balance of forces and moments on an object held at two points leaves one unknown, the squeeze H.
-// Under a sideways specific force s (floor slope or acceleration, towards −x) the two palms squeeze
-// by H + s/2 and H − s/2. docs/theory/mechanics.md explains both. H is the
-// mean of the two, so that the mirrored problem has mirrored numbers to the last bit. Forces are in
-// units of the weight.
-//
-// (dx, dy) is the vector from the left contact to the right one, |(dx, dy)| = w, dx > 0. x_L and
-// x_R are the horizontal distances of the COM from the contacts, and y is its mean height above
-// them. Then
-//
-//     V_L = (x_R + H dy + s y) / dx            V_R = (x_L − H dy − s y) / dx
-//
-// and a cone edge bounds H linearly, a H ≤ b for `up` and a H ≥ b for `down`:
+// Frame: world x forward, y up; forces in units of the weight. A palm pushes the object inward with
+// the horizontal force H and upward with V, with the same signs on either side. Coulomb friction
+// bounds the lean of the force from the vertical, atan(H / V), to [θ − φ, θ + φ], φ = atan μ.
+// docs/theory/mechanics.md derives why balance leaves one unknown, the squeeze, and why a cone edge
+// bounds it linearly, a H ≤ b for `up` and a H ≥ b for `down`. With the vector (dx, dy) from the left
+// contact to the right one, the horizontal distances x_L and x_R of the COM from them, its mean height
+// y above them and a sideways specific force s towards −x:
 //
 //     left : a = vertical dx − lateral dy      b = lateral (x_R + s y) − ½ s vertical dx
 //     right: a = vertical dx + lateral dy      b = lateral (x_L − s y) + ½ s vertical dx
+//
+// H is the mean of both squeezes, so that the mirrored problem has mirrored numbers to the last bit.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 
 #include "palmbots/base/interval.hpp"
 #include "palmbots/base/side.hpp"
-#include "palmbots/mechanics/friction_cone.hpp"
 
 namespace palmbots {
+
+// How a contact moves on its palm: down is inward (towards the partner), up is outward.
+// The paper's names: on the left palm up = SL and down = SR, on the right palm up = SR, down = SL.
+enum class SlipDirection : std::int8_t { down = -1, stick = 0, up = 1 };
+
+// One edge of a friction cone, as the direction (lateral, vertical) of the force on it, so that
+// tan(lean) = lateral / vertical. Not normalized: with T = tan θ it is cos θ · (T ± μ, 1 ∓ μT).
+template <class Real>
+struct ConeEdge {
+  Real lateral;
+  Real vertical;
+};
+
+// The two edges of a friction cone. The force on a contact that slides up lies on `up` (lean θ +
+// φ), the force on one that slides down lies on `down` (lean θ − φ).
+template <class Real>
+struct FrictionCone {
+  ConeEdge<Real> up;
+  ConeEdge<Real> down;
+};
+
+// The friction cone of a palm at this angle; `friction` is μ. With −μ, the edges change places.
+template <class Real>
+constexpr FrictionCone<Real> friction_cone(SinCos<Real> palm, Real friction) {
+  return {{palm.sin + friction * palm.cos, palm.cos - friction * palm.sin},
+          {palm.sin - friction * palm.cos, palm.cos + friction * palm.sin}};
+}
 
 // The vector from the left contact to the right one [m].
 template <class Real>

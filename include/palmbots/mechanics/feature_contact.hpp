@@ -18,21 +18,6 @@
 
 namespace palmbots {
 
-// The pose of the object: the position of its COM [m] and its angle, anticlockwise [rad].
-struct Pose {
-  Vec at;
-  double angle;
-  double sin;
-  double cos;
-
-  static constexpr Pose of(Vec at, double angle) {
-    const SinCos<double> turned = sin_cos(angle);
-    return {at, angle, turned.sin, turned.cos};
-  }
-  constexpr Vec to_world(Vec v) const { return {v.x * cos - v.y * sin, v.x * sin + v.y * cos}; }
-  constexpr Vec from_world(Vec v) const { return {v.x * cos + v.y * sin, v.y * cos - v.x * sin}; }
-};
-
 enum class PairKind : std::uint8_t { corner_on_face, tip_on_edge, tip_on_arc };
 
 // A pair of features.

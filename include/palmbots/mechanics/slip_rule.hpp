@@ -1,20 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Slip rule: which contact slides while the contact points are driven together or apart, and when
-// both do. The rule is that of properties 1 and 2 of the paper. docs/theory/mechanics.md states it:
+// both do (properties 1 and 2 of the paper). docs/theory/mechanics.md states it: the squeeze goes to
+// an end of the overlap of I_L and I_R, the contact whose interval ends there slides, and where both
+// end, the regions into which sliding leads decide. An end beyond a wedged edge is unbounded: such a
+// contact does not slide, and the robots are jammed if both are.
 //
-//   Closing raises H to the upper end of the overlap of I_L and I_R. The contact whose interval
-//   ends there slides up. Opening lowers H to the lower end of the overlap. The contact whose
-//   interval ends there slides down. An edge is wedged if its cone contains the line to the other
-//   contact; that end of the interval is then unbounded.
-//
-//   The states in which one contact slides first form a region; at its border, two ends are equal.
-//   If either contact, sliding alone, would lead into the region of the other, both slide. If one of
-//   them leads into its own region, that one slides. If both would do so (a symmetric object and
-//   equal palms that close), both slide and the ends stay equal.
-//
-// So a contact whose edge is wedged does not slide, and the robots are jammed if both are. The fast
-// step (world/fast_step.hpp) and the general step (world/general_step.hpp) follow this rule, for
-// one carry or for several side by side. In all functions, `way` is +1 where the contacts slide up
+// The fast step (world/fast_step.hpp) and the general step (world/general_step.hpp) follow this rule,
+// for one carry or for several side by side. In all functions, `way` is +1 where the contacts slide up
 // and −1 where they slide down.
 #pragma once
 

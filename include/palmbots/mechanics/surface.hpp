@@ -10,38 +10,12 @@
 #include <cstdint>
 
 #include "palmbots/base/fixed_list.hpp"
+#include "palmbots/base/frame.hpp"
 #include "palmbots/base/side.hpp"
-#include "palmbots/base/vec.hpp"
 
 namespace palmbots {
 
 enum class Carrier : std::uint8_t { left_palm, right_palm, ground };
-
-// A frame that moves: where it is, how it is turned, and how fast.
-struct Frame {
-  double sense;  // of its first axis: +1 towards +x, −1 towards −x
-  Vec origin;
-  double angle;  // by which its first axis rises [rad]
-  double sin;
-  double cos;
-  Vec velocity;
-  double rate;  // of the angle
-
-  // A direction of the frame in the world, and the reverse.
-  constexpr Vec to_world(Vec v) const {
-    return {sense * (v.x * cos - v.y * sin), v.x * sin + v.y * cos};
-  }
-  constexpr Vec from_world(Vec v) const {
-    const double out = sense * v.x;
-    return {out * cos + v.y * sin, v.y * cos - out * sin};
-  }
-  // The velocity of the point of the frame at a position in the world.
-  constexpr Vec velocity_at(Vec point) const {
-    const Vec r = point - origin;
-    const double spin = sense * rate;
-    return {velocity.x - spin * r.y, velocity.y + spin * r.x};
-  }
-};
 
 // What a surface on the ground is a part of.
 enum class Ground : std::uint8_t { none, floor, wall, stand };

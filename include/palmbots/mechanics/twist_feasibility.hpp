@@ -16,20 +16,8 @@
 
 namespace palmbots {
 
-// How a palm moves: the velocity of its pivot and its angular velocity, anticlockwise.
-struct PalmMotion {
-  double vx;  // [m/s]
-  double vy;
-  double spin;  // [rad/s]
-};
-
 // The velocities of the palms at the contacts.
 using Velocities = std::array<Vec, max_supports>;
-
-// The velocity of a point of a palm, at a place from its pivot [m].
-constexpr Vec velocity_at(const PalmMotion& palm, Vec place) {
-  return {palm.vx - palm.spin * place.y, palm.vy + palm.spin * place.x};
-}
 
 // Selections of contacts: which ones each of them leaves out, as bits.
 using Selections = FixedList<std::uint32_t, 27>;

@@ -16,7 +16,7 @@
 #include <limits>
 #include <vector>
 
-#include "palmbots/mechanics/acting_object.hpp"
+#include "palmbots/mechanics/loop_closure.hpp"
 #include "palmbots/sim/build.hpp"
 #include "palmbots/sim/chassis.hpp"
 #include "palmbots/sim/plate_section.hpp"

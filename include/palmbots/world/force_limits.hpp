@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Robots whose force along the floor is limited: which forces the contacts of a regime may have.
 //
-// H is the force of a robot on the object along the floor, towards +x [weights]. A robot drives at
-// its commanded speed while |H| ≤ F. Otherwise it stalls: its speed is between 0 and the command. The
-// forces that balance the weight are the convex combinations of a few: by Carathéodory's theorem,
-// those on three rays of the contacts. So a regime is possible iff one of these combinations is within
-// both limits, and a robot stalls only if the push of the pair can reach a limit.
+// A robot drives at its commanded speed while |H| ≤ F; otherwise it stalls. All forces that balance the
+// weight are convex combinations of those on three rays of the contacts. So a regime is possible iff
+// one of these combinations is within both limits, and a robot stalls only if the push of the pair can
+// reach a limit.
 //
 // Source: docs/theory/contacts.md, Robots with limits.
 #pragma once

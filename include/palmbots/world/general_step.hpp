@@ -16,19 +16,15 @@
 // A check at the end of the step therefore misses no event. While a palm turns, a step is cut into
 // pieces of at most 1° for the same check.
 //
-// A rounded contact vertex that does not slide rolls. It keeps p − r β, where r is the radius of its
-// arc and β the angle between palm and object. If the other contact slides, the normal part of the
-// vector between the centres of the arcs, seen from the palm of the contact that slides, is w sin β
-// there. As both β sum up to θ_L + θ_R, this is Kepler's equation for the change of β, which Newton's
-// method solves from the state before. Forces act on the points that touch the palms
-// (mechanics/acting_object.hpp). Where rounded contacts do anything else than slide one at a time, the
-// step ends as at a further contact.
+// A rounded contact vertex that does not slide rolls (docs/theory/mechanics.md, Rounded contact
+// vertices). Where rounded contacts do anything else than slide one at a time, the step ends as at a
+// further contact.
 //
 // Source: docs/theory/mechanics.md.
 #pragma once
 
 #include "palmbots/base/root_finding.hpp"
-#include "palmbots/mechanics/acting_object.hpp"
+#include "palmbots/mechanics/loop_closure.hpp"
 #include "palmbots/world/fast_step.hpp"
 
 namespace palmbots {

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The quasistatic world: exact motion of the contacts while the robots move and the palms turn.
 //
-// A step changes the separation and the palm angles linearly. Nothing is integrated. In every
-// regime (one contact slides, or both do) the sliding coordinates are closed-form roots of the loop
-// constraint at any instant. A contact that sticks is never written, so it cannot drift. If one
-// contact slides through a whole step, world/fast_step.hpp computes it; if the regime changes,
-// world/general_step.hpp does. If a further contact closes, world/contact_step.hpp takes over until
-// it opens again.
+// A step moves the pivots and turns the palms, both linearly. Nothing is integrated, and a contact that
+// sticks is never written, so it cannot drift. If one contact slides through a whole step,
+// world/fast_step.hpp computes it; if the regime changes, world/general_step.hpp does. If a further
+// contact closes, world/contact_step.hpp takes over until it opens again.
 //
-// `push` is the sideways specific force of the object's inertia when the pair changes its speed
-// (docs/theory/mechanics.md). It affects only which contact slips first. It is small, but so are
-// the quantities it competes with: with φ near θ the lower ends of the squeeze intervals are close
-// to zero and to each other. Without a push a symmetric object would stay symmetric forever, which
-// no real object does. The conditions that end a carry are evaluated without the push.
+// `push` is the sideways specific force of the object's inertia when the pair changes its speed. It
+// affects only which contact slips first; the conditions that end a carry are evaluated without it.
 //
-// Source: docs/theory/mechanics.md.
+// Source: docs/theory/mechanics.md, which also explains why accelerations take part.
 #pragma once
 
 #include <optional>

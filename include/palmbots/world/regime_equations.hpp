@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where a regime (world/contact_regime.hpp) has the object while the surfaces move.
 //
-// There are three unknowns, the pose. Every contact closes its gap, a sticking one does not slip.
-// If these are fewer than three independent equations, the forces are few, too, and balance gives
-// the rest: with two contacts that both slide, the object takes the pose in which the two forces and
-// the weight are in balance. If even then something is left (a flat object between two flat
-// surfaces that both slide, or a pipe, which may turn in place), both sides slide alike.
+// The unknowns are the three of the pose and, if a robot stalls (world/force_limits.hpp) and yields,
+// where its palm is. Every contact closes its gap, and a sticking one does not slip. If these are too
+// few equations, the forces are few, too, and balance gives the rest; that of a robot that yields is at
+// its limit. If even then something is left (a flat object between two flat surfaces that both slide,
+// or a pipe, which may turn in place), both sides slide alike.
 //
-// A robot that stalls (world/force_limits.hpp) and yields is a fourth unknown: where its palm is.
-// Either one more contact sticks, or the forces are unique, and that of the robot is at its limit.
+// Source: docs/theory/mechanics.md, Regimes, and docs/theory/contacts.md, Robots with limits.
 #pragma once
 
 #include "palmbots/base/small_linear.hpp"

@@ -2,17 +2,13 @@
 // Small falls: where an object comes to rest that its contacts no longer hold, for example after it
 // has slipped off the nose of a palm.
 //
-// The surfaces stand still meanwhile. In every pose the object begins to move as a rigid body at
-// rest does: M a = weight + contact forces, with Coulomb friction and no contact that closes
-// further. It follows that direction, always slowly, until the closed contacts hold it. So the
-// places are those of a fall without momentum; its time is zero.
+// In every pose the object begins to move as a rigid body at rest does: M a = weight + contact forces,
+// with Coulomb friction and no contact that closes further. It follows that direction, always slowly,
+// until the closed contacts hold it. So the places are those of a fall without momentum; its time is
+// zero, and the surfaces stand still. M needs the radius of gyration, which no scene states:
+// `gyration` of the object's size, about that of a box. It decides only between several directions.
 //
-// The momentum that is left out limits a fall: the height of a contact vertex counts times the share
-// of the potential energy that friction does not take up. An object that slides down a palm which is
-// hardly steeper than the friction angle falls by nearly nothing, and off an edge by the whole height.
-//
-// M needs the radius of gyration, which no scene states: `gyration` of the object's size, about that
-// of a box. It decides between directions only where several of them are possible.
+// Source: docs/theory/contacts.md, Small falls, also of what limits a fall.
 #pragma once
 
 #include <initializer_list>
