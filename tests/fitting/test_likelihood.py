@@ -2,6 +2,8 @@
 """The filter's likelihood against the density of a normal distribution with the closed-form
 covariance, and the search and the intervals against SciPy and closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize
@@ -36,12 +38,37 @@ def test_the_filter_gives_the_density_of_the_differences() -> None:
             assert found == pytest.approx(wanted, abs=1e-4)
 
 
+def test_the_noise_goes_on_between_the_stretches_of_a_chain() -> None:
+    """The robot stands for one interval of a stretch: nothing else is known to be different."""
+    random = np.random.default_rng(4)
+    for whole in drawn(random, 5):
+        size = len(whole.times_s)
+        rows = np.split(np.arange(size), random.integers(3, size - 3, 1))
+        first, second = (
+            Stretch(whole.times_s[k], whole.positions_m[k], whole.commanded_m[k], 0) for k in rows
+        )
+        gap = len(first.times_s) - 1
+        stood_s = float(second.times_s[0] - first.times_s[-1])
+        chain = Stretches([first, replace(second, stood_s=stood_s)])
+        moves = np.delete(np.arange(size - 1), gap)
+        apart = np.diff(np.eye(size), axis=0)[moves]
+        for parameters in (TRUTH, TRUTH * 1.2):
+            mean = (parameters[0] * whole.command_m_s + parameters[1]) * whole.times_s
+            spread = apart @ covariance(whole.times_s, whole.command_m_s, parameters) @ apart.T
+            error = np.diff(whole.positions_m - mean)[moves]
+            wanted = multivariate_normal(np.zeros(len(moves)), spread).logpdf(error)
+            assert chain.log_likelihood(parameters)[0, 0] == pytest.approx(wanted, abs=1e-4)
+            assert len(chain.residuals(parameters)[0]) == len(moves)
+            apart_from = Stretches([first, second]).log_likelihood(parameters).sum()
+            assert abs(apart_from - wanted) > 1e-3
+
+
 def test_many_stretches_and_sets_are_filtered_as_one() -> None:
     stretches = drawn(np.random.default_rng(2), 7)
     sets = np.stack([TRUTH, TRUTH * 1.1])
     together = Stretches(stretches)
     found = together.log_likelihood(sets)
-    for column, stretch in enumerate(together.stretches):
+    for column, (stretch,) in enumerate(together.chains):
         for row, one in enumerate(sets):
             alone = Stretches([stretch]).log_likelihood(one)[0, 0]
             assert found[row, column] == pytest.approx(alone, abs=1e-8)

@@ -13,12 +13,16 @@ import pytest
 import palmbots as pb
 from commands import Run
 from logged_pairs import LoggedPair, simulated_clock
+from palmbots._util.report import Line
+from palmbots.fitting.fit import write_fit
 from palmbots.fitting.fitted_values import Source
 from palmbots.fitting.log_fit import LogFit
 from palmbots.fitting.motion_fit import fit_recorded
+from palmbots.fitting.motion_likelihood import Stretch
 from palmbots.fitting.recorded_logs import Sent, _packets, read_carry, stretches_in
 from palmbots.logs.mcap_writer import write_log
 from palmbots.pair.launcher import UP
+from palmbots.simulation.result import Carry
 from palmbots.station.simulated_pair import Air
 from sampled import amounts
 
@@ -33,6 +37,11 @@ def logged(folder: Path, number: int, **keys: Any) -> Path:
     place = folder / f"{number}.mcap"
     write_log(pb.carry("paper", "shared-sign", seed=number, overrides=HIDDEN | keys), place)
     return place
+
+
+def whole_stretches(carried: Carry) -> list[Stretch]:
+    """Those that are long enough."""
+    return [one for one in stretches_in(carried, 0) if not one.is_short]
 
 
 @pytest.fixture(scope="module")
@@ -55,8 +64,7 @@ def test_carries_are_fitted(logs: list[Path], here: Run, tmp_path: Path) -> None
     assert of["radio.jitter_s"].value == pytest.approx(0.04, rel=0.2)
     assert "needs 50 stretches" in of["robot.gain_sd"].reason
 
-    result = here("fit", *map(str, logs), "--out", str(tmp_path / "fitted"))
-    assert result.returncode == 0
+    files = write_fit(found, tmp_path / "fitted")
     written = {"robot.toml", "robot.png", "radio.toml", "radio.png"}
     written |= {"robot-errors.csv", "radio-fates.csv", "object.toml", "object.png"}
     assert {file.name for file in (tmp_path / "fitted").iterdir()} == written
@@ -64,7 +72,8 @@ def test_carries_are_fitted(logs: list[Path], here: Run, tmp_path: Path) -> None
         str(tmp_path / "fitted" / name) for name in ("robot.toml", "radio.toml", "object.toml")
     ]
     with_both = [word for part in parts for word in ("--with", part)]
-    assert f"palmbots carry SCENE {' '.join(with_both)}\n" in result.stdout
+    notes = [str(one) for one in files if isinstance(one, Line)]
+    assert any(f"palmbots carry SCENE {' '.join(with_both)}" in one for one in notes)
     assert here("carry", "paper", *with_both, "--seeds", "1").returncode in (0, 1)
     one_of_both = here("fit", "--radio", str(logs[0]), "--out", str(tmp_path / "radio"))
     assert one_of_both.returncode == 0
@@ -81,7 +90,7 @@ def test_without_noise_every_position_follows_from_the_commands(
     keys = {"robot.noise_m_s": 0.0, "task.direction": direction, "start.left_m": 0.03}
     keys |= {"robot.right.bias_m_s": 0.004, "robot.right.acceleration_m_s2": 0.3}
     carried = pb.carry("paper", controller, overrides=keys)
-    stretches = list(stretches_in(carried, 0))
+    stretches = whole_stretches(carried)
     assert stretches
     for one in stretches:
         error = one.positions_m - (one.commanded_m - one.commanded_m[0])
@@ -95,7 +104,7 @@ def test_without_noise_every_position_follows_from_the_commands(
 def test_a_way_of_less_than_two_seconds_is_no_stretch() -> None:
     for distance_m, count in ((0.1, 0), (0.15, 2)):  # at 6 cm/s
         keys = {"robot.noise_m_s": 0.0, "task.distance_m": distance_m}
-        assert len(list(stretches_in(pb.carry("paper", "silent", overrides=keys), 0))) == count
+        assert len(whole_stretches(pb.carry("paper", "silent", overrides=keys))) == count
 
 
 def test_between_positions_the_command_stays_the_same() -> None:
@@ -104,7 +113,7 @@ def test_between_positions_the_command_stays_the_same() -> None:
     carried = pb.carry("paper", "shared-sign", seed=1, overrides=HIDDEN | keys)
     robot = carried.scene.robot_of("left")
     speeds = robot.speed_m_s + robot.correction_m_s * np.array([-1, 0, 1])
-    ways = [np.diff(one.commanded_m) / np.diff(one.times_s) for one in stretches_in(carried, 0)]
+    ways = [np.diff(one.commanded_m) / np.diff(one.times_s) for one in whole_stretches(carried)]
     seen = np.abs(np.concatenate(ways))[:, None] - speeds
     assert (np.abs(seen) < 1e-6).any(axis=1).all()
     assert ((np.abs(seen) < 1e-6).sum(axis=0) > 0).sum() > 1
@@ -144,15 +153,16 @@ def test_packets_of_a_log_are_numbered_as_sent_and_have_an_interval_if_regular()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fits", amounts(10, 40))
-def test_intervals_cover_the_hidden_values(fits: int) -> None:
-    """A controller answers to the noise: at positions that are only thinned, the gain is found 0.02
-    too low."""
+@pytest.mark.parametrize("controller", ["shared-sign", "silent"])
+@pytest.mark.parametrize("fits", amounts(5, 40))
+def test_intervals_cover_the_hidden_values(fits: int, controller: str) -> None:
+    """A controller answers to the noise, and stops robots that are too fast. At positions that are
+    only thinned, and in stretches that begin with stationary noise, the gain of `silent` is found
+    0.08 too low."""
     hits = dict.fromkeys(HIDDEN, 0)
     for number in range(fits):
         carries = (
-            pb.carry("paper", "shared-sign", seed=100 * number + k, overrides=HIDDEN)
-            for k in range(6)
+            pb.carry("paper", controller, seed=100 * number + k, overrides=HIDDEN) for k in range(6)
         )
         stretches = [
             one for run, carried in enumerate(carries) for one in stretches_in(carried, run)
@@ -180,7 +190,7 @@ def test_logs_of_robots_are_fitted(
     for file in folder.glob("*.mcap"):
         with pytest.raises(pb.PalmbotsError, match=wanted):
             pb.fit([file])
-    stretches = read_carry(folder, 0).stretches
+    stretches = [one for one in read_carry(folder, 0).stretches if not one.is_short]
     assert stretches
     for one in stretches:
         assert one.speed_m_s / one.command_m_s == pytest.approx(1, abs=0.1)

@@ -68,6 +68,7 @@ def fit_stretches(
         on_progress: called with the completed fraction.
     """
     arrays = Stretches(stretches)
+    stretches = [one for one in stretches if not one.is_short]
     commands = np.array([each.command_m_s for each in stretches])
     has_bias = bool(np.std(commands) > _SPEEDS_APART * np.mean(commands))
     longest = 0.5 * float(np.median([each.times_s[-1] for each in stretches]))

@@ -174,6 +174,7 @@ def fit_recorded(
     Raises:
         PalmbotsError: they identify nothing.
     """
+    every, stretches = stretches, [one for one in stretches if not one.is_short]
     named = f"{runs} runs have"
     if runs == 1:
         names = [one.name for one in sources]
@@ -190,7 +191,7 @@ def fit_recorded(
             f"--motion: {named} a robot that moves {mean:.4g} times as fast as commanded; "
             f"expected m and m/s, and a gain from {_GAINS[0]:g} to {_GAINS[1]:g}"
         )
-    fitted = fit_stretches(stretches, on_progress)
+    fitted = fit_stretches(every, on_progress)
     others = step_estimates(steps, _WITH_OFFSET if alignments else _DEAD_TIME)
     estimates = (*fitted.estimates, *others, _curvature(stretches))
     return MotionFit(

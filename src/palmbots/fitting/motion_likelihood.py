@@ -18,7 +18,11 @@ function of v, with the coefficients Σ y_k²/T_k, Σ y_k t_k/T_k and Σ t_k²/T
 integrated out of it. The place at which a stretch begins has a flat prior, so the first position
 has no density in it.
 
-Many stretches, and many sets of parameters, are filtered side by side.
+While a robot stands, the noise n goes on without moving it. Controllers often stop a robot that is
+too fast, so n is not stationary when it starts again. The stretches of a robot between which it
+stands are therefore a *chain* with one gain, through which the filter keeps n.
+
+Many chains, and many sets of parameters, are filtered side by side.
 """
 
 from __future__ import annotations
@@ -52,6 +56,11 @@ class Stretch:
     """Number of the recording: stretches of one run may have something in common."""
     curvature_rad_m: float = math.nan
     """By how much the robot turned beyond its command, over its displacement; NaN: unknown."""
+    stood_s: float = math.nan
+    """How long the robot has stood since the stretch before this one, which the noise may outlast;
+    NaN: no such stretch is known."""
+    is_short: bool = False
+    """Whether it serves only the likelihood, together with those before and after it."""
 
     @property
     def command_m_s(self) -> float:
@@ -68,34 +77,56 @@ def _mean_speed(places_m: Floats, times_s: Floats) -> float:
     return float((places_m[-1] - places_m[0]) / (times_s[-1] - times_s[0]))
 
 
+def chains_of(stretches: Sequence[Stretch]) -> list[list[Stretch]]:
+    """Stretches grouped by chain; without the chains that have only short ones."""
+    chains: list[list[Stretch]] = []
+    for one in stretches:
+        if math.isnan(one.stood_s) or not chains:
+            chains.append([])
+        chains[-1].append(one)
+    return [chain for chain in chains if not all(one.is_short for one in chain)]
+
+
 class Stretches:
-    """Stretches as arrays, the longest first, so that those that have ended are a tail."""
+    """Chains of stretches as arrays, the longest first, so that those that have ended are a
+    tail."""
 
     def __init__(self, stretches: Sequence[Stretch]) -> None:
-        ordered = sorted(stretches, key=lambda one: -len(one.times_s))
-        self.lengths = np.array([len(one.times_s) for one in ordered])
-        shape = len(ordered), int(self.lengths.max())
-        self._steps = np.zeros(shape[::-1])
+        self.chains = sorted(
+            chains_of(stretches), key=lambda chain: -sum(len(one.times_s) for one in chain)
+        )
+        self.lengths = np.array([sum(len(one.times_s) for one in chain) for chain in self.chains])
+        shape = int(self.lengths.max()), len(self.chains)
+        self._steps = np.zeros(shape)
+        self._starts = np.zeros(shape, bool)
+        """Where a stretch begins: the noise has gone on, the place is new."""
         # What is filtered, by step: displacements beyond the commanded ones, and times.
-        self._measured = np.zeros((shape[1], 2, shape[0]))
-        for row, one in enumerate(ordered):
-            size = len(one.times_s)
-            self._steps[1:size, row] = np.diff(one.times_s)
-            commanded = one.commanded_m - one.commanded_m[0]
-            moved = one.positions_m - one.positions_m[0] - commanded
-            self._measured[:size, :, row] = np.column_stack([moved, commanded / one.command_m_s])
-        self._commands = np.array([one.command_m_s for one in ordered])
-        self.runs = np.array([one.run for one in ordered])
-        self.stretches = ordered
+        self._measured = np.zeros((shape[0], 2, shape[1]))
+        self._commands = np.zeros(shape[1])
+        for row, chain in enumerate(self.chains):
+            way = sum(one.commanded_m[-1] - one.commanded_m[0] for one in chain)
+            self._commands[row] = way / sum(one.times_s[-1] - one.times_s[0] for one in chain)
+            first = 0
+            for one in chain:
+                places = np.s_[first : first + len(one.times_s), row]
+                self._steps[places] = np.diff(one.times_s, prepend=one.times_s[0] - one.stood_s)
+                self._starts[first, row] = True
+                commanded = one.commanded_m - one.commanded_m[0]
+                moved = one.positions_m - one.positions_m[0] - commanded
+                self._measured[places[0], 0, row] = moved
+                self._measured[places[0], 1, row] = commanded / self._commands[row]
+                first += len(one.times_s)
+        self._steps[0] = 0.0
+        self.runs = np.array([chain[0].run for chain in self.chains])
 
     def log_likelihood(self, parameters: Floats) -> Floats:
-        """The log-likelihood of each stretch under each set of parameters.
+        """The log-likelihood of each chain under each set of parameters.
 
         Args:
             parameters: one set in a row, with the columns `PARAMETERS`.
 
         Returns:
-            One row for each set, one column for each stretch.
+            One row for each set, one column for each chain.
         """
         sets = np.atleast_2d(parameters)
         # Sets that differ in the gain or in the bias only have one filter.
@@ -108,14 +139,16 @@ class Stretches:
         return -0.5 * (logs + rest + np.log(spread) - known)
 
     def residuals(self, parameters: Floats) -> list[Floats]:
-        """What each stretch deviates from the prediction of the filter, in standard deviations,
-        from the second position on: independent and standard normal where the model is right."""
+        """What each chain deviates from the prediction of the filter, in standard deviations, from
+        the second position of each stretch on: independent and standard normal where the model is
+        right."""
         sets = np.atleast_2d(parameters)
         errors: list[Floats] = []
         self._filtered(_of_filter(sets), errors)
         found = []
         for row, (mean, variance) in enumerate(np.stack(self._speeds(sets))[:, 0].T):
-            of_steps = [one[:, 0, row] for one in errors[: self.lengths[row] - 1]]
+            steps = range(1, self.lengths[row])
+            of_steps = [errors[k - 1][:, 0, row] for k in steps if not self._starts[k, row]]
             total, moved, time = np.array(of_steps).T
             # The speed as it is known from the positions before.
             mixed, weights = (
@@ -127,12 +160,12 @@ class Stretches:
         return found
 
     def _speeds(self, sets: Floats) -> tuple[Floats, Floats]:
-        """Mean and variance of the speed of each stretch, beyond the command."""
+        """Mean and variance of the speed of each chain, beyond the command."""
         gain, bias, gain_sd = sets.T[:3, :, None]
         return (gain - 1) * self._commands + bias, (gain_sd * self._commands) ** 2
 
     def _filtered(self, sets: Floats, errors: list[Floats] | None = None) -> Floats:
-        """Σ log 2πT, Σ y²/T, Σ y t/T and Σ t²/T of each set and stretch.
+        """Σ log 2πT, Σ y²/T, Σ y t/T and Σ t²/T of each set and chain.
 
         Args:
             sets: rows of `_of_filter`.
@@ -164,6 +197,11 @@ class Stretches:
             # The position is measured.
             total = ss + of_position
             error = self._measured[k, :, None, :live] - s
+            starts = self._starts[k, :live]
+            if starts.any():  # a flat prior: as if the position were known
+                s, error = np.where(starts, 0.0, s), np.where(starts, 0.0, error)
+                total = np.where(starts, 1.0, total)
+                sn = np.where(starts, 0.0, sn)
             if errors is not None:
                 errors.append(np.array([total, *error]))
             part = error / total
@@ -174,7 +212,9 @@ class Stretches:
             for_s, for_n = of_position / total, sn / total
             nn = nn - for_n * sn
             ss, sn = for_s * ss, for_s * sn
-        found[0] += np.log(2 * np.pi) * (self.lengths - 1)
+            if starts.any():
+                ss = np.where(starts, of_position, ss)
+        found[0] += np.log(2 * np.pi) * (self.lengths - self._starts.sum(axis=0))
         return found
 
 

@@ -3,8 +3,9 @@
 
 The commands of a carry change often, so a stretch is all that a robot drives without standing:
 where the commands alone would have moved it follows from them and from the acceleration in the
-scene. A command answers to what the noise has done before. So positions are taken wherever the
-command changes: between them it depends on earlier positions only, and the likelihood holds.
+scene. A command answers to what the noise has done before. So positions are taken close to each
+other before the command changes: it depends on these and earlier positions, and the likelihood
+holds.
 
 The log of a simulated carry has the true positions. Logs of real robots have what their encoders
 count, so slip of the wheels is no error there. The clocks of the programs are aligned by their
@@ -14,6 +15,7 @@ packets, with the shortest ways in both directions taken as equal.
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -128,15 +130,25 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
         drives = ((wanted != 0) | (speeds != 0)) & np.isfinite(moved)
         drives[-1] = False  # the end of a carry lies within a tick
         edges = np.flatnonzero(np.diff(np.concatenate([[False], drives, [False]])))
+        last_s = math.nan  # of the stretch before
         for first, after in edges.reshape(-1, 2):
-            rows = np.arange(first, after)
-            rows = rows[times[rows] < times[first] + MOST_S]
+            every = np.arange(first, after)
+            rows = every[times[every] < times[first] + MOST_S]
+            is_cut = len(rows) < len(every)
             rows = rows[thinned(times[rows], wanted[rows])]
+            if len(rows) < 2:
+                continue
             duration = times[rows[-1]] - times[rows[0]]
             way = abs(commanded[rows[-1]] - commanded[rows[0]])
-            if duration > LEAST_S and way > SLOWEST_M_S * duration:
-                since = times[rows] - times[rows[0]]
-                yield Stretch(since, moved[rows] - moved[rows[0]], commanded[rows], run)
+            yield Stretch(
+                times[rows] - times[first],
+                moved[rows] - moved[first],
+                commanded[rows],
+                run,
+                stood_s=times[first] - last_s,
+                is_short=bool(duration <= LEAST_S or way <= SLOWEST_M_S * duration),
+            )
+            last_s = math.nan if is_cut else times[rows[-1]]
 
 
 def steps_of(carry: Carry, run: int) -> Iterator[Step]:

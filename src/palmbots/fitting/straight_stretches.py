@@ -26,6 +26,10 @@ LEAST_S, MOST_S = 2.0, 30.0
 STRAIGHT_RAD_S = 0.05
 """Greatest commanded turn rate of a straight stretch."""
 
+BEFORE_S = 0.055
+"""A command that changes answers to what the noise has just done. Positions before it show the
+speed to which it answers; with fewer of them, the fit takes the answer for a part of the gain."""
+
 SPACING_S = 0.1
 """Positions that follow each other faster are thinned: what motion capture adds from one picture to
 the next is correlated, and no error of the robot."""
@@ -120,13 +124,18 @@ def way_of(commands: Recording, positions: Recording, lag_s: float) -> Floats | 
 
 
 def thinned(times: Floats, commands: Floats | None = None) -> list[int]:
-    """Places of times that are at least about `SPACING_S` apart, and where a command changes."""
+    """Places of times that are at least about `SPACING_S` apart, and all within `BEFORE_S` before a
+    command changes."""
     kept = [0]
-    changes = np.zeros(len(times), bool)
+    is_near = np.zeros(len(times), bool)
     if commands is not None:
-        changes[1:] = commands[1:] != commands[:-1]
+        changes = np.flatnonzero(commands[1:] != commands[:-1]) + 1
+        for change, first in zip(
+            changes, np.searchsorted(times, times[changes] - BEFORE_S), strict=True
+        ):
+            is_near[first : change + 1] = True
     for place, time in enumerate(times):
-        if changes[place] or time - times[kept[-1]] > 0.95 * SPACING_S:
+        if is_near[place] or time - times[kept[-1]] > 0.95 * SPACING_S:
             kept.append(place)
     return kept
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from palmbots._types import Interval
 from palmbots.probing.slip_comparison import Pose
@@ -141,14 +142,7 @@ class ContactBounds:
 
     def _turned(self) -> tuple[tuple[Interval, Interval], tuple[Interval, Interval]]:
         """Sines and cosines of both palms."""
-        error = self.geometry.angle_error
-        sines, cosines = [], []
-        for angle in self.angles:
-            low, high = around(angle, error)
-            sines.append((math.sin(low), math.sin(high)))
-            top = 1.0 if low <= 0 <= high else max(math.cos(low), math.cos(high))
-            cosines.append((min(math.cos(low), math.cos(high)), top))
-        return (sines[0], sines[1]), (cosines[0], cosines[1])
+        return _sines_and_cosines(self.angles, self.geometry.angle_error)
 
     def rise(self) -> Interval:
         """z."""
@@ -182,6 +176,7 @@ class ContactBounds:
         sines, cosines = self._turned()
         contacts, separation = list(self.contacts), self.separation
         for _ in range(_NARROWINGS):
+            before = *contacts, separation
             z = replace(self, contacts=(contacts[0], contacts[1])).rise()
             highest = max(abs(z[0]), abs(z[1]))
             lowest = 0.0 if z[0] <= 0 <= z[1] else min(abs(z[0]), abs(z[1]))
@@ -203,6 +198,8 @@ class ContactBounds:
                 inverse = 1 / cosines[i][1], 1 / cosines[i][0]
                 contacts[i] = both(contacts[i], times(run, inverse))
                 runs[i] = times(contacts[i], cosines[i])
+            if (*contacts, separation) == before:
+                break
         return replace(self, contacts=(contacts[0], contacts[1]), separation=separation)
 
     def seen(self, closed: tuple[tuple[bool, ...], tuple[bool, ...]]) -> ContactBounds:
@@ -266,6 +263,19 @@ class ContactBounds:
             lift = add(times(self.contacts[i], turn), times(offset, shrink))
             height = add(height, lift if i else (-lift[1], -lift[0]))
         return max(map(abs, loop)) + steepest * max(map(abs, height))
+
+
+@lru_cache(maxsize=64)
+def _sines_and_cosines(
+    angles: Pair, error: float
+) -> tuple[tuple[Interval, Interval], tuple[Interval, Interval]]:
+    sines, cosines = [], []
+    for angle in angles:
+        low, high = around(angle, error)
+        sines.append((math.sin(low), math.sin(high)))
+        top = 1.0 if low <= 0 <= high else max(math.cos(low), math.cos(high))
+        cosines.append((min(math.cos(low), math.cos(high)), top))
+    return (sines[0], sines[1]), (cosines[0], cosines[1])
 
 
 def _differences(before: Interval, after: Interval) -> Interval:
