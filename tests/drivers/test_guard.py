@@ -77,6 +77,28 @@ def test_readings_and_commands_pass_the_guard(note: Path) -> None:
     assert words(note)[-2:] == ["stop", "close"]
 
 
+def test_nothing_has_arrived_until_the_driver_has_received_the_newest_command(note: Path) -> None:
+    driver = open_driver("noted", settings(note))
+    guard = int(notes(note)[0][2])
+    seen = driver.read()
+    assert seen is not None
+    assert seen.palm_at_target
+    os.kill(guard, signal.SIGSTOP)
+    driver.write(TURN)
+    seen = driver.read()
+    os.kill(guard, signal.SIGCONT)
+    assert seen is not None
+    assert not seen.palm_at_target
+
+    def has_arrived() -> bool:
+        driver.write(TURN)
+        seen = driver.read()
+        return seen is not None and seen.palm_at_target
+
+    wait_until(has_arrived)
+    driver.close()
+
+
 def test_a_silent_program_is_stopped_within_the_watchdog(note: Path) -> None:
     driver = open_driver("noted", settings(note))
     for _ in range(5):

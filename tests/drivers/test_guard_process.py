@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from palmbots.drivers import guard_process
+from palmbots.drivers.arm import HOLDS
 from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReading, Reading
 from palmbots.drivers.hardware_driver import HardwareDriver
 from palmbots.links.local_connection import ConnectionLost
@@ -135,7 +136,15 @@ def test_a_reading_is_sent_in_every_period(monkeypatch: pytest.MonkeyPatch) -> N
     assert len(program.readings) == pytest.approx(100, abs=2)
     no_arm = [False, 0, 0, False, False]
     reading = [0, True, 0.0, None, True, *no_arm]
-    assert program.readings[0] == ["reading", [reading, None, True, [0, 0]]]
+    assert program.readings[0] == ["reading", [reading, None, True, [0, 0], None]]
+
+
+def test_a_reading_names_the_command_to_which_it_refers(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, program = run(monkeypatch, [(0.1, ("drive", 0.1, TURN))], 0.2)
+    palm_rad, arm = TURN[4], HOLDS
+    named = [content[-1] for _, content in program.readings]
+    assert named[0] is None
+    assert named[-1] == [palm_rad, arm]
 
 
 def test_hardware_is_read_once_for_a_reading(monkeypatch: pytest.MonkeyPatch) -> None:

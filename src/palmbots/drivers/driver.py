@@ -204,3 +204,9 @@ jobs on the floor are refused. It raises `PalmbotsError` if the hardware cannot 
 def works(driver: Driver) -> bool:
     """Whether readings still come; true for a driver that does not say so."""
     return bool(getattr(driver, "works", True))
+
+
+def targets(drive: Drive) -> list[float]:
+    """Where a command sends palm and arm. A reading that refers to other targets does not say
+    whether they have arrived."""
+    return [drive.palm_rad, drive.arm]

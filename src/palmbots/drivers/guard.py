@@ -26,6 +26,7 @@ from palmbots.drivers.driver import (
     RawCommand,
     RawReading,
     Reading,
+    targets,
 )
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import to_stderr
@@ -54,6 +55,8 @@ class GuardedDriver:
         self._silence_s = max(_SILENCE_S, 20 * settings.period_s)
         self._newest: tuple[Reading, RawReading | None] | None = None
         self._has_ended = self._works = False
+        self._wanted: list[float] | None = None  # `targets` of the newest command
+        self._obeyed: list[float] | None = None  # the same of the one that a reading refers to
         self.loss = ""
         """Why the driver was lost last; empty: it was not."""
         self.call_s = (0.0, 0.0)
@@ -90,7 +93,12 @@ class GuardedDriver:
     def read(self) -> Reading | None:
         """The newest reading; None: the hardware has ended the carry."""
         self._poll()
-        return None if self._has_ended or self._newest is None else self._newest[0]
+        if self._has_ended or self._newest is None:
+            return None
+        reading = self._newest[0]
+        if self._obeyed != self._wanted:  # the driver had not yet received the newest command
+            return replace(reading, palm_at_target=False, arm_there=False)
+        return reading
 
     @property
     def has_raw(self) -> bool:
@@ -109,6 +117,7 @@ class GuardedDriver:
 
     def write(self, drive: Drive) -> None:
         """Command palm and wheels."""
+        self._wanted = targets(drive)
         self._offer(["drive", time.monotonic(), [*asdict(drive).values()]])
 
     def write_raw(self, command: RawCommand) -> None:
@@ -149,7 +158,7 @@ class GuardedDriver:
             raise DriverFailed(self._kind, content)
         if name == "refused":
             raise PalmbotsError(content)
-        shape, raw, works, (read_s, write_s) = content
+        shape, raw, works, (read_s, write_s), self._obeyed = content
         self.call_s = (read_s, write_s)
         sign, at_target, distance_m, *others = shape
         reading = Reading(sign, at_target, math.nan if distance_m is None else distance_m, *others)

@@ -25,6 +25,7 @@ from palmbots.drivers.driver import (
     DriverSettings,
     RawAccess,
     RawCommand,
+    targets,
     works,
 )
 from palmbots.drivers.driver_registry import DRIVERS
@@ -76,6 +77,7 @@ class _Guard:
         self._limit_s = WATCHDOG_SHARE * settings.watchdog_s
         self._write_s = 0.0  # how long the last command took
         self._stop_s = math.inf  # when the wheels have to stop if no command comes
+        self._obeyed: list[float] | None = None  # palm angle and arm of the newest command
 
     def run(self) -> None:
         """Pass on readings and commands, until the connection or the driver ends."""
@@ -110,7 +112,9 @@ class _Guard:
         self._stop_s = given_s + self._limit_s
         begin_s = time.monotonic()
         if name == "drive":
-            self._driver.write(Drive(*content))
+            drive = Drive(*content)
+            self._driver.write(drive)
+            self._obeyed = targets(drive)
         elif isinstance(self._driver, RawAccess):
             (left, right), *servos = content
             self._driver.write_raw(RawCommand((left, right), *servos))
@@ -132,7 +136,7 @@ class _Guard:
         if raw is not None:
             raw = [raw.wheel_counts, raw.closed, raw.servo_rad, raw.battery_v]
         call_s = [time.monotonic() - begin_s, self._write_s]
-        self._program.offer(["reading", [shape, raw, works(self._driver), call_s]])
+        self._program.offer(["reading", [shape, raw, works(self._driver), call_s, self._obeyed]])
         return True
 
 

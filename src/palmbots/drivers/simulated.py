@@ -8,6 +8,7 @@ the watchdog.
 import contextlib
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from palmbots._types import Side
@@ -68,6 +69,7 @@ class SimulatedDriver:
         self._newest: Reading | RawReading | None = None
         self._palm = 0
         self._arm: int | None = None
+        self._arm_of_newest: int | None = None
         self._phase = 0
         self._has_arm = False
         self._servo_rad: float | None = None
@@ -87,6 +89,9 @@ class SimulatedDriver:
         reading = self._read()
         if isinstance(reading, RawReading):
             return self._io.reading(reading, self._now_s())
+        if reading is not None and self._arm_of_newest != self._arm:
+            # The world had not received the newest command when it sent this.
+            return replace(reading, arm_there=False)
         return reading
 
     def read_raw(self) -> RawReading | None:
@@ -154,8 +159,7 @@ class SimulatedDriver:
         if not senses:
             return Reading(sign, palm_at_target, distance_m)
         self._has_arm = True
-        touches, arm, is_there, steps, beneath = senses
-        is_there = is_there and arm == self._arm  # the world may not have the newest command yet
+        touches, self._arm_of_newest, is_there, steps, beneath = senses
         return Reading(
             sign, palm_at_target, distance_m, has_contact=touches, arm_there=is_there,
             arm_steps=steps, beneath=beneath,

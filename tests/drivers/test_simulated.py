@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The driver of a simulated robot, frame by frame."""
+
+from collections import deque
+from typing import Any
+
+import pytest
+
+from palmbots.drivers.arm import HOLDS, RISES
+from palmbots.drivers.driver import Drive
+from palmbots.drivers.simulated import SimulatedDriver
+
+
+class World:
+    """The end of the world: what it has sent, and what it has received."""
+
+    def __init__(self) -> None:
+        self.sent: deque[Any] = deque()
+        self.received: list[Any] = []
+
+    def poll(self) -> Any:
+        return self.sent.popleft() if self.sent else None
+
+    def send(self, frame: Any) -> None:
+        self.received.append(frame)
+
+    offer = send
+
+
+def drive(arm: int) -> Drive:
+    return Drive(0, 0, stop=False, wheels=True, palm_rad=0.2, speed_m_s=0.0, arm=arm)
+
+
+def reading(arm: int, is_there: bool) -> list[Any]:
+    """What the world sends while the arm does this: the arm is `is_there`."""
+    return [0, True, 0.0, True, arm, is_there, 2, False]
+
+
+@pytest.mark.parametrize("frames", [0, 1], ids=["no newer reading", "a reading on its way"])
+def test_an_arm_has_not_arrived_until_the_world_has_received_the_newest_command(
+    frames: int,
+) -> None:
+    """Otherwise a robot whose arm held for a moment believes that it is up."""
+    world = World()
+    driver = SimulatedDriver(world, "left", 1)
+    world.sent.append(reading(HOLDS, True))
+    driver.write(drive(HOLDS))
+    seen = driver.read()
+    assert seen is not None
+    assert seen.arm_there
+    driver.write(drive(RISES))
+    world.sent.extend([reading(HOLDS, True)] * frames)
+    seen = driver.read()
+    assert seen is not None
+    assert not seen.arm_there
+    for is_there in (False, True):
+        world.sent.append(reading(RISES, is_there))
+        seen = driver.read()
+        assert seen is not None
+        assert seen.arm_there is is_there
