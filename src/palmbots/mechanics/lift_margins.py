@@ -102,7 +102,8 @@ class Lifting:
     """The same if the object also has to touch the palms nowhere else."""
     arms_differ_m: float
     """The largest height difference of two arms that move together: that of the pivots on the
-    floor or at a stand + rate × (lease + delay + tick) + the errors of both."""
+    floor or at a stand + rate × (lease + delay + tick) + the errors of both. If the arms differ
+    more while the pair carries, this difference."""
     refusals: tuple[str, ...]
     """Why the job cannot begin."""
     warnings: tuple[str, ...]

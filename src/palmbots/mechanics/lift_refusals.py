@@ -19,6 +19,7 @@ def refusals(scene: Scene, found: Lifting) -> Iterator[str]:
         if found.is_on_floor:
             yield from _refusals_of_arm(scene, found, side)
         yield from _refusals_of_stand(scene, found, side)
+    yield from _refusals_of_tops(scene, found)
     if found.from_stand_m is not None:
         yield from _refusals_of_noses(found)
     if found.picks_up:
@@ -86,6 +87,18 @@ def _refusals_of_arm(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
         yield (
             f"arm.carry_height_m: value is {arm.carry_height_m:g}, which does not raise the "
             f"{side} palm off the floor; allowed: more than {rounded_up(own.pivot_m.right, 4):g}"
+        )
+
+
+def _refusals_of_tops(scene: Scene, found: Lifting) -> Iterator[str]:
+    """Arms that are up hold the object at these heights for as long as the pair carries."""
+    left, right = (scene.arm.of(side).carry_height_m for side in SIDES)
+    apart, permitted = abs(left - right), found.permitted_rise_m
+    if apart > permitted > 0:
+        yield (
+            f"arm.carry_height_m: the left palm is carried at {left:g} m and the right one at "
+            f"{right:g} m, and the properties hold only up to a difference of "
+            f"{millimetres(permitted)}; allowed: heights that differ by at most that"
         )
 
 

@@ -76,7 +76,10 @@ def lifting(scene: Scene) -> Lifting | None:
         in_air=tuple(sorted(rises.in_air())),
         permitted_rise_m=centred.permitted_m(clear=False),
         clear_rise_m=centred.permitted_m(),
-        arms_differ_m=_arms_differ(scene, spec) + _start_rise(scene, spec, plates),
+        arms_differ_m=max(
+            _moving_arms_differ(scene, spec) + _start_rise(scene, spec, plates),
+            _raised_arms_differ(scene),
+        ),
         refusals=(),
         warnings=(),
         plates=plates,
@@ -222,13 +225,21 @@ def _least_angle(palm: _core.PalmSpec, lowest: float) -> float:
     return high
 
 
-def _arms_differ(scene: Scene, spec: _core.Spec) -> float:
+def _moving_arms_differ(scene: Scene, spec: _core.Spec) -> float:
+    """How much farther than at their start the heights of two arms may differ while they move."""
     arms = [scene.arm.of(side) for side in SIDES]
     table = _core.transition_table("shared-sign", spec)
     assert table is not None
     lease = table["lease_s"]
     late = lease + spec.longest_delay + scene.control.period_s
     return max(arm.rate_m_per_s for arm in arms) * late + sum(arm.height_error_m for arm in arms)
+
+
+def _raised_arms_differ(scene: Scene) -> float:
+    """The largest height difference of the pivots while the pair carries."""
+    arms = [scene.arm.of(side) for side in SIDES]
+    apart = abs(arms[0].carry_height_m - arms[1].carry_height_m)
+    return apart + sum(arm.height_error_m for arm in arms)
 
 
 def _start_rise(

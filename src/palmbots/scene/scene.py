@@ -158,9 +158,9 @@ class Scene(Section):
         if task.route.is_set:
             radii["route"] = task.route.radius_m
             for key in ("from", "to"):
-                if (stands := getattr(task, key)) != "floor":
-                    problem = "is on the palms, but a route (task.route) leads from floor to floor"
-                    raise field_error(stands, problem, "floor", f"task.{key}")
+                if (place := getattr(task, key)) != "floor":
+                    problem = "is not the floor, but a route (task.route) leads from floor to floor"
+                    raise field_error(place, problem, "floor", f"task.{key}")
             if task.path.is_curved:
                 problem = "is a path beside a route (task.route), which has curves of its own"
                 raise field_error(task.path.kind, problem, "straight", "task.path.kind")
