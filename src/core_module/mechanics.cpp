@@ -84,14 +84,16 @@ nb::tuple acting_objects(const Spec& spec, const PerSide<Column>& angles,
       at.contacts[side] = places[side].data()[i];
     }
     const double rise = contact_vector(at, model.offset).dy;
-    const double run = std::sqrt((model.object.width - rise) * (model.object.width + rise));
+    const bool reaches = is_pipe(model.object);  // from its one centre to itself
+    const double run =
+        reaches ? 0 : std::sqrt((model.object.width - rise) * (model.object.width + rise));
     const ActingObject<double> acting =
         acting_object(model.object, contact_radii(model.outline), at.palms, {run, rise});
     const ObjectParams<double>& object = acting.object;
     const double numbers[] = {
         acting.contact_vector.dx, acting.contact_vector.dy, object.width,
         object.com_left,          object.com_right,         object.com_height};
-    for (std::size_t k = 0; k < out.size(); ++k) out[k][i] = run > 0 ? numbers[k] : nan;
+    for (std::size_t k = 0; k < out.size(); ++k) out[k][i] = reaches || run > 0 ? numbers[k] : nan;
   }
   return nb::make_tuple(numpy(std::move(out[0])), numpy(std::move(out[1])),
                         numpy(std::move(out[2])), numpy(std::move(out[3])),

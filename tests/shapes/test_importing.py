@@ -262,6 +262,67 @@ def test_written_object_is_carried(tmp_path: Path, here: Run) -> None:
     ).object.model_dump(exclude={"box_m"})
 
 
+def test_object_that_is_too_narrow_comes_with_palms_that_have_room(
+    tmp_path: Path, here: Run
+) -> None:
+    """The longest palms: with one millimetre more they would collide. The command carries it."""
+    box: list[Point] = [(0.0, 0.0), (120.0, 0.0), (120.0, 60.0), (0.0, 60.0)]
+    narrow = written(tmp_path / "narrow.stl", stl(prism(box, 90.0)))
+    result = here("import", str(narrow), "--unit", "mm", "--out", str(tmp_path / "n.toml"))
+    found = pb.import_object(narrow, unit="mm")
+    assert found.palm_length_m is not None and 0.1 < found.palm_length_m < 0.15
+    command = result.stdout.partition("carry it: palmbots ")[2].splitlines()[0]
+    assert here(*shlex.split(command)).stdout.startswith("DELIVERED")
+    longer = shlex.split(command.replace(f"{found.palm_length_m}", f"{found.palm_length_m + 1e-3}"))
+    assert "the palms would collide" in here(*longer).stderr
+    flat = [(x / 8, z / 4) for x, z in box]
+    result = here("import", str(written(tmp_path / "f.stl", stl(prism(flat, 90.0)))), "--unit=mm")
+    assert "refused: palm.length_m" in result.stdout and "carry it" not in result.stdout
+
+
+def test_plane_of_the_section_is_counted_from_the_least_coordinate(tmp_path: Path) -> None:
+    """A long box in front of a short one."""
+    vertices: list[Point] = []
+    faces: list[tuple[int, int, int]] = []
+    for low, x in ((0.0, 240.0), (60.0, 140.0)):
+        one, sides = prism([(-x / 2, 0.0), (x / 2, 0.0), (x / 2, 90.0), (-x / 2, 90.0)], 40.0)
+        n = len(vertices)
+        faces += [(n + i, n + j, n + k) for i, j, k in sides]
+        vertices += [(px, low + py, pz) for px, py, pz in one]
+    file = written(tmp_path / "two.stl", stl((vertices, faces)))
+    for cut, length in ((0.3, 0.24), (0.7, 0.14)):
+        found = pb.import_object(file, unit="mm", cut=cut)
+        assert max(x for x, _ in found.vertices_m) == pytest.approx(length)
+
+
+def test_given_com_is_that_of_the_object_as_it_stands(tmp_path: Path) -> None:
+    """From the left end and the bottom of a box that leans by 2° in its file."""
+    c, s = math.cos(math.radians(2)), math.sin(math.radians(2))
+    box: list[Point] = [(0.0, 0.0), (240.0, 0.0), (240.0, 120.0), (0.0, 120.0)]
+    leans: list[Point] = [(c * x - s * z, s * x + c * z) for x, z in box]
+    file = written(tmp_path / "leans.stl", stl(prism(leans, 90.0)))
+    found = pb.import_object(file, unit="mm", com_mm=(100.0, 30.0))
+    assert "clockwise by 2°" in found.remarks[0]
+    assert found.com_m == (0.1, 0.03)
+
+
+def test_bodies_that_overlap_are_reported(tmp_path: Path) -> None:
+    """Neither bodies beside each other, nor the cavity of a hollow one."""
+    vertices, faces = prism(TRAPEZOID, 90.0)
+    size = len(vertices)
+
+    def remark(shift: float, scale: float = 1.0, *, inwards: bool = False) -> bool:
+        middle = np.mean(vertices, axis=0)
+        other = [tuple(middle + scale * (np.array(v) - middle) + (shift, 0, 0)) for v in vertices]
+        turned = [(k, j, i) if inwards else (i, j, k) for i, j, k in faces]
+        more = [(size + i, size + j, size + k) for i, j, k in turned]
+        file = written(tmp_path / "two.stl", stl((vertices + other, faces + more)))
+        return any("overlap" in line for line in pb.import_object(file, unit="mm").remarks)
+
+    assert remark(5.0) and not remark(500.0, 0.1)
+    assert remark(0.0, 0.5) and not remark(0.0, 0.5, inwards=True)
+
+
 def test_a_scan_that_is_turned_in_space_is_aligned(tmp_path: Path) -> None:
     """A box turned about two axes, each way; without `align`, it is longer."""
     box: list[Point] = [(0.0, 0.0), (240.0, 0.0), (240.0, 120.0), (0.0, 120.0)]

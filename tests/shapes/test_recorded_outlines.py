@@ -74,7 +74,7 @@ def imported(points: Outline, file: Path) -> dict[str, Any]:
         file.write_text(svg(points, width))
         found = pb.import_object(file)
         left, right = (found.vertices_m[k][0] for k in found.contacts)
-        if "palms would collide" not in found.carried:
+        if found.palm_length_m is None and "palms would collide" not in found.carried:
             break
         width *= WIDE / (right - left)
         if width > WIDEST:

@@ -221,32 +221,53 @@ def test_what_topples_on_a_slope_is_refused() -> None:
             FloorWorld(overrides=keys, floor_friction=1)
 
 
-def test_an_object_does_not_fall_through_a_nose() -> None:
-    """A palm drives under an object at a wall. The far corner drops back to the floor where the
-    contact passes from the nose to the palm; the near arc then stays outside the nose."""
-    radius, half, theta = 0.003, 0.075, math.radians(8.0)
-    world = FloorWorld(
-        "lift",
-        palms_deg=(8.0, 15.0),
-        gaps_m=(0.001, None),
-        overrides={
-            "object.vertices_m": [[0, 0], [0.1, 0], [0.1, 0.08], [0, 0.08]],
-            "object.com_m": [0.05, 0.04],
-            "object.edge_radius_m": radius,
-            "floor.walls": [{"at_m": 0.0505}],
-        },
+def under_a_box_at_a_wall(**keys: Any) -> FloorWorld:
+    """A palm that drives under it lets the far corner drop, where the contact passes from the nose
+    to the palm."""
+    box = {
+        "object.vertices_m": [[0, 0], [0.1, 0], [0.1, 0.08], [0, 0.08]],
+        "object.com_m": [0.05, 0.04],
+        "object.edge_radius_m": RADIUS_M,
+        "floor.walls": [{"at_m": 0.0505}],
+    }
+    return FloorWorld("lift", palms_deg=(8.0, 15.0), gaps_m=(0.001, None), overrides=box | keys)
+
+
+def arc_centre(state: FloorState, along: float, up: float = RADIUS_M - 0.04) -> tuple[float, float]:
+    """Of a lower corner of that box, from its COM."""
+    (x, y), tilt = state.com_m, math.radians(state.tilt_deg)
+    return (
+        x + along * math.cos(tilt) - up * math.sin(tilt),
+        y + along * math.sin(tilt) + up * math.cos(tilt),
     )
+
+
+def test_a_fall_states_how_far_a_corner_falls_and_what_energy_that_releases() -> None:
+    """A world without falls ends where the object begins to fall."""
+    stopped, world = under_a_box_at_a_wall(**{"world.fall_m": 0.0}), under_a_box_at_a_wall()
+    start = world.state.pivots_m.left[0]
+    while not (before := stopped.move(0.0005)).end:
+        assert not before.falls
+    assert before.end == "fell"
+    after = world.move(before.pivots_m.left[0] - start + 1e-9)
+    (fall,) = after.falls
+    drop = arc_centre(before, 0.047)[1] - arc_centre(after, 0.047)[1]
+    assert fall.height_m == pytest.approx(drop, rel=1e-3)
+    weight = 0.1 * _core.standard_gravity  # of 0.1 × 0.08 × 0.1 m³ at 125 kg/m³
+    released = weight * (before.com_m[1] - after.com_m[1])
+    assert fall.energy_j == pytest.approx(released, rel=1e-3) and released > 0
+
+
+def test_an_object_does_not_fall_through_a_nose() -> None:
+    """The far corner drops back to the floor; the near arc then stays outside the nose."""
+    radius, half, theta = RADIUS_M, 0.075, math.radians(8.0)
+    world = under_a_box_at_a_wall()
     falls = 0
     for _ in range(60):
         state = world.move(0.0005)
         assert not state.end
         falls += len(state.falls)
-        (x, y), tilt = state.com_m, math.radians(state.tilt_deg)
-        along, up = radius - 0.05, radius - 0.04
-        centre = (
-            x + along * math.cos(tilt) - up * math.sin(tilt),
-            y + along * math.sin(tilt) + up * math.cos(tilt),
-        )
+        centre = arc_centre(state, radius - 0.05)
         pivot = state.pivots_m.left
         nose = pivot[0] + half * math.cos(theta), pivot[1] - half * math.sin(theta)
         assert math.dist(centre, nose) >= radius - 1e-9

@@ -10,6 +10,8 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
+from palmbots.mechanics.contact_points import touching
+from palmbots.mechanics.state import palm_state
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation import FloorWorld
@@ -126,6 +128,33 @@ def test_the_contact_that_slides_is_the_one_whose_friction_ends_first() -> None:
         assert motion[1 - expected] == 0
         counts[int(closing), expected] += 1
     assert counts.min() > 20
+
+
+def test_contact_modes_are_those_of_the_closed_form_and_of_any_contacts() -> None:
+    """The nine contact modes see the pipe as a sharp object at the points that it touches."""
+    draw = np.random.default_rng(6)
+    for _ in range(60):
+        friction = draw.uniform(0.1, 0.5, 2).tolist()
+        keys = {"palm.left.friction": friction[0], "palm.right.friction": friction[1]}
+        angles = draw.uniform(44, 56, 2).tolist()
+        state = palm_state("pipe", float(draw.uniform(-0.01, 0.01)), 0.0, *angles, keys)
+        found = pb.contact_modes(
+            "pipe", p_left_m=state.p_m[0], p_right_m=state.p_m[1], theta_left_deg=angles[0],
+            theta_right_deg=angles[1], overrides=keys,
+        )  # fmt: skip
+        spread = float(state.spec.width) + sum(map(math.sin, state.theta_rad)) * RADIUS
+        left, right = places(
+            spread - sum(p * math.cos(t) for p, t in zip(state.p_m, state.theta_rad, strict=True)),
+            state.theta_rad,
+        )
+        assert state.p_m == pytest.approx((left, right), abs=1e-12)
+        for closing, mode in ((True, found.closing), (False, found.opening)):
+            slides = slider(state.theta_rad, friction, 0.0, closing)
+            words = ["ST", "ST"]
+            words[slides] = "SL" if (slides == 0) == closing else "SR"
+            assert mode == tuple(words)
+            touched = touching(state)
+            assert (touched.closing() if closing else touched.opening()) == (mode,)
 
 
 def test_where_left_and_right_are_alike_both_slide_and_nothing_turns() -> None:

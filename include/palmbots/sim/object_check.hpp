@@ -42,6 +42,13 @@ inline bool check_radii(const SceneValues& scene, const SceneObject& object, Pro
   }
   const auto bad = overlapping_arcs(object);
   if (!bad) {
+    if (const auto crossed = crossed_arc(object)) {
+      const auto& [k, i] = *crossed;
+      report(problems, key, common,
+             "makes an arc at vertex {0} that crosses the notch at vertex {1}",
+             "a smaller radius at vertex {0}", {double(k), double(i)});
+      return true;
+    }
     const ObjectSpec frame = object_frame(object);
     if (frame.width >= least_width || body_of(frame).is_disc()) return false;
     report(problems, key, common, "rounds both contact vertices about one centre",

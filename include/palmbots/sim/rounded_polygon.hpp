@@ -86,6 +86,36 @@ inline std::optional<std::pair<std::size_t, double>> overlapping_arcs(
   return std::nullopt;
 }
 
+// The first arc, by its vertex, and a concave vertex that reaches into what the arc cuts off its
+// corner. Arcs that fit their edges cross the outline only so: the sharp outline is simple, so it
+// enters such a region through the arc, and its deepest vertex in there is concave.
+inline std::optional<std::pair<std::size_t, std::size_t>> crossed_arc(
+    const RoundedPolygon& polygon) {
+  const std::vector<Point>& at = polygon.vertices;
+  const std::size_t n = at.size();
+  const auto from = [](const Point& a, const Point& b) { return Point{b.x - a.x, b.y - a.y}; };
+  const auto cross = [](const Point& a, const Point& b) { return a.x * b.y - a.y * b.x; };
+  const auto length = [](const Point& a) { return std::sqrt(a.x * a.x + a.y * a.y); };
+  for (std::size_t k = 0; k < n; ++k) {
+    if (!(polygon.radii[k] > 0)) continue;
+    const Point before = from(at[k], at[(k + n - 1) % n]);
+    const Point after = from(at[k], at[(k + 1) % n]);
+    const double taken = polygon.radii[k] * detail::turn_at(at, k).half_tangent();
+    const Point centre = centre_of(polygon, k);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (detail::turn_at(at, i).convex) continue;
+      // Shares of both edges that lead to the vertex, in lengths of what the arc takes of them.
+      const Point to = from(at[k], at[i]);
+      const double one = cross(to, after) / cross(before, after) * length(before);
+      const double other = cross(before, to) / cross(before, after) * length(after);
+      const bool is_before_chord = one >= 0 && other >= 0 && one + other <= taken;
+      if (is_before_chord && length(from(centre, at[i])) >= polygon.radii[k])
+        return std::pair(k, i);
+    }
+  }
+  return std::nullopt;
+}
+
 // The area, and the centroid of a body of even thickness and density. What an arc leaves out of its
 // corner is the kite between centre, corner and both ends of the arc, without the sector.
 inline std::pair<double, Point> area_and_centroid(const RoundedPolygon& polygon) {

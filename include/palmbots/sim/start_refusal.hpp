@@ -66,6 +66,14 @@ inline std::optional<BuriedCorner> buried_corner_of(const Spec& spec) {
   return deepest;
 }
 
+// A palm with a heel that lies in the object at the start, by more than a thousandth of its size.
+inline std::optional<std::size_t> pierced_by_heel(const Spec& spec) {
+  const Model<double> model = model_of<double>(spec);
+  const World<double> world(model, configuration_of(spec, model));
+  const auto side = world.pierced_palm(1e-3 * world.shapes().size);
+  return side && spec.palms[*side].heel > 0 ? side : std::nullopt;
+}
+
 // Why no carry can begin with these palms; empty: it can. No world models that they touch each other,
 // which they do not where one palm at a time holds the object.
 inline std::string palm_refusal(const Spec& spec) {
@@ -77,6 +85,13 @@ inline std::string palm_refusal(const Spec& spec) {
         "steep",
         {buried->side == left ? "left" : "right", millimetres(buried->depth),
          millimetres(std::abs(buried->along)), buried->along > 0 ? "outward" : "inward"});
+  }
+  if (const auto side = pierced_by_heel(spec)) {
+    const std::string name = *side == left ? "left" : "right";
+    return sentence(
+        "palm.heel_m: at the start, the {} palm with its heel of {} would lie in the object; "
+        "allowed: a lower heel, a longer palm, or start.{}_m farther inward",
+        {name, millimetres(spec.palms[*side].heel), name});
   }
   const double overlap = palm_overlap_of(spec);
   if (!(overlap > 0)) return "";

@@ -255,7 +255,7 @@ def contact_modes(
     Args:
         scene: as in `palmbots.carry`.
         p_left_m: left contact coordinate, outward. It is 0 at the foot of the pivot.
-        p_right_m: right contact coordinate, outward.
+        p_right_m: right contact coordinate, outward; of a pipe it follows from the left one.
         theta_left_deg: left palm angle; None: the scene's steep angle.
         theta_right_deg: right palm angle; None: the scene's steep angle.
         overrides: scene keys to set.

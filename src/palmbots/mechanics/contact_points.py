@@ -145,7 +145,7 @@ def contacts(
     Args:
         scene: as in `palmbots.carry`.
         p_left_m: coordinate of the contact vertex, outward from the foot of the pivot.
-        p_right_m: the same on the right.
+        p_right_m: the same on the right; of a pipe it follows from the left one.
         theta_left_deg: palm angle; None: the scene's steep angle.
         theta_right_deg: the same on the right.
         overrides: scene keys to set.

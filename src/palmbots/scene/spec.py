@@ -44,6 +44,7 @@ def refuse_rounded_contacts(scene: Scene) -> None:
 
     Other corners may be rounded: the sharp outline contains the rounded one.
     """
+    refuse_pipe(scene, "this proof")
     if any(contact_radii(to_spec(scene, unrolled=True))):
         raise SceneError(
             f"object.edge_radius_m: {show(scene.object.edge_radius_m)} rounds a contact vertex, "

@@ -105,6 +105,8 @@ def of_mesh(mesh: Mesh, file_m: float | None, given: Given, cut: float | None) -
         volume, middle = mesh.volume_and_centre()
         volume, centre = volume * metres**3, metres * middle[:2]
     remarks = _ignored(outline)
+    if volume is not None and (bodies := mesh.overlapping()):
+        remarks = (*remarks, f"{bodies} bodies may overlap; what is in two of them weighs twice.")
     if mesh.aligned > SEEN:
         angle = math.degrees(mesh.aligned)
         remarks = (f"It is turned by {angle:.2g}° to be parallel to the axes.", *remarks)

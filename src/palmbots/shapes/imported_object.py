@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from palmbots._util.atomic_files import check_file, write_whole
 from palmbots._util.command import Option, writes
@@ -49,8 +50,12 @@ class ImportedObject(Result):
     """Greatest deviation that was allowed."""
     deviation_m: float
     """Greatest distance between the outline of the file and `vertices_m`."""
+    palm_length_m: float | None
+    """Length of the longest palms that do not collide under the object. None: those of the scene
+    `paper` do not."""
     carried: str
-    """How the scene `paper` with this object ends: an outcome, or why it is refused."""
+    """How the scene `paper` with this object, and palms of this length, ends: an outcome, or why it
+    is refused."""
     remarks: tuple[str, ...]
     """What was ignored or assumed."""
     outline_m: Points = field(metadata=NOT_IN_JSON)
@@ -75,6 +80,12 @@ class ImportedObject(Result):
                 "depth_m": self.depth_m,
             }
         )
+
+    @property
+    def _palms(self) -> str:
+        """Which palms have room, if those of the scene do not."""
+        given = self.palm_length_m
+        return "" if given is None else f", with palms of {millimetres(given)}, which have room"
 
     def toml(self) -> str:
         """The text of an object file."""
@@ -112,7 +123,7 @@ class ImportedObject(Result):
                 ),
                 ("  contacts", f"{millimetres(right - left)} apart"),
                 ("  centre of mass", f"{x} from the left end, {y} above the bottom"),
-                ("  in the scene paper", self.carried),
+                ("  in the scene paper", self.carried + self._palms),
             ]
         )
         for remark in self.remarks:
@@ -137,5 +148,9 @@ def write_object(result: ImportedObject, path: str | os.PathLike[str]) -> list[P
     check_file(picture)
     write_whole(file, result.toml())
     result.save_figure(picture)
-    command = command_text("carry", "paper", {"object": str(path)})
-    return [file, picture, Line(f"carry it: {command}", is_whole=True)]
+    keys: dict[str, Any] = {"object": str(path)}
+    if result.palm_length_m is not None:
+        keys["palm.length_m"] = result.palm_length_m
+    if result.carried.startswith("refused"):
+        return [file, picture]
+    return [file, picture, Line(f"carry it: {command_text('carry', 'paper', keys)}", is_whole=True)]

@@ -53,6 +53,7 @@ _DRAWINGS = {".svg": read_svg, ".dxf": read_dxf}
 _MESHES = {".stl": "z", ".obj": "z", ".gltf": "y", ".glb": "y"}  # and the axis that points upwards
 _USUAL, _COARSEST = 0.005, 0.1  # tolerance, of the size
 _USUAL_OF_LESSER = 0.02  # of the smaller of length and height
+_SHORTEST_PALM_MM = 20  # of which the zero zone is half
 
 
 @command(
@@ -146,10 +147,10 @@ def import_object(
         mesh = _read(path, lambda data: read_mesh(path, data, up, across, align))
         metres = 1.0 if suffix in (".gltf", ".glb") else None
         if mesh.open_edges and (mass_kg is None or com_mm is None):
+            edges = "1 edge does" if mesh.open_edges == 1 else f"{mesh.open_edges} edges do"
             raise PalmbotsError(
-                f"{path}: the mesh is not closed ({mesh.open_edges} edges do not join two "
-                "triangles), so it has no volume; allowed: a repaired mesh, or --mass-kg and "
-                "--com-mm"
+                f"{path}: the mesh is not closed ({edges} not join two triangles), so it has no "
+                "volume; allowed: a repaired mesh, or --mass-kg and --com-mm"
             )
         body = of_mesh(mesh, metres, given, None if view == "silhouette" else cut)
     return _object(body, tolerance_mm, density_kg_m3, mass_kg, com_mm)
@@ -181,7 +182,9 @@ def _read(path: Path, reader: Callable[[bytes], Any]) -> Any:
     except PalmbotsError as error:
         raise PalmbotsError(f"{path}: {error}") from None
     except Exception as error:  # of a library, on a file that is damaged
-        is_internal = isinstance(error, TypeError | AttributeError | LookupError | AssertionError)
+        # A reader may ask for a package that guesses the encoding of what is no text.
+        internal = TypeError | AttributeError | LookupError | AssertionError | ImportError
+        is_internal = isinstance(error, internal)
         reason = "it is damaged" if is_internal or not str(error) else one_line(str(error))
         kind = path.suffix[1:].upper()
         raise PalmbotsError(f"{path}: cannot be read as {kind}: {reason}") from None
@@ -239,6 +242,7 @@ def _object(
         raise PalmbotsError(f"{body.name}: {key}: {shown}{problem}; allowed: {allowed}")
     if _has_round_contact(fitted, made):
         remarks = (*remarks, "A contact is at a rounded corner, whose chords a palm may touch.")
+    palms = _palm_length_m(made)
     return ImportedObject(
         source=body.name,
         view=body.view,
@@ -252,7 +256,8 @@ def _object(
         arcs=len(fitted.arc_ends) // 2,
         tolerance_m=tolerance_m,
         deviation_m=fitted.deviation_m,
-        carried=_carried(made),
+        palm_length_m=palms,
+        carried=_carried(made, palms),
         remarks=remarks,
         outline_m=points - corner,
     )
@@ -323,10 +328,36 @@ def _has_round_contact(fitted: Fitted, made: Object) -> bool:
     return any(np.hypot(*(end - contact)) < 1e-3 for end in fitted.arc_ends for contact in contacts)
 
 
-def _carried(made: Object) -> str:
-    """How a carry of the object in the scene paper ends."""
+def _keys(made: Object, palms: float | None) -> dict[str, Any]:
+    """What the scene paper changes to for this object."""
+    changed = {} if palms is None else {"palm.length_m": palms}
+    return {"object": made.model_dump(exclude={"box_m"})} | changed
+
+
+def _palm_length_m(made: Object) -> float | None:
+    """The length in whole millimetres of the longest palms that do not collide under the object
+    [m]; None: those of the scene paper do not, or shorter ones are no remedy."""
+
+    def collide(palms: float | None) -> bool:
+        try:
+            spec = to_spec(load_scene("paper", _keys(made, palms)))
+        except PalmbotsError:
+            return True
+        return bool(_core.palm_refusal(spec))
+
+    fitting, colliding = _SHORTEST_PALM_MM, round(1000 * load_scene("paper").palm.length_m)
+    if not collide(None) or collide(fitting / 1000):
+        return None
+    while colliding - fitting > 1:
+        middle = (fitting + colliding) // 2
+        fitting, colliding = (fitting, middle) if collide(middle / 1000) else (middle, colliding)
+    return fitting / 1000
+
+
+def _carried(made: Object, palms: float | None) -> str:
+    """How a carry of the object in the scene paper ends, on palms of its length or of this one."""
     try:
-        found = carry("paper", overrides={"object": made.model_dump(exclude={"box_m"})})
+        found = carry("paper", overrides=_keys(made, palms))
     except PalmbotsError as error:
         return f"refused: {error}"
     return found.outcome if found.outcome == "delivered" else f"{found.outcome} ({found.reason})"

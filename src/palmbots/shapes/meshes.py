@@ -55,6 +55,30 @@ class Mesh:
             raise PalmbotsError("the mesh encloses no volume")
         return abs(volume), reference + volumes @ (a + b + c) / (4 * volume)
 
+    def overlapping(self) -> int:
+        """Number of closed bodies whose boxes overlap, so that their volume may count twice. A
+        cavity, whose triangles face inwards, is none."""
+        labels = np.arange(len(self.vertices))
+        while True:  # the least vertex that is connected with each one
+            least = labels.copy()
+            np.minimum.at(least, self.faces, labels[self.faces].min(axis=1, keepdims=True))
+            least = least[least]
+            if (least == labels).all():
+                break
+            labels = least
+        a, b, c = np.moveaxis(self.triangles - self.vertices.mean(axis=0), 1, 0)
+        volumes = (a * np.cross(b, c)).sum(axis=1)
+        bodies = [labels[self.faces[:, 0]] == label for label in np.unique(labels[self.faces])]
+        solid = [of for of in bodies if volumes[of].sum() * volumes.sum() > 0]
+        boxes = [(self.triangles[of].min((0, 1)), self.triangles[of].max((0, 1))) for of in solid]
+        return sum(
+            any(
+                (low < high_).all() and (low_ < high).all()
+                for low_, high_ in boxes[:k] + boxes[k + 1 :]
+            )
+            for k, (low, high) in enumerate(boxes)
+        )
+
     def cut(self, share: float) -> list[Points]:
         """The lines in which a plane at this share of the depth cuts the triangles.
 

@@ -132,6 +132,7 @@ def test_certificate_is_valid_and_says_what_it_does_not_claim(
 ) -> None:
     found = certify("paper", overrides=overrides, friction=(0.28, 0.32))
     assert found.verdict == "holds" and found.claims == FORCE_CLAIMS
+    assert "which suffices" in str(found) and "clearance is not certified" in str(found)
     path = tmp_path / "certificate.json"
     found.save(path)
     assert pb.check(path, pb.load_scene("paper", overrides)).valid

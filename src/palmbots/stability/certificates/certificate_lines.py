@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from palmbots._types import SIDES
 from palmbots._util.report import Item, Line, Table, bad, bold, good, quiet, warn_word
+from palmbots.scene.spec import contact_radii, to_spec
 from palmbots.stability.analysis_lines import PROPERTIES
 from palmbots.stability.linear_conditions import text_of
 
@@ -26,6 +27,18 @@ def certificate_lines(certificate: "Certificate") -> Iterator[Item]:
     else:
         yield Line(warn_word("UNDECIDED"), bold(f"  {claims}"))
         yield f"neither proved nor refuted: {certificate.undecided} (try narrower intervals)"
+    if any(contact_radii(to_spec(certificate.scene))):
+        box = (
+            "rounded contact vertices: a larger box, with all points where an arc touches a palm, "
+        )
+        if certificate.verdict == "holds":
+            yield Line(f"{box}satisfies the conditions of sharp ones, which suffices")
+            yield Line("clearance is not certified; palmbots analyze computes it", indent=2)
+        else:
+            yield Line(
+                f"{box}would have to satisfy the conditions of sharp ones, although a part of it "
+                "never occurs; palmbots analyze examines what occurs in the scene"
+            )
     if certificate.with_common_friction == "holds":
         yield "where both palms have the same friction, it holds: --common-friction"
 
