@@ -314,8 +314,12 @@ class World {
       for (const std::size_t side : {left, right}) step.palms[side].pivot.x += done.lag[side];
     }
     place(step.frames(done.fraction));
-    if (on_vertices && !is_general(model_) && model_.surroundings.empty() &&
-        height_[left] == height_[right] && !(may_leave_reach() && is_beyond_reach())) {
+    // Rounded contacts that both slide go on in this way.
+    const bool slides_alone =
+        total.motion[left] == SlipDirection::stick || total.motion[right] == SlipDirection::stick;
+    if (on_vertices && (slides_alone || !rolls(model_)) && !is_general(model_) &&
+        model_.surroundings.empty() && height_[left] == height_[right] &&
+        !(may_leave_reach() && is_beyond_reach())) {
       regime_ = {};
       posed_ = false;
     }

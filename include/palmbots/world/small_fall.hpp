@@ -56,7 +56,10 @@ class SmallFall {
   static constexpr double gyration = 0.3;
   static constexpr double pace = 1e-4;  // of a step, in sizes
   static constexpr int most_steps = 5000;
-  static constexpr double slack = 1e-9;  // of an acceleration, in those of gravity
+  static constexpr double slack = 1e-9;  // of a direction
+  // Accelerations below this are errors of rounding [those of gravity]. Where an object is about to
+  // tip, it begins to move hardly faster.
+  static constexpr double still = 1e-12;
   // How far a contact may leave its features: more than what counts as closed, and so little that the
   // contact that takes over is closed, too.
   static constexpr double beyond = 1e-6;
@@ -127,7 +130,9 @@ class SmallFall {
     for (Hold& hold : holds) hold.part = -dot(hold.row, way.by);
     std::array<double, 2> sizes{};
     if (!push(holds, way.by, sizes)) return {};
-    double heat = 0.0;  // of friction that the direction leaves out
+    const double fast = size(way.by);
+    if (!(fast > still)) return {};
+    double heat = 0.0;  // of friction
     for (std::size_t k = 0; k < at.contacts.size(); ++k) {
       const ActiveContact& c = at.contacts[k];
       const double most = c.friction * sizes[k];
@@ -138,14 +143,14 @@ class SmallFall {
       }
       const double slips = dot(now_.row(c, c.tangent), way.by);
       if (rough && way_of(c.motion) * slips < 0.0) return {};
-      if (!rough) heat += most * magnitude(slips);
+      heat += most * magnitude(slips);
     }
     for (const FeatureContact& c : closed)
-      if (!bonds.has(c.pair) && dot(now_.row(c, c.normal), way.by) < -slack) return {};
-    // It goes down, or it does not fall.
-    const double potential = dot(way.by, weight);
-    if (!(potential > slack)) return {};
-    way.unslowed = larger(dot(way.by, inertia_of(way.by)) - heat, 0.0) / potential;
+      if (!bonds.has(c.pair) && dot(now_.row(c, c.normal), way.by) < -(slack * fast + still))
+        return {};
+    // Friction that the direction leaves out would have slowed it.
+    const double kinetic = dot(way.by, inertia_of(way.by));
+    way.unslowed = rough ? kinetic / (kinetic + heat) : larger(kinetic - heat, 0.0) / kinetic;
     return way;
   }
 
