@@ -113,6 +113,13 @@ def squeeze(path: Path) -> None:
     draw_squeeze.draw(path)
 
 
+def contacts(path: Path) -> None:
+    """The kinds of contact."""
+    import draw_contacts
+
+    draw_contacts.draw(path)
+
+
 def carry_3d(path: Path) -> None:
     """The still of `palmbots carry --world mujoco --video`, without the video."""
     from palmbots.mujoco import save_still
@@ -137,6 +144,7 @@ def design_law(path: Path) -> None:
 
 
 FUNCTIONS: Mapping[str, Callable[[Path], None]] = {
+    "contacts.png": contacts,
     "design-law.png": design_law,
     "noise.png": noise,
     "probed-angles.png": probed_angles,
