@@ -55,6 +55,18 @@ def test_the_smoothed_error_is_nearer_to_the_truth_than_the_positions() -> None:
     assert 0.2 < np.median(slopes) < 1.1
 
 
+@pytest.mark.parametrize("noise_m_s", [0.006, 0.0])
+def test_exact_positions_close_to_each_other_are_the_error(noise_m_s: float) -> None:
+    """As in logs of simulated carries, whose covariance is nearly singular, or quite."""
+    (error,) = wandering(1, 6.0, 0.006, 0.5, 1, 0.01) * (noise_m_s / 0.006)
+    times: Any = 0.01 * np.arange(len(error))
+    exact = np.array([1.04, 0.0, 0.0, noise_m_s, np.log(0.5), 0.0, 0.0])
+    stretch = Stretch(times, 1.04 * 0.06 * times + error, 0.06 * times, 0)
+    found, gain = smoothed(stretch, exact)
+    assert gain == pytest.approx(1.04)
+    np.testing.assert_allclose(found, error - error[0], atol=1e-5)
+
+
 def test_the_posterior_is_that_of_a_direct_solution() -> None:
     """Least squares over the unknown origin, gain, noise in each step and position errors, each
     divided by its deviation, with the noise as a chain of steps."""

@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """A pair that probes as processes, in lockstep with a world and in real time."""
 
+import contextlib
 import json
 import os
 import signal
 import subprocess
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from random import Random
+from threading import Event, Thread
+from typing import Any
 
 import pytest
 
@@ -14,9 +19,17 @@ import palmbots as pb
 from commands import Run
 from pair_programs import new_pair, running, started
 from palmbots._types import SIDES
+from palmbots.drivers.hardware import HardwareParameters, forward_distance
+from palmbots.links.local_connection import listen
+from palmbots.probing import probe as probe_command
+from palmbots.probing.probe_run import ProbeRun
+from palmbots.simulation import probe_stage
+from palmbots.simulation.probe_stage import ProbeStage, run_probe_world
+from sampled import sampled
 from waiting import wait_until
 
 SEED = 3
+HARDWARE = HardwareParameters()
 KEYS = {"palm.friction": 0.39, "control.period_s": 0.05}  # few ticks: processes wait for each other
 OPTIONS = ["--friction", "0.3", "0.5", "--com-x-m", "0.115", "0.135"]
 
@@ -86,6 +99,76 @@ def test_probes_in_real_time(pair: Started) -> None:
     assert "the object is held" in world
     assert float(world.rpartition("±")[2].split()[0]) <= 10.0
     assert [processes[side].wait(30) for side in ("left", "right")] == [0, 0]
+
+
+@pytest.mark.parametrize("offset_m", sampled([0.02, 0.0], 2))
+def test_readings_of_late_programs_are_behind_by_three_control_periods_at_most(
+    offset_m: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The programs of both robots are suspended at random. The world runs in this process, so what
+    `probe` reads can be compared with it after each step."""
+    scene = tmp_path / "scene.toml"
+    keys = {"palm.friction": 0.39, "palm.pivot_offset_m": offset_m}
+    scene.write_text(pb.load_scene("paper", keys).to_toml())
+    file = new_pair(tmp_path, scene="scene.toml")
+    stages: list[ProbeStage] = []
+    behind_m = [0.0]
+    allowed_m: list[float] = []
+
+    class Seen(ProbeStage):
+        def __init__(self, *given: Any) -> None:
+            super().__init__(*given)
+            stages.append(self)
+
+    class Watched(ProbeRun):
+        def _step(self, *given: Any) -> list[int]:
+            changed = super()._step(*given)
+            hands: Any = self.hands
+            for now, read in zip(stages[0].readings(), hands._seen, strict=True):
+                ways = [forward_distance(HARDWARE, one.wheel_counts) for one in (now, read)]
+                behind_m.append(abs(ways[0] - ways[1]))
+            allowed_m.append(self._geometry.give.loop)
+            return changed
+
+    monkeypatch.setattr(probe_stage, "ProbeStage", Seen)
+    monkeypatch.setattr(probe_command, "ProbeRun", Watched)
+    monkeypatch.setattr(probe_command, "_MOST_S", 20.0)
+    door = listen(f"unix:{tmp_path / 'world'}")
+    world = Thread(target=run_probe_world, args=(pb.load_scene(scene), door), kwargs={"seed": SEED})
+    world.start()
+    lines = (["robot", str(file), "--side", side, "--probe"] for side in SIDES)
+    with contextlib.closing(door), running(*lines, folder=tmp_path) as robots:
+        with suspended_at_random([one.pid for one in robots]) as pauses:
+            found = pb.probe(file, friction=(0.3, 0.5), com_x_m=(0.115, 0.135))
+        world.join(30)
+    assert found.is_consistent
+    assert found.com_x_m[0] <= 0.125 <= found.com_x_m[1]
+    assert stages[0].outcome == "running"
+    assert len(pauses) > 20
+    print(f"{len(pauses)} pauses; behind by up to {1000 * max(behind_m):.2f} mm")
+    assert 0 < max(behind_m) <= allowed_m[0]
+
+
+@contextlib.contextmanager
+def suspended_at_random(numbers: list[int]) -> Iterator[list[float]]:
+    """Suspend these processes one at a time; gives how long each pause was meant to last [s]."""
+    random, pauses, ends = Random(SEED), list[float](), Event()
+
+    def work() -> None:
+        while not ends.wait(random.uniform(0.05, 0.3)):
+            number = random.choice(numbers)
+            pauses.append(random.uniform(0.005, 0.1))
+            os.kill(number, signal.SIGSTOP)
+            time.sleep(pauses[-1])
+            os.kill(number, signal.SIGCONT)
+
+    thread = Thread(target=work)
+    thread.start()
+    try:
+        yield pauses
+    finally:
+        ends.set()
+        thread.join()
 
 
 @pytest.mark.parametrize(

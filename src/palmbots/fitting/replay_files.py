@@ -34,7 +34,8 @@ LEAST_S = 10.0
 """Least duration of these stretches together."""
 UNTIMED_S = 0.05
 """Taken for the time between packets that have no times."""
-_ORIGIN_M = 10.0  # the spread of an origin that may be anywhere
+_ORIGIN_M = 1.0  # the spread of an origin that may be anywhere
+_LEAST_M = 1e-6  # least noise of the positions: less makes the covariance singular
 
 
 def smoothed(stretch: Stretch, parameters: Floats) -> tuple[Floats, float]:
@@ -56,7 +57,7 @@ def smoothed(stretch: Stretch, parameters: Floats) -> tuple[Floats, float]:
     of_error = sigma**2 * of_noise + white**2 * early
     of_gain = gain_sd**2 * np.outer(commanded, commanded)
     total = of_error + of_gain + _ORIGIN_M**2
-    total[np.diag_indices_from(total)] += measured**2 + 1e-16
+    total[np.diag_indices_from(total)] += measured**2 + _LEAST_M**2
     weights = np.linalg.solve(total, moved)
     error = of_error @ weights + bias * t
     return error - error[0], float(gain + gain_sd**2 * (commanded @ weights))

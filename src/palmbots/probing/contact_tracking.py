@@ -26,7 +26,7 @@ from palmbots.scene.robot_section import Zone
 Pair = tuple[float, float]
 
 _NARROWINGS = 3
-_BEHIND = 2  # control periods
+_BEHIND = 3  # control periods
 _LATE_M, _DELAY_S = 0.001, 0.1
 
 
@@ -62,8 +62,9 @@ class Give:
     def in_real_time(self, most: float) -> Give:
         """With robots whose readings are of different instants, and which obey late.
 
-        A command holds for one control period, so a robot whose program is late stands. Its reading
-        is therefore behind by no more than what a robot moves in two control periods.
+        A command holds for one control period, so a robot whose program is late stands. A command
+        can wait in the program of the robot, in its motor board and for the next reading, so the
+        newest reading is behind by no more than what a robot moves in three control periods.
 
         Args:
             most: how far a robot moves in a control period [m].
