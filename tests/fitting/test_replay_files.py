@@ -58,7 +58,7 @@ def test_the_smoothed_error_is_nearer_to_the_truth_than_the_positions() -> None:
 @pytest.mark.parametrize("noise_m_s", [0.006, 0.0])
 def test_exact_positions_close_to_each_other_are_the_error(noise_m_s: float) -> None:
     """As in logs of simulated carries, whose covariance is nearly singular, or quite."""
-    (error,) = wandering(1, 6.0, 0.006, 0.5, 1, 0.01) * (noise_m_s / 0.006)
+    error = noise_m_s / 0.006 * wandering(1, 6.0, 0.006, 0.5, 1, 0.01)[0]
     times: Any = 0.01 * np.arange(len(error))
     exact = np.array([1.04, 0.0, 0.0, noise_m_s, np.log(0.5), 0.0, 0.0])
     stretch = Stretch(times, 1.04 * 0.06 * times + error, 0.06 * times, 0)

@@ -22,6 +22,7 @@ from palmbots._types import SIDES
 from palmbots.drivers.hardware import HardwareParameters, forward_distance
 from palmbots.links.local_connection import listen
 from palmbots.probing import probe as probe_command
+from palmbots.probing.contact_tracking import Pair
 from palmbots.probing.probe_run import ProbeRun
 from palmbots.simulation import probe_stage
 from palmbots.simulation.probe_stage import ProbeStage, run_probe_world
@@ -121,12 +122,15 @@ def test_readings_of_late_programs_are_behind_by_three_control_periods_at_most(
             stages.append(self)
 
     class Watched(ProbeRun):
-        def _step(self, *given: Any) -> list[int]:
-            changed = super()._step(*given)
+        def _step(
+            self, change: float, angles: Pair, way: int, free: tuple[bool, bool] = (True, True)
+        ) -> list[int]:
+            changed = super()._step(change, angles, way, free)
             hands: Any = self.hands
             for now, read in zip(stages[0].readings(), hands._seen, strict=True):
-                ways = [forward_distance(HARDWARE, one.wheel_counts) for one in (now, read)]
-                behind_m.append(abs(ways[0] - ways[1]))
+                assert now.wheel_counts is not None
+                way_m = forward_distance(HARDWARE, now.wheel_counts)
+                behind_m.append(abs(way_m - forward_distance(HARDWARE, read.wheel_counts)))
             allowed_m.append(self._geometry.give.loop)
             return changed
 
