@@ -27,13 +27,13 @@ class World:
     offer = send
 
 
-def drive(arm: int) -> Drive:
-    return Drive(0, 0, stop=False, wheels=True, palm_rad=0.2, speed_m_s=0.0, arm=arm)
+def drive(arm: int, palm: int = 0) -> Drive:
+    return Drive(palm, 0, stop=False, wheels=True, palm_rad=0.2, speed_m_s=0.0, arm=arm)
 
 
 def reading(arm: int, is_there: bool) -> list[Any]:
     """What the world sends while the arm does this: the arm is `is_there`."""
-    return [0, True, 0.0, True, arm, is_there, 2, False]
+    return [0, True, 0.0, 0, True, arm, is_there, 2, False]
 
 
 @pytest.mark.parametrize("frames", [0, 1], ids=["no newer reading", "a reading on its way"])
@@ -58,3 +58,19 @@ def test_an_arm_has_not_arrived_until_the_world_has_received_the_newest_command(
         seen = driver.read()
         assert seen is not None
         assert seen.arm_there is is_there
+
+
+@pytest.mark.parametrize("senses", [[], [True, HOLDS, True, 0, False]], ids=["carry", "job"])
+def test_a_palm_has_not_turned_until_the_world_has_received_the_newest_command(
+    senses: list[Any],
+) -> None:
+    world = World()
+    driver = SimulatedDriver(world, "left", 1)
+    found = []
+    for in_force, wanted, turned in ((0, 0, True), (0, 1, True), (1, 1, False), (1, 1, True)):
+        driver.write(drive(HOLDS, wanted))
+        world.sent.append([0, turned, 0.0, in_force, *senses])
+        seen = driver.read()
+        assert seen is not None
+        found.append(seen.palm_at_target)
+    assert found == [True, False, False, True]

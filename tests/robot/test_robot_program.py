@@ -147,7 +147,7 @@ sys.exit(run(["robot", {str(tmp_path / "pair.toml")!r}, "--side", "left"]))
             stream, _ = door.accept()
             with Connection(stream, "robot") as world:
                 world.receive(60)
-                world.send([0, True, 0.0])
+                world.send([0, True, 0.0, 0])
                 world.receive(60)
             _, errors = process.communicate(timeout=60)
     assert process.returncode == 2 and "world" in errors, (process.returncode, errors)

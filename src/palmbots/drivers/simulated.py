@@ -69,7 +69,7 @@ class SimulatedDriver:
         self._newest: Reading | RawReading | None = None
         self._palm = 0
         self._arm: int | None = None
-        self._arm_of_newest: int | None = None
+        self._in_force: tuple[int, int | None] = (0, None)  # palm and arm, at the newest reading
         self._phase = 0
         self._has_arm = False
         self._servo_rad: float | None = None
@@ -89,10 +89,14 @@ class SimulatedDriver:
         reading = self._read()
         if isinstance(reading, RawReading):
             return self._io.reading(reading, self._now_s())
-        if reading is not None and self._arm_of_newest != self._arm:
-            # The world had not received the newest command when it sent this.
-            return replace(reading, arm_there=False)
-        return reading
+        if reading is None:
+            return None
+        palm, arm = self._in_force  # the world may not yet have had the newest command
+        return replace(
+            reading,
+            palm_at_target=reading.palm_at_target and palm == self._palm,
+            arm_there=reading.arm_there and arm == self._arm,
+        )
 
     def read_raw(self) -> RawReading | None:
         """The newest reading of the hardware itself; as `read`.
@@ -153,13 +157,15 @@ class SimulatedDriver:
                 servo_rad,
                 battery_v,
             )
-        if not isinstance(frame, list) or len(frame) not in (3, 8):
+        if not isinstance(frame, list) or len(frame) not in (4, 9):
             raise PalmbotsError("world: sends no readings; allowed: one without --lockstep")
-        sign, palm_at_target, distance_m, *senses = frame
+        sign, palm_at_target, distance_m, palm, *senses = frame
         if not senses:
+            self._in_force = palm, None
             return Reading(sign, palm_at_target, distance_m)
         self._has_arm = True
-        touches, self._arm_of_newest, is_there, steps, beneath = senses
+        touches, arm, is_there, steps, beneath = senses
+        self._in_force = palm, arm
         return Reading(
             sign, palm_at_target, distance_m, has_contact=touches, arm_there=is_there,
             arm_steps=steps, beneath=beneath,

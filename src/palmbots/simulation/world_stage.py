@@ -100,6 +100,7 @@ class PerfectStage:
         self.midpoint = 0.0
         self.contacts: tuple[float, float] = (0.0, 0.0)
         self.is_put_down = True
+        self._palms = 0, 0
 
     @property
     def carried_m(self) -> float:
@@ -120,12 +121,15 @@ class PerfectStage:
         return []
 
     def frames(self) -> tuple[Any, Any]:
-        """Sign, whether the palm is turned, and the distance that the robot itself has moved."""
+        """Sign, whether the palm is turned, the distance that the robot itself has moved, and the
+        palm in force."""
         apart = 0.5 * (self._carry.sight().separation - self._start_m)
         moved = self.midpoint - apart, self.midpoint + apart
         left, right = (
-            [sign, turned, self._forward * x]
-            for (sign, turned, *_), x in zip(self._carry.seen(), moved, strict=True)
+            [sign, turned, self._forward * x, palm]
+            for (sign, turned, *_), x, palm in zip(
+                self._carry.seen(), moved, self._palms, strict=True
+            )
         )
         return left, right
 
@@ -143,6 +147,7 @@ class PerfectStage:
 
     def step(self, left: tuple[int, int, bool], right: tuple[int, int, bool]) -> None:
         """One control period."""
+        self._palms = left[0], right[0]
         self._carry.stop(left[2], right[2])
         _, _, _, self.midpoint, self.contacts = self._carry.step((*left[:2], 0), (*right[:2], 0), 1)
 
@@ -163,6 +168,7 @@ class FloorStage:
         self._low = getattr(scene.task, "from") != "palms"
         leads = scene.task.direction == "forward"
         self._sides = (int(leads),) if prepared.spec.on_one_palm else (0, 1)
+        self._palms = 0, 0
 
     @property
     def midpoint(self) -> float:
@@ -211,10 +217,13 @@ class FloorStage:
         return []
 
     def frames(self) -> tuple[Any, Any]:
-        """Sign, whether the palm is turned, the distance that the robot has moved, whether
-        something presses the palm, what the arm does, whether it has done that, its steps, and
-        whether the robot is below an object on a stand."""
-        left, right = ([*values] for values in self._job.seen)
+        """Sign, whether the palm is turned, the distance that the robot has moved, the palm in
+        force, whether something presses the palm, what the arm does, whether it has done that, its
+        steps, and whether the robot is below an object on a stand."""
+        left, right = (
+            [*values[:3], palm, *values[3:]]
+            for values, palm in zip(self._job.seen, self._palms, strict=True)
+        )
         return left, right
 
     def command_in(self, frame: Any) -> FloorCommand:
@@ -237,6 +246,7 @@ class FloorStage:
         """One control period. Nobody lays an object that was put down on the palms again, so arms
         that rise without it have no effect."""
         arms = left[3], right[3]
+        self._palms = left[0], right[0]
         if self._low or not (RISES in arms and self._job.stands):
             self._job.step(left, right)
 
