@@ -47,6 +47,19 @@ def test_the_robot_that_leads_passes_all_phases_and_the_other_one_stands(carried
     assert carried.distance_m == pytest.approx(1.5, abs=0.01)
 
 
+def test_the_report_states_the_way_of_the_object_and_no_contacts_of_two_palms(
+    carried: Carry,
+) -> None:
+    moved = f"{job(carried).moved_m:.2f}"
+    assert moved != f"{carried.distance_m:.2f}"
+    assert str(carried).startswith(f"DELIVERED  {moved} of 1.50 m in ")
+    assert "contact rms" not in str(carried)
+    title = carried.plot("carry")._suptitle or ""
+    texts = [str(title), *(text.get_text() for text in carried.plot("carry").texts)]
+    assert any(text.endswith(f" and {moved} m") for text in texts)
+    assert not any("rms" in text for text in texts)
+
+
 def test_the_object_ends_flat_on_the_floor_and_alone(carried: Carry) -> None:
     assert carried.trace is not None
     end = carried.trace.isel(time=-1)

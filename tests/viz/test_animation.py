@@ -178,6 +178,8 @@ def test_a_job_on_the_floor_is_shown_by_its_phases():
     job, trace = done.floor_job, done.trace
     assert job is not None and trace is not None
     times = trace["time"].to_numpy()
+    _, (first, last) = stage_at(done, np.array([0, len(times) - 1]))
+    assert (first.moved, last.moved) == (0, pytest.approx(job.moved_m, abs=1e-3))
     _, moments = stage_at(done, np.arange(0, len(times), 200))
     for moment in moments:
         for k, side in enumerate(("left", "right")):

@@ -9,7 +9,9 @@ from palmbots._types import SIDES
 from palmbots._util.report import Item, Line, Table, bold, quiet, verdict, warning
 from palmbots._util.text import millimetres, plural
 from palmbots.control.registry import describe
+from palmbots.scene.spec import to_spec
 from palmbots.simulation.carry_ends import reason_text
+from palmbots.simulation.floor_job import covered_m
 
 if TYPE_CHECKING:
     from palmbots.control.resilient_timing import Bounds
@@ -49,7 +51,7 @@ def carry_lines(
         yield f"object: outline turned by {carry.rest_angle_deg:.1f}° to rest on its contacts"
     if carry.floor_job is not None:
         yield from _floor_job(carry.floor_job)
-    yield _contacts(carry)
+    yield from _contacts(carry)
     yield from _corrections(carry)
     if carry.bounds is not None:
         yield from _bounds(carry.bounds)
@@ -61,7 +63,7 @@ def carry_lines(
 def _head(carry: "Carry") -> Line:
     kind = carry.precision if carry.world == "quasistatic" else carry.world
     forks = "".join(f", {seed} from {at_s:g} s" for at_s, seed in carry.forks)
-    way = f"{carry.distance_m:.2f} of {carry.scene.task.distance_m:.2f} m in {carry.time_s:.1f} s"
+    way = f"{covered_m(carry):.2f} of {carry.scene.task.distance_m:.2f} m in {carry.time_s:.1f} s"
     word = carry.outcome.upper()
     return Line(
         verdict(carry.outcome == "delivered", word, word),
@@ -90,12 +92,13 @@ def _floor_job(job: "FloorJob") -> Iterator[Item]:
     yield Table([("", bold("left"), bold("right")), *rows])
 
 
-def _contacts(carry: "Carry") -> Table:
-    rows = [
-        ("", bold("left"), bold("right")),
-        ("contact rms", *map(millimetres, carry.contact_rms_m.values())),
-        ("contact peak", *map(millimetres, carry.contact_peak_m.values())),
-    ]
+def _contacts(carry: "Carry") -> Iterator[Table]:
+    rows: list[tuple[str, ...]] = []
+    if not to_spec(carry.scene, unrolled=True).on_one_palm:  # they count what two palms hold
+        rows += [
+            ("contact rms", *map(millimetres, carry.contact_rms_m.values())),
+            ("contact peak", *map(millimetres, carry.contact_peak_m.values())),
+        ]
     if carry.lateral_peak_m is not None and carry.scene.task.path.is_curved:
         rows.append(("lateral peak", *map(millimetres, carry.lateral_peak_m.values())))
     if carry.wheel_slip_m is not None:
@@ -104,7 +107,8 @@ def _contacts(carry: "Carry") -> Table:
         rows.append(("waiting time", *(f"{waited:.1f} s" for waited in carry.waiting_s.values())))
     if any(carry.stalled_s.values()):
         rows.append(("stalled", *(f"{stalled:.1f} s" for stalled in carry.stalled_s.values())))
-    return Table(rows)
+    if rows:
+        yield Table([("", bold("left"), bold("right")), *rows])
 
 
 def _corrections(carry: "Carry") -> Iterator[Item]:

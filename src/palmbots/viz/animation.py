@@ -99,8 +99,11 @@ def stage_at(carry: Carry, rows: np.ndarray, speedup: int = 1) -> tuple[Stage, l
     case, sign = chosen["case"].to_numpy(), chosen["sign"].to_numpy()
     motion, contact = chosen["motion"].to_numpy(), chosen["contact"].to_numpy()
     job = carry.floor_job
+    moved: list[float] | list[None] = [None] * len(times[rows])
     if job is not None:
         contact = contacts_on_palms(carry.scene, chosen)
+        start = placements(spec, trace, np.array([0])).com[0, 0]
+        moved = (spec.direction * (placement.com[:, 0] - start)).tolist()
     messages = _messages_shown(carry, times[rows])
     ending = carry.outcome if carry.reason is None else f"{carry.outcome}: {carry.reason}"
     moments = [
@@ -115,6 +118,7 @@ def stage_at(carry: Carry, rows: np.ndarray, speedup: int = 1) -> tuple[Stage, l
             ending=ending if row == len(times) - 1 else None,
             good=carry.outcome == "delivered",
             does=None if job is None else (_doing(job, "left", time), _doing(job, "right", time)),
+            moved=moved[k],
         )
         for k, (row, time) in enumerate(zip(rows, times[rows].tolist(), strict=True))
     ]

@@ -6,7 +6,7 @@ right robot below, hatched where a robot only assists), and between the two rows
 the moment it is sent to the moment it arrives. The panels below show the effect. Each correction is
 shaded there in the colour and hatch of its robot; in panels for both robots it is shaded in the
 half of its robot (left above, right below). A job that begins or ends on the floor has two panels
-more, with the stages of both robots and the heights of the pivots, and its contacts are drawn only
+more, with the phases of both robots and the heights of the pivots, and its contacts are drawn only
 while the object touches that palm. Source: paper, section 5.2.
 """
 
@@ -24,6 +24,7 @@ from matplotlib.patches import Patch
 from palmbots._types import SIDES
 from palmbots.errors import PalmbotsError
 from palmbots.scene.spec import to_spec
+from palmbots.simulation.floor_job import covered_m
 from palmbots.viz import carry_panels
 from palmbots.viz.carry_panels import PanelView
 from palmbots.viz.save_figure import write_figure
@@ -161,7 +162,7 @@ def figure_title(carry: "Carry") -> str:
     """Controller, outcome, duration and distance in one line."""
     ending = carry.outcome if carry.reason is None else f"{carry.outcome} ({carry.reason})"
     title = controller_title(carry.controller)
-    return f"{title}: {ending} after {carry.time_s:.2f} s and {carry.distance_m:.2f} m"
+    return f"{title}: {ending} after {carry.time_s:.2f} s and {covered_m(carry):.2f} m"
 
 
 def _draw_head(figure: Figure, view: PanelView, left_in: float, height_in: float) -> None:
@@ -171,6 +172,8 @@ def _draw_head(figure: Figure, view: PanelView, left_in: float, height_in: float
     facts = [f"{carry.correction_count} corrections"]
     if math.isnan(rms["left"]):  # real robots sense only its sign
         facts.append("from the logs of the robots; the contact coordinate is not measured")
+    elif view.spec.on_one_palm:
+        facts.append(f"seed {carry.seed}")
     else:
         facts += [
             f"contact rms left {rms['left'] * 1e3:.1f}, right {rms['right'] * 1e3:.1f} mm",

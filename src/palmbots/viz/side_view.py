@@ -62,6 +62,7 @@ class Moment:
     ending: str | None  #: text of the outcome in the last frame
     good: bool  #: whether the outcome is a delivery
     does: tuple[str, str] | None = None  #: text of the action of each robot that is in no case
+    moved: float | None = None  #: of the object, in the direction of travel [m]; None: as the robots
 
 
 class Stage:
@@ -171,7 +172,9 @@ class Stage:
 
     def _write(self, draw: ImageDraw.ImageDraw, moment: Moment) -> None:
         """Time, distance, the action of each robot, and at the end the outcome."""
-        distance = float(self._placement.pivot[moment.row, :, 0].mean()) * self._spec.direction
+        distance = moment.moved
+        if distance is None:
+            distance = float(self._placement.pivot[moment.row, :, 0].mean()) * self._spec.direction
         draw.text((12, 8), f"t = {moment.time:5.2f} s", INK, _font(14, True))
         draw.text((WIDTH - 12, 8), f"{distance:.2f} m", INK, _font(14, True), anchor="ra")
         for k, side in enumerate(SIDES):
