@@ -82,10 +82,10 @@ def test_time_left_counts_down_between_reports() -> None:
 def test_time_left_counts_from_the_beginning_of_the_work() -> None:
     """Not from the first report: what comes before it is work, too."""
     stream, clock = io.StringIO(), Clock()
-    lines = LineProgress(stream, clock, " of this stage")
+    lines = LineProgress(stream, clock, " of this part")
     clock.now_s += 100
     lines.report("splitting", 0.5)
-    line = "palmbots: splitting: 50 % after 1:40 min, about 1:40 min left of this stage\n"
+    line = "palmbots: splitting: 50 % after 1:40 min, about 1:40 min left of this part\n"
     assert stream.getvalue() == line
 
 
@@ -103,7 +103,7 @@ def test_bar_in_a_terminal_says_the_same(monkeypatch: pytest.MonkeyPatch) -> Non
             report(fraction)
             time.sleep(0.15)  # the bar is drawn ten times a second
             assert left in stream.getvalue()
-    assert "of this stage" not in stream.getvalue()
+    assert "of this part" not in stream.getvalue()
     with staged_progress() as report_stage:
         clock.now_s += 30
         report_stage("checking scenes", 0.5)
@@ -111,7 +111,7 @@ def test_bar_in_a_terminal_says_the_same(monkeypatch: pytest.MonkeyPatch) -> Non
         clock.now_s += 20
         report_stage("carrying", 0.5)
         time.sleep(0.15)
-    assert "about 0:20 min left of this stage" in stream.getvalue()
+    assert "about 0:20 min left of this part" in stream.getvalue()
 
 
 def test_moment_that_is_left_is_not_none() -> None:

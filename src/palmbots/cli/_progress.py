@@ -25,7 +25,7 @@ class Estimate:
 
     Args:
         clock: in s.
-        of: words after the time, such as " of this stage"; empty: it is that of the whole work.
+        of: words after the time, such as " of this part"; empty: it is that of the whole work.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic, of: str = "") -> None:
@@ -103,7 +103,7 @@ def _duration(seconds: float) -> str:
 
 
 @contextmanager
-def staged_progress(quiet: bool = False, of: str = " of this stage") -> Iterator[StageReport]:
+def staged_progress(quiet: bool = False, of: str = " of this part") -> Iterator[StageReport]:
     """Show the progress of work in stages; yields the function to call with stage and fraction.
 
     The time left is that of the present stage, which the words `of` state. `quiet` suppresses the

@@ -80,7 +80,7 @@ def draw_stages(panel: Axes, view: PanelView, job: "FloorJob") -> None:
     panel.set_ylim(0, 2)
     panel.set_yticks([0.5, 1.5], [*reversed(SIDES)])
     panel.grid(False)
-    panel.set_ylabel("stage", size=7)
+    panel.set_ylabel("phase", size=7)
 
 
 def draw_heights(panel: Axes, view: PanelView) -> None:
