@@ -62,7 +62,7 @@ class Moment:
     ending: str | None  #: text of the outcome in the last frame
     good: bool  #: whether the outcome is a delivery
     does: tuple[str, str] | None = None  #: text of the action of each robot that is in no case
-    moved: float | None = None  #: of the object, in the direction of travel [m]; None: as the robots
+    moved: float | None = None  #: by the object in a job, forward [m]
 
 
 class Stage:
