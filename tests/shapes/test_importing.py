@@ -306,6 +306,19 @@ def test_given_com_is_that_of_the_object_as_it_stands(tmp_path: Path) -> None:
     assert found.com_m == (0.1, 0.03)
 
 
+@pytest.mark.parametrize(("cut_mm", "is_reported"), [(0.0, False), (9.0, True), (30.0, False)])
+def test_short_edges_at_a_contact_are_reported(
+    cut_mm: float, is_reported: bool, tmp_path: Path
+) -> None:
+    """A bevel that may stand for an arc; neither a sharp corner nor a long bevel."""
+    a = cut_mm
+    shape = [(a, 100.0), (240.0 - a, 100.0), (240.0, 100.0 - a), (240.0, 0.0), (0.0, 0.0)]
+    shape = list(dict.fromkeys([*shape, (0.0, 100.0 - a)]))
+    points = " ".join(f"{x},{y}" for x, y in shape)
+    found = imported(tmp_path, "t.svg", svg(f'<polygon points="{points}"/>'), tolerance_mm=0.01)
+    assert any("Short edges at a contact" in line for line in found.remarks) == is_reported
+
+
 def test_bodies_that_overlap_are_reported(tmp_path: Path) -> None:
     """Neither bodies beside each other, nor the cavity of a hollow one."""
     vertices, faces = prism(TRAPEZOID, 90.0)

@@ -56,7 +56,10 @@ def test_scripts_end_as_in_the_slow_world() -> None:
 @pytest.mark.parametrize(
     ("seed", "end"),
     [
-        (3100332, "toppled"),  # COM comes over the tip of a palm while another one pushes from beside
+        (
+            3100332,
+            "toppled",
+        ),  # COM comes over the tip of a palm while another one pushes from beside
         (3100371, "completed"),  # both rounded contacts slide, period after period
     ],
 )

@@ -53,6 +53,7 @@ _DRAWINGS = {".svg": read_svg, ".dxf": read_dxf}
 _MESHES = {".stl": "z", ".obj": "z", ".gltf": "y", ".glb": "y"}  # and the axis that points upwards
 _USUAL, _COARSEST = 0.005, 0.1  # tolerance, of the size
 _USUAL_OF_LESSER = 0.02  # of the smaller of length and height
+_NEAR_CONTACT = 0.15  # of the smaller of length and height
 _SHORTEST_PALM_MM = 20  # of which the zero zone is half
 
 
@@ -240,8 +241,12 @@ def _object(
     for key, value, problem, allowed in _core.check_scene(whole):
         shown = f"{show(value)} " if value else ""
         raise PalmbotsError(f"{body.name}: {key}: {shown}{problem}; allowed: {allowed}")
-    if _has_round_contact(fitted, made):
-        remarks = (*remarks, "A contact is at a rounded corner, whose chords a palm may touch.")
+    if _has_round_contact(fitted, made) or _has_short_edge(made):
+        remarks = (
+            *remarks,
+            "Short edges at a contact seem to replace an arc: a palm may lie flush on them, where "
+            "the object would roll.",
+        )
     palms = _palm_length_m(made)
     return ImportedObject(
         source=body.name,
@@ -326,6 +331,18 @@ def _has_round_contact(fitted: Fitted, made: Object) -> bool:
     corner = fitted.vertices.min(axis=0)
     contacts = corner + np.array([made.vertices_m[k] for k in made.contacts])
     return any(np.hypot(*(end - contact)) < 1e-3 for end in fitted.arc_ends for contact in contacts)
+
+
+def _has_short_edge(made: Object) -> bool:
+    """Whether a convex corner is so near to a sharp contact that both may stand for one arc."""
+    corners = np.array(made.vertices_m)
+    near = _NEAR_CONTACT * float(np.ptp(corners, axis=0).min())
+    edges = np.roll(corners, -1, axis=0) - corners
+    before = np.roll(edges, 1, axis=0)
+    is_convex = before[:, 0] * edges[:, 1] > before[:, 1] * edges[:, 0]
+    radii = np.broadcast_to(made.edge_radius_m, len(corners))
+    is_short = (np.hypot(*edges.T) < near) & is_convex & np.roll(is_convex, -1)
+    return any(radii[k] == 0 and (is_short[k] or is_short[k - 1]) for k in made.contacts)
 
 
 def _keys(made: Object, palms: float | None) -> dict[str, Any]:
