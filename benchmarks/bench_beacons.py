@@ -55,6 +55,7 @@ def compiled(folder: str) -> Path:
 def main() -> None:
     """Run all cells and print them."""
     carries = int(sys.argv[1]) if len(sys.argv) > 1 else 4000
+    digits = 1 if carries < 10_000 else 2
     with tempfile.TemporaryDirectory() as folder:
         program = compiled(folder)
         for *times, answers, old in RULES:
@@ -66,7 +67,7 @@ def main() -> None:
                 words = [str(word) for word in (program, *times, answers, old, carries)]
                 done = subprocess.run(words, input=spec, capture_output=True, check=True)
                 dropped, _, _, messages = done.stdout.decode().split()
-                cells += [f"{100 * int(dropped) / carries:.1f} %, {float(messages):.0f}"]
+                cells += [f"{100 * int(dropped) / carries:.{digits}f} %, {float(messages):.0f}"]
             print("|", " | ".join(cells), "|", flush=True)
 
 
