@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import palmbots as pb
@@ -108,6 +109,22 @@ def test_every_kind_of_controller_does_the_whole_job(controller: str, tmp_path: 
     assert job.pair.carry_until_the_end() == "delivered"
     assert job.stage.is_put_down
     job.close()
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_readings_that_arrive_late_do_not_harm(
+    seed: int, job: Job, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A robot then acts on an old reading, which does not know its newest command."""
+    random = np.random.default_rng(seed)
+
+    def sometimes(send: Any) -> Any:
+        return lambda frame, **how: send(frame, **how) if random.random() < 0.6 else None
+
+    for board in job.pair._boards.values():
+        monkeypatch.setattr(board, "send", sometimes(board.send))
+    assert job.pair.carry_until_the_end() == "delivered"
+    assert job.stage.is_put_down
 
 
 @pytest.mark.slow
