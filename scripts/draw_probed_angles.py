@@ -15,7 +15,7 @@ NOISES = ("0.01", "0.02", "0.03")
 CHOICES = {
     ("nothing", "default"): "default angles",
     ("prior", "carries"): "chosen from the prior",
-    ("probed", "carries"): "chosen after a probe",
+    ("probed", "carries"): "chosen after probing",
     ("known", "carries"): "chosen for the known object",
 }
 

@@ -106,7 +106,7 @@ def results(folder: Path) -> Iterator[tuple[str, Any]]:
         angles: dict[str, Any] = {"angle_range_deg": (5, 15), "resolution_deg": 5}
         yield "palm-angles", pb.design("paper", maximize=quantity, overrides=SHORT, **angles)
     yield "noise_limit", pb.noise_limit("paper", drop_rate=0.2, **COARSE)
-    yield "probe", pb.probe("paper", com_x_m=(0.12, 0.13))
+    yield "probe", pb.probe("paper", com_x_m=(0.12, 0.13), angle_range_deg=(5, 7))
     yield "bound", pb.bound("paper", "corrections", overrides=SHORT)
     law = [LawPoint(key, f, 0.04 * f, 0.041 * f) for key in KEYS for f in (1.0, 2.0)]
     yield "design-law", DesignLaw(tuple(law), Scene())

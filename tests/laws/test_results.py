@@ -234,7 +234,7 @@ EXAMPLES: dict[str, Callable[[Path], Any]] = {
     "OutcomeCounts": lambda folder: OutcomeCounts("silent", 40, 2, 0),
     "ObjectFit": lambda folder: fit_object([touch_of(pb.carry("paper", "shared-sign"), "")], ()),
     "ObjectList": lambda folder: pb.objects(),
-    "Probe": lambda folder: pb.probe("paper", com_x_m=(0.12, 0.13)),
+    "Probe": lambda folder: pb.probe("paper", com_x_m=(0.12, 0.13), angle_range_deg=(5, 7)),
     "RadioFit": lambda folder: pb.fit(
         [packets_csv(folder, "packets.csv", "index", np.arange(200.0))], radio=True
     ),

@@ -99,8 +99,8 @@ def add(a: Interval, b: Interval) -> Interval:
 
 def times(a: Interval, b: Interval) -> Interval:
     """The products."""
-    all_of = [x * y for x in a for y in b]
-    return min(all_of), max(all_of)
+    p, q, r, s = a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]
+    return min(p, q, r, s), max(p, q, r, s)
 
 
 def both(a: Interval, b: Interval, slack: float = 1e-9) -> Interval:

@@ -43,5 +43,8 @@ def draw_probe(result: Probe) -> Figure:
         size.yaxis.set_minor_formatter("")
         size.set_xlabel(style.axis_label("time", "s"))
         size.set_ylabel(style.axis_label("set, of the prior", "%"))
-        style.footnote(figure, "the axes span the prior; the object lies in the coloured set")
+        where = "the object lies in the coloured set"
+        if not result.is_consistent:
+            where = "the observations contradict each other, so the set may not contain the object"
+        style.footnote(figure, f"the axes span the prior; {where}")
     return figure
