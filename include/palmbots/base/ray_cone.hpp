@@ -57,6 +57,24 @@ void for_each_combination(const Rays& rays, Triple vector, Each&& each) {
   }
 }
 
+// The shares in a vector of rays whose cone contains it (as bits), up to three that do not depend on
+// each other. None is negative.
+inline RayShares shares_of(std::uint32_t set, const Rays& rays, Triple vector) {
+  RayShares found{{}, {}, 0};
+  std::array<Triple, 3> own{};
+  for (; set != 0; set &= set - 1) {
+    const auto k = std::size_t(std::countr_zero(set));
+    own[found.count] = rays[k];
+    found.ray[found.count++] = k;
+  }
+  // What is at right angles to fewer than three rays has no share.
+  if (found.count == 1) own[1] = Triple{-own[0].y, own[0].x, 0.0};
+  if (found.count < 3) own[2] = cross(own[0], own[1]);
+  found.share = parts_along(own, vector);
+  for (double& share : found.share) share = larger(share, 0.0);
+  return found;
+}
+
 // The largest least share of a ray in a vector, over all combinations: ≥ 0 iff the cone contains it. It
 // is −1 if no rays span the space.
 inline double best_least_share(const Rays& rays, Triple vector) {

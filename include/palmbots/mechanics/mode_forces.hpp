@@ -82,20 +82,10 @@ struct EdgeShares {
     std::vector<Shares> found;
     const ContainingCones balancing(rays, wrench);
     for (const std::uint32_t set : balancing.sets()) {
-      std::array<Triple, 3> ray;
-      FixedList<std::size_t, 3> used;
-      for (std::size_t k = 0; k < edges.size(); ++k) {
-        if ((set >> k & 1) == 0) continue;
-        ray[used.size()] = rays[k];
-        used.push_back(k);
-      }
-      // What is at right angles to fewer than three rays has no share.
-      if (used.size() == 1) ray[1] = Triple{-ray[0].y, ray[0].x, 0.0};
-      if (used.size() < 3) ray[2] = cross(ray[0], ray[1]);
-      const std::array<double, 3> parts = parts_along(ray, wrench);
+      const RayShares parts = shares_of(set, rays, wrench);
       Shares& shares = found.emplace_back();
-      for (std::size_t k = 0; k < used.size(); ++k)
-        shares[used[k]] = larger(parts[k], 0.0) * edges[used[k]].normal;
+      for (std::size_t k = 0; k < parts.count; ++k)
+        shares[parts.ray[k]] = parts.share[k] * edges[parts.ray[k]].normal;
     }
     return found;
   }

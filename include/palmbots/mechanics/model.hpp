@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "palmbots/mechanics/clearance.hpp"
-#include "palmbots/mechanics/surroundings.hpp"
+#include "palmbots/mechanics/surface.hpp"
 
 namespace palmbots {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "palmbots/base/number_text.hpp"
-#include "palmbots/mechanics/surroundings.hpp"
+#include "palmbots/mechanics/surface.hpp"
 #include "palmbots/sim/task_keys.hpp"
 
 namespace palmbots {

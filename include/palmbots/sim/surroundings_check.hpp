@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "palmbots/mechanics/surroundings.hpp"
+#include "palmbots/mechanics/surface.hpp"
 #include "palmbots/sim/scene_problem.hpp"
 #include "palmbots/sim/scene_values.hpp"
 

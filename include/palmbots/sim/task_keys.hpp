@@ -129,7 +129,7 @@ inline constexpr Key start_keys[] = {
     detail::start_key<right>("right_m"),
 };
 
-// A wall (mechanics/surroundings.hpp). Places count from the COM of the object at its start.
+// A wall (mechanics/surface.hpp). Places count from the COM of the object at its start.
 struct WallSpec {
   double at = 0.0;  // x; in a scene in the direction of travel
   double height = std::numeric_limits<double>::infinity();  // infinite: no upper edge

@@ -276,8 +276,7 @@ class ContactStep : ContactTrial {
   // object elsewhere; `at_limit`: of those in which a robot that yields exerts its greatest force.
   // Nothing: none goes on. A reason: the object is then on one palm only.
   std::optional<DropReason> go_on_with(const RegimeCandidates& found, bool at_limit = false) {
-    constexpr double elsewhere = 1e-3;  // of the way of the surfaces
-    constexpr double lost = -1e-3;      // far beyond what rounding does to a condition
+    constexpr double elsewhere = 1e-3;                        // of the way of the surfaces
     std::array<double, RegimeCandidates::capacity> missed{};  // what fails of each
     for (double ahead = trial_; ahead < 0.1; ahead *= grown) {
       const double then = after(ahead * look_);
@@ -286,7 +285,9 @@ class ContactStep : ContactTrial {
       for (std::size_t k = 0; k < found.size(); ++k) {
         const RegimeCandidate& one = found[k];
         if (!best.empty() && !one.is_as_good_as(*best[0])) break;
-        if (at_limit && ahead == trial_ && !is_at_limit(one.regime)) missed[k] = 2.0 * lost;
+        if (ahead == trial_ &&
+            ((at_limit && !one.regime.has_unique_forces()) || !can_drive(one.regime)))
+          missed[k] = 2.0 * lost;
         if (missed[k] < lost) continue;
         const Trial trial = try_out(then, one.regime);
         // What fails clearly, or the more the longer it lasts, will not hold later.

@@ -98,6 +98,8 @@ class ContactTrial {
     return {conditions_of(at, near_, pace_, failing, all), from};
   }
 
+  static constexpr double lost = -1e-3;  // far beyond what rounding does to a condition
+
   // Whether a regime goes on, its worst condition, and where it has the object at the end.
   struct Trial {
     bool goes_on;
@@ -170,10 +172,19 @@ class ContactTrial {
     return closed;
   }
 
-  // Whether the force of a robot that yields is unique and, here, its greatest one.
-  bool is_at_limit(const Regime& regime) const {
+  // Whether the forces here permit that robots drive like this, so that a trial is worth its while: they
+  // are within the limits, or nearly. Where the force of a robot that yields is unique, it is its
+  // greatest one.
+  bool can_drive(const Regime& regime) const {
     constexpr double near = 1e-6;  // [weights]: the regime finds the place to rounding
-    return regime.has_unique_forces() && magnitude(above_limit(posed(regime))) < near;
+    if (!problem_.is_limited()) return true;
+    const PosedRegime at = posed(regime);
+    if (regime.yielding() <= right && regime.has_unique_forces() &&
+        !(magnitude(above_limit(at)) < near))
+      return false;
+    Conditions limits;
+    add_limits(limits, at);
+    return limits.least() > 2.0 * lost;
   }
 
   // The speed of a palm along x if its contacts, and those of another carrier, stick; not a number: they

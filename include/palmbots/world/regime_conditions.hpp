@@ -191,22 +191,15 @@ inline double balance_of(const PosedRegime& at) {
   return best_least_share(at.rays(), at.weight()) + Tolerance::force;
 }
 
-// Adds those of robots with limits. `speed` is that of one that yields; it is known to `slack`, as a
-// share of the pace.
-inline void add_limits(Conditions& all, const PosedRegime& at, double speed, double slack,
-                       double pace) {
+// Adds those of the forces of robots with limits.
+inline void add_limits(Conditions& all, const PosedRegime& at) {
   const BalancedForces forces(at, Tolerance::force);
   all.push_back(Tolerance::force - forces.least_excess());
   if (!at.regime.stalls()) return;
   double most = -1.0;
-  for (const std::size_t side : {left, right}) {
-    const double sense = at.problem.sense(side);
+  for (const std::size_t side : {left, right})
     if (at.regime.drives[side] != Drive::as_commanded)
-      most = larger(most, forces.most_push(side, sense));
-    if (at.regime.drives[side] != Drive::yields) continue;
-    all.push_back(sense * speed / pace + slack);
-    all.push_back(sense * (at.problem.commanded[side] - speed) / pace + slack);
-  }
+      most = larger(most, forces.most_push(side, at.problem.sense(side)));
   all.push_back(most + 10.0 * Tolerance::force);
 }
 
@@ -216,7 +209,12 @@ inline void add_motion(Conditions& all, const PosedRegime& at, const RegimeEquat
                        double pace) {
   const auto moves = twist.system.solution();
   const double least = twist.balance ? Tolerance::balanced_rate : Tolerance::rate;
-  if (at.problem.is_limited()) add_limits(all, at, moves[3], least, pace);
+  if (at.problem.is_limited()) add_limits(all, at);
+  if (const std::size_t side = at.regime.yielding(); side <= right) {
+    const double sense = at.problem.sense(side);
+    all.push_back(sense * moves[3] / pace + least);
+    all.push_back(sense * (at.problem.commanded[side] - moves[3]) / pace + least);
+  }
   for (const ActiveContact& c : at.contacts) {
     if (c.motion == Motion::stick) continue;
     const bool yields = c.pair.carrier == at.regime.yielding();
