@@ -63,7 +63,8 @@ def carry_lines(
 def _head(carry: "Carry") -> Line:
     kind = carry.precision if carry.world == "quasistatic" else carry.world
     forks = "".join(f", {seed} from {at_s:g} s" for at_s, seed in carry.forks)
-    way = f"{covered_m(carry):.2f} of {carry.scene.task.distance_m:.2f} m in {carry.time_s:.1f} s"
+    way_m = covered_m(carry.floor_job, carry.distance_m)
+    way = f"{way_m:.2f} of {carry.scene.task.distance_m:.2f} m in {carry.time_s:.1f} s"
     word = carry.outcome.upper()
     return Line(
         verdict(carry.outcome == "delivered", word, word),

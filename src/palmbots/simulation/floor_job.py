@@ -17,8 +17,6 @@ from palmbots.scene.scene import Scene
 if TYPE_CHECKING:
     import xarray as xr
 
-    from palmbots.simulation.result import Carry
-
 MEANINGS: dict[str, str] = _core.lift_states
 """What a robot does in each phase, in words."""
 TASK_PHASES: dict[str, str] = _core.phases_of_lift_states
@@ -101,9 +99,9 @@ class FloorJob:
     """The falls of the object."""
 
 
-def covered_m(carry: Carry) -> float:
-    """How far the object was moved in a job, or how far the robots have carried it."""
-    return carry.distance_m if carry.floor_job is None else carry.floor_job.moved_m
+def covered_m(job: FloorJob | None, distance_m: float) -> float:
+    """How far the object was moved in a job; without one, how far the robots have carried it."""
+    return distance_m if job is None else job.moved_m
 
 
 def stages(job: FloorJob, robot: str) -> list[tuple[str, float, float]]:

@@ -162,7 +162,8 @@ def figure_title(carry: "Carry") -> str:
     """Controller, outcome, duration and distance in one line."""
     ending = carry.outcome if carry.reason is None else f"{carry.outcome} ({carry.reason})"
     title = controller_title(carry.controller)
-    return f"{title}: {ending} after {carry.time_s:.2f} s and {covered_m(carry):.2f} m"
+    way_m = covered_m(carry.floor_job, carry.distance_m)
+    return f"{title}: {ending} after {carry.time_s:.2f} s and {way_m:.2f} m"
 
 
 def _draw_head(figure: Figure, view: PanelView, left_in: float, height_in: float) -> None:
