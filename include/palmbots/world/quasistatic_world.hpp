@@ -59,7 +59,7 @@ class World {
   void set_phase(CarryPhase phase, double most_fall) {
     phase_ = phase;
     most_fall_ = most_fall;
-    small_fall_ = &palmbots::small_fall;
+    small_fall_ = [](Instant& now, double most) { return SmallFall(now, most).run(); };
   }
 
   // The angle of the object, whose contacts are `width` apart [rad]. For people and pictures only: no

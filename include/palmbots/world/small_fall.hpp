@@ -249,9 +249,4 @@ class SmallFall {
   double closed_ = Tolerance::closed * size_;
 };
 
-// `SmallFall::run`.
-inline std::optional<double> small_fall(Instant& now, double most) {
-  return SmallFall(now, most).run();
-}
-
 }  // namespace palmbots
