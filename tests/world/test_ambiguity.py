@@ -9,7 +9,7 @@ import pytest
 
 import palmbots as pb
 from palmbots.scene.spec import to_spec
-from palmbots.simulation import Carry, run_seeds
+from palmbots.simulation import Carry, FloorWorld, run_seeds
 
 # Left and right are alike, and the robots drive apart: one contact of the pipe rolls, or neither.
 LEVEL: dict[str, Any] = {
@@ -44,6 +44,18 @@ def test_the_rule_takes_the_motion_in_which_both_slide() -> None:
     for seed in range(3):
         carry, motion = first_motion(seed, LEVEL | {"world.ambiguity": "rule"})
         assert (motion, carry.ambiguous_events) == ((-1, -1), 1)
+
+
+def test_the_rule_keeps_as_many_contacts_as_possible() -> None:
+    """A palm with much friction retreats from an object on a slippery floor: it leaves the object,
+    or takes it along."""
+    keys = {"object.edge_radius_m": 0.003, "palm.friction": 0.8, "floor.friction": 0.1}
+    world = FloorWorld("plate", palms_deg=(8, 8), overrides=keys)
+    for _ in range(10):
+        state = world.move(0.0012, 0.0)
+    modes = [mode.motions for mode in world.contact_modes(-0.01, 0.0).modes]
+    assert sorted(modes) == [("BR", "ST", "ST"), ("ST", "SL", "SL")]
+    assert world.move(-0.001, 0.0).com_m[0] == pytest.approx(state.com_m[0] - 0.001, abs=1e-12)
 
 
 def test_a_carry_draws_alike_alone_and_side_by_side() -> None:
