@@ -130,6 +130,15 @@ def test_the_palm_leaves_the_object_up_to_the_friction_of_the_floor(steep: float
     assert slides == bool(found.warnings)
 
 
+@pytest.mark.parametrize(("steep", "works"), [(45.0, True), (66.0, False)])
+def test_steep_palms_have_an_analysis_although_no_two_of_them_hold_the_object(
+    steep: float, works: bool
+) -> None:
+    found = pb.analyze("handover", overrides={"palm.steep_deg": steep}).hand_over
+    assert found is not None
+    assert found.works is works
+
+
 def test_the_object_climbs_a_palm_that_is_not_steep_enough() -> None:
     """The refusal has the angle at which jobs begin to succeed, to within 1°."""
     found = pb.analyze("handover", overrides={"palm.steep_deg": 25.0}).hand_over

@@ -18,11 +18,12 @@ from palmbots._types import SIDES, BySide, Interval, Overrides, Side
 from palmbots._util.command import Option, command
 from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.results import Result
+from palmbots.errors import PalmbotsError
 from palmbots.mechanics.hand_over import HandOver, hand_over
 from palmbots.mechanics.lift_margins import Lifting
 from palmbots.mechanics.lifting import lifting
 from palmbots.mechanics.load_limits import LoadLimit, LoadLimits, load_limits
-from palmbots.mechanics.lone import LoneLift
+from palmbots.mechanics.lone import LoneLift, on_one_palm
 from palmbots.mechanics.lone_refusals import lone_lift
 from palmbots.scene.scene import Scene, SceneLike, load_scene
 from palmbots.stability.clearance import Clearance, outline_clearance
@@ -45,6 +46,8 @@ from palmbots.stability.margins import (
 from palmbots.stability.problem import Pair, StabilityProblem, permitted, stability_problem
 from palmbots.stability.scene_limits import largest_acceleration, limit_warnings
 from palmbots.stability.tightest_margins import RankedMargin, ranked_margins
+
+_CENTRED_M = 1e-3
 
 T = TypeVar("T")
 
@@ -269,7 +272,7 @@ def analyze(
         PalmbotsError: the region is not on the palms, or the object cannot span it.
     """
     chosen = load_scene(scene, overrides)
-    problem = stability_problem(chosen, region_m)
+    problem = _problem(chosen, region_m)
     clearance = outline_clearance(problem)
     slope, angle = slope_range(problem), angle_error(problem)
     closing, opening, turning = (
@@ -300,6 +303,17 @@ def analyze(
         hand_over=handed,
         warnings=limit_warnings(chosen, problem.contacts),
     )
+
+
+def _problem(scene: Scene, region_m: Interval | Literal["implied", "palm"]) -> StabilityProblem:
+    """The question for two palms. One palm alone can hold objects that do not reach the ends of
+    two; then it is asked for centred contacts only."""
+    try:
+        return stability_problem(scene, region_m)
+    except PalmbotsError:
+        if region_m != "palm" or not on_one_palm(scene):
+            raise
+        return stability_problem(scene, (-_CENTRED_M, _CENTRED_M))
 
 
 def _report(problem: StabilityProblem, number: int, shallow: Side) -> PropertyReport:
