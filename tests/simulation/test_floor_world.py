@@ -272,3 +272,18 @@ def test_an_object_does_not_fall_through_a_nose() -> None:
         nose = pivot[0] + half * math.cos(theta), pivot[1] - half * math.sin(theta)
         assert math.dist(centre, nose) >= radius - 1e-9
     assert falls > 0
+
+
+@pytest.mark.parametrize("pieces", [2, 7, 300])
+def test_a_motion_in_one_piece_is_that_in_many(pieces: int) -> None:
+    """The first nose pushes the box against the second one, then both get under. In one piece the
+    object jammed: the nose sticks on an arc that is a tenth as large as its way."""
+    states = []
+    for n in (1, pieces):
+        world = FloorWorld("plate", palms_deg=(8.0, 15.0), overrides=ROUNDED)
+        for _ in range(n):
+            state = world.move(0.03 / n)
+            assert not state.end
+        states.append(state)
+    whole, cut = states
+    assert not whole.on_floor and whole.com_m == pytest.approx(cut.com_m, abs=1e-9)

@@ -124,6 +124,11 @@ struct Instant {
   Triple row(const FeatureContact& c, Vec direction) const {
     return c.row(direction, problem.shapes.size);
   }
+  // The pose after a motion with a twist (x, y, turn × size) for so long.
+  Pose after(Triple twist, double t = 1.0) const {
+    return Pose::of(pose.at + Vec{twist.x, twist.y} * t,
+                    pose.angle + twist.z * t / problem.shapes.size);
+  }
   // The velocity that the surface of a contact gives to it in a direction.
   double given(const FeatureContact& c, Vec direction) const {
     return dot(direction, frames[c.pair.carrier].velocity_at(pose.at + c.point));

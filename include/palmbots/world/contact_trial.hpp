@@ -77,7 +77,15 @@ class ContactTrial {
 
   // Moves it, and the place, to where the regime has the object. False: there is no such place near.
   bool settles(double t, PosedRegime& at, Place& place) const {
-    if (!settle(at)) return false;
+    if (!settle(at)) {  // too far away: once more, from where the twist leads
+      const PosedRegime from = posed(place.t, place, at.regime);
+      const RegimeEquations twist(from, true);
+      if (!twist.system.full()) return false;
+      const auto by = twist.system.solution();
+      at.frames = frames(t, place, at.regime.drives);
+      at.put(from.after({by[0], by[1], by[2]}, t - place.t));
+      if (!settle(at)) return false;
+    }
     place.t = t;
     place.pose = at.pose;
     for (const std::size_t side : {left, right}) {

@@ -315,11 +315,9 @@ class World {
     }
     place(step.frames(done.fraction));
     // Rounded contacts that both slide go on in this way.
-    const bool slides_alone =
-        total.motion[left] == SlipDirection::stick || total.motion[right] == SlipDirection::stick;
-    if (on_vertices && (slides_alone || !rolls(model_)) && !is_general(model_) &&
-        model_.surroundings.empty() && height_[left] == height_[right] &&
-        !(may_leave_reach() && is_beyond_reach())) {
+    const bool both_slide = rolls(model_) && regime_.unknown_forces() == 2;
+    if (on_vertices && !both_slide && !is_general(model_) && model_.surroundings.empty() &&
+        height_[left] == height_[right] && !(may_leave_reach() && is_beyond_reach())) {
       regime_ = {};
       posed_ = false;
     }

@@ -188,7 +188,7 @@ inline bool settle(PosedRegime& at) {
     before = most;
     for (const std::size_t side : {left, right})
       if (at.regime.drives[side] == Drive::yields) at.frames[side].origin.x -= step[3];
-    at.put(Pose::of(at.pose.at - Vec{step[0], step[1]}, at.pose.angle - step[2] / size));
+    at.put(at.after({step[0], step[1], step[2]}, -1.0));
     // Convergence is quadratic: after so small a step, the remaining error is far below rounding.
     if (most < 1e-10 * size) return holds(at);
   }

@@ -56,10 +56,8 @@ class SmallFall {
   static constexpr double gyration = 0.3;
   static constexpr double pace = 1e-4;  // of a step, in sizes
   static constexpr int most_steps = 5000;
-  static constexpr double slack = 1e-9;  // of a direction
-  // Accelerations below this are errors of rounding [those of gravity]. Where an object is about to
-  // tip, it begins to move hardly faster.
-  static constexpr double still = 1e-12;
+  static constexpr double slack = 1e-9;   // of an acceleration: one about to tip has hardly any
+  static constexpr double still = 1e-12;  // what rounding makes of none [that of gravity]
   // How far a contact may leave its features: more than what counts as closed, and so little that the
   // contact that takes over is closed, too.
   static constexpr double beyond = 1e-6;
@@ -132,7 +130,7 @@ class SmallFall {
     if (!push(holds, way.by, sizes)) return {};
     const double fast = size(way.by);
     if (!(fast > still)) return {};
-    double heat = 0.0;  // of friction
+    double heat = 0.0;
     for (std::size_t k = 0; k < at.contacts.size(); ++k) {
       const ActiveContact& c = at.contacts[k];
       const double most = c.friction * sizes[k];
@@ -185,12 +183,11 @@ class SmallFall {
   void follow(const Way& way, const NearPairs& near) {
     const double fast = length(Vec{way.by.x, way.by.y}) + magnitude(way.by.z);
     const double whole = pace * size_ / fast;
-    const Pose start = now_.pose;
+    const Instant start = now_;
     double done = 0.0;
     double ahead = whole;
     for (int i = 0; i < 60; ++i) {
-      PosedRegime there({now_.problem, now_.frames, advanced(start, way.by, done + ahead)},
-                        way.bonds);
+      PosedRegime there({now_.problem, now_.frames, start.after(way.by, done + ahead)}, way.bonds);
       if (keep(there) && is_free(there, near)) {
         done += ahead;
         now_.pose = there.pose;
@@ -200,17 +197,13 @@ class SmallFall {
     }
   }
 
-  Pose advanced(const Pose& pose, Triple by, double t) const {
-    return Pose::of(pose.at + Vec{by.x * t, by.y * t}, pose.angle + by.z * t / size_);
-  }
-
   // Closes the gaps of the contacts that persist again, and puts one that sticks back.
   bool keep(PosedRegime& there) const {
     for (int i = 0; !there.regime.none() && i < 20; ++i) {
       Triple by{};
       std::array<double, 2> sizes{};
       if (!push(holds_of(there, false), by, sizes)) return false;
-      there.put(advanced(there.pose, by, 1.0));
+      there.put(there.after(by));
       if (EchelonForm<double, 3>::largest({by.x, by.y, by.z}) < 1e-14 * size_) break;
     }
     return true;
@@ -239,7 +232,7 @@ class SmallFall {
       for (std::size_t k = 0; k < 3 && !system.full(); ++k)
         system.add({k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}, 0.0);
       const auto by = system.solution();
-      now_.pose = advanced(now_.pose, {by[0], by[1], by[2]}, 1.0);
+      now_.pose = now_.after({by[0], by[1], by[2]});
     }
   }
 
