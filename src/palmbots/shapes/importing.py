@@ -184,7 +184,9 @@ def _read(path: Path, reader: Callable[[bytes], Any]) -> Any:
         raise PalmbotsError(f"{path}: {error}") from None
     except Exception as error:  # of a library, on a file that is damaged
         # A reader may ask for a package that guesses the encoding of what is no text.
-        internal = TypeError | AttributeError | LookupError | AssertionError | ImportError
+        internal = (
+            TypeError | AttributeError | LookupError | AssertionError | ImportError | UnicodeError
+        )
         is_internal = isinstance(error, internal)
         reason = "it is damaged" if is_internal or not str(error) else one_line(str(error))
         kind = path.suffix[1:].upper()

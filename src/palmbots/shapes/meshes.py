@@ -114,6 +114,9 @@ def read_mesh(path: Path, data: bytes, up: str, across: str, align: bool = False
     trimesh = require("trimesh", "import")
     if path.suffix.lower() == ".gltf":
         json.loads(data)  # trimesh would report something else
+    binary_size = 84 + 50 * int.from_bytes(data[80:84], "little")
+    if path.suffix.lower() == ".stl" and len(data) != binary_size:
+        data.decode()  # trimesh would guess the encoding
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # of textures, which do not matter
     scene = trimesh.load_scene(
         io.BytesIO(data),
