@@ -24,7 +24,7 @@ from palmbots.logs.mcap_writer import write_log
 from palmbots.pair.launcher import UP
 from palmbots.simulation.result import Carry
 from palmbots.station.simulated_pair import Air
-from sampled import amounts
+from sampled import in_soak
 
 HIDDEN = {
     "robot.gain": 1.03, "robot.noise_m_s": 0.02, "robot.noise_tau_s": 0.3,
@@ -153,25 +153,38 @@ def test_packets_of_a_log_are_numbered_as_sent_and_have_an_interval_if_regular()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("controller", ["shared-sign", "silent"])
-@pytest.mark.parametrize("fits", amounts(5, 40))
-def test_intervals_cover_the_hidden_values(fits: int, controller: str) -> None:
-    """A controller answers to the noise, and stops robots that are too fast. At positions that are
-    only thinned, and in stretches that begin with stationary noise, the gain of `silent` is found
-    0.08 too low."""
+@pytest.mark.parametrize(
+    ("controller", "fits", "misses"),
+    [("shared-sign", 5, 3), in_soak("shared-sign", 40, 7), in_soak("silent", 40, 7)],
+)
+def test_intervals_cover_the_hidden_values(controller: str, fits: int, misses: int) -> None:
     hits = dict.fromkeys(HIDDEN, 0)
     for number in range(fits):
-        carries = (
-            pb.carry("paper", controller, seed=100 * number + k, overrides=HIDDEN) for k in range(6)
-        )
-        stretches = [
-            one for run, carried in enumerate(carries) for one in stretches_in(carried, run)
-        ]
-        for one in fit_recorded(stretches, (Source("", ""),), 6, steps=()).estimates:
-            if one.key in hits:
-                assert one.low is not None and one.high is not None
-                hits[one.key] += one.low <= HIDDEN[one.key] <= one.high
-    assert min(hits.values()) >= fits - 3 - fits // 10, hits
+        for key in covered(controller, number):
+            hits[key] += 1
+    assert min(hits.values()) >= fits - misses, hits
+
+
+@pytest.mark.slow
+def test_a_controller_that_stops_robots_does_not_shift_the_gain() -> None:
+    """It answers to the noise, and stops robots that are too fast. At positions that are only
+    thinned, and in stretches that begin with stationary noise, the gain is found 0.08 too low."""
+    assert "robot.gain" in covered("silent", 0)
+
+
+def covered(controller: str, number: int) -> set[str]:
+    """The hidden values that lie in their intervals, fitted to six carries."""
+    carries = (
+        pb.carry("paper", controller, seed=100 * number + k, overrides=HIDDEN) for k in range(6)
+    )
+    stretches = [one for run, carried in enumerate(carries) for one in stretches_in(carried, run)]
+    found = set()
+    for one in fit_recorded(stretches, (Source("", ""),), 6, steps=()).estimates:
+        if one.key in HIDDEN:
+            assert one.low is not None and one.high is not None
+            if one.low <= HIDDEN[one.key] <= one.high:
+                found.add(one.key)
+    return found
 
 
 @pytest.mark.parametrize("direction", ["forward", "backward"])
