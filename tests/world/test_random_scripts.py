@@ -72,6 +72,14 @@ def test_what_goes_on_alike_has_no_events(seed: int, end: str) -> None:
     assert found.events < 30
 
 
+def test_no_corner_slips_under_a_heel() -> None:
+    """A corner on the floor comes to the face of a rising palm and to its heel within one period,
+    and was outside of both at the end of it."""
+    found = Found()
+    run(3105877, found)
+    assert found.faults == [] and found.ends["completed"] == 0
+
+
 def test_what_passes_by_or_leaves_slowly_ends_nothing() -> None:
     """An acute corner passes beside the end of a palm (88, 111). The tip of a palm leaves the arc
     that it has pushed along the floor, at first without any speed (222, 544). The tip of a palm

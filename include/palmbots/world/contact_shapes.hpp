@@ -31,7 +31,7 @@ inline void add_palm(Surfaces& surfaces, Carrier palm, double offset, double hal
     tip({-half, offset}, up, under);
   }
   if (profile.heel > 0.0) {
-    face({half, offset}, inward, 0.0, profile.heel);
+    face({half, offset}, inward, -profile.heel, profile.heel);  // no corner slips under it
     tip({half, offset + profile.heel}, -inward, inward);
   } else {
     tip({half, offset}, -up, up);
