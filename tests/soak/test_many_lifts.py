@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""1000 random jobs on the floor whose end is certain, in both worlds: at least 98.5 % end alike,
-and at least 60 % of the possible jobs are certain (lift_agreement). In the first 387 of them,
-99.5 % ended alike (docs/reference/mujoco-agreement.md has the differences)."""
+"""1000 random jobs on the floor whose end is certain, in both worlds: at least 99 % end alike, and
+at least 60 % of the possible jobs are certain (lift_agreement). Of 1070 of them, 1065 ended alike
+(docs/reference/mujoco-agreement.md has the differences)."""
 
 from lift_agreement import NEARBY, can_start, compare
 
@@ -24,4 +24,4 @@ def test_random_jobs_end_alike(soak_seed: int) -> None:
         if not pair.agrees:
             differ.append(pair)
     assert certain >= 0.6 * possible
-    assert len(differ) <= 0.015 * STARTS, differ
+    assert len(differ) <= 0.01 * STARTS, differ
