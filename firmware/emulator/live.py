@@ -191,7 +191,7 @@ class LivePair:
         else:
             frames = dict(zip(SIDES, self.job.frames(), strict=True))
             for side, robot in self.of_side.items():
-                sign, at_target, _, touches, *_, beneath = frames[side]
+                sign, at_target, _, _, touches, *_, beneath = frames[side]
                 robot.feel(sign, at_target, touches, beneath)
         end_us = self.time_us + self.period_us
         while self.time_us < end_us - 1e-6:
