@@ -73,8 +73,8 @@ def test_what_goes_on_alike_has_no_events(seed: int, end: str) -> None:
 
 
 def test_no_corner_slips_under_a_heel() -> None:
-    """A corner on the floor comes to the face of a rising palm and to its heel within one period,
-    and was outside of both at the end of it."""
+    """Within one period a corner on the floor meets the face of a rising palm and its heel. At the
+    end of the period it would be beyond the ends of both, so neither would show that it sank in."""
     found = Found()
     run(3105877, found)
     assert found.faults == [] and found.ends["completed"] == 0
