@@ -11,7 +11,7 @@ from scipy.stats import chi2, kstest, multivariate_normal
 
 from palmbots.fitting.motion_estimates import displacement_variance, fit_stretches
 from palmbots.fitting.motion_likelihood import Floats, Stretch, Stretches
-from palmbots.fitting.profile_likelihood import Function, bootstrap, interval, maximum
+from palmbots.fitting.profile_likelihood import Function, bootstrap, intervals, maxima
 from stretches import TRUTH, covariance, drawn
 
 STEPS = np.array([0.003, 2e-4, 0.003, 4e-4, 0.1, 2e-4, 5e-5])
@@ -99,7 +99,7 @@ def test_the_spread_of_the_displacement_has_its_closed_form() -> None:
 def test_the_search_finds_what_scipy_finds() -> None:
     function = of(drawn(np.random.default_rng(4), 15))
     start = TRUTH * [1.05, 0, 0.5, 0.5, 0.5, 0.5, 2]
-    found = maximum(function, start, STEPS, np.ones(7, bool))
+    [found] = maxima(function, [(start, np.ones(7, bool))], STEPS)
     scale = STEPS * 10
     other = minimize(
         lambda x: -float(function((x * scale)[None])[0]), TRUTH / scale, method="Nelder-Mead",
@@ -115,7 +115,7 @@ def test_a_search_leaves_a_saddle() -> None:
     def function(x: Floats) -> Floats:
         return -((x[:, 0] ** 2 - 1) ** 2) - (x[:, 1] - 2) ** 2
 
-    found = maximum(function, np.array([0.0, 0.0]), np.array([0.1, 0.1]), np.ones(2, bool))
+    [found] = maxima(function, [(np.zeros(2), np.ones(2, bool))], np.array([0.1, 0.1]))
     assert np.abs(found.place) == pytest.approx([1.0, 2.0], abs=0.03)
 
 
@@ -129,11 +129,11 @@ def test_intervals_of_a_normal_sample_are_those_of_the_likelihood_ratio() -> Non
         return -size * np.log(np.abs(x[:, 1])) - spread / (2 * x[:, 1] ** 2)
 
     free = np.ones(2, bool)
-    best = maximum(function, np.array([2.0, 1.0]), np.array([0.1, 0.1]), free)
+    [best] = maxima(function, [(np.array([2.0, 1.0]), free)], np.array([0.1, 0.1]))
     assert best.place == pytest.approx([mean, np.sqrt(variance)], abs=0.02)
     level = chi2.ppf(0.95, 1)
     half = np.sqrt(variance * (np.exp(level / size) - 1))
-    found = interval(function, best, 0, -np.inf, np.inf, free)
+    found, of_deviation = intervals(function, best, [(-np.inf, np.inf), (0.0, np.inf)], free)
     assert found == pytest.approx((mean - half, mean + half), rel=0.02)
 
     def depth(s: float) -> float:
@@ -143,7 +143,7 @@ def test_intervals_of_a_normal_sample_are_those_of_the_likelihood_ratio() -> Non
 
     ends = [brentq(depth, 0.3 * s, s) if low else brentq(depth, s, 3 * s)
             for s in [np.sqrt(variance)] for low in (True, False)]  # fmt: skip
-    assert interval(function, best, 1, 0.0, np.inf, free) == pytest.approx(ends, rel=0.02)
+    assert of_deviation == pytest.approx(ends, rel=0.02)
 
 
 def fisher_errors(stretches: list[Stretch], place: Floats) -> Floats:
@@ -185,9 +185,10 @@ def test_a_fit_is_as_sure_as_its_data() -> None:
 def test_an_interval_ends_where_the_range_ends() -> None:
     stretches = drawn(np.random.default_rng(6), 40, TRUTH * [1, 1, 1, 1, 1, 0, 1])
     function, free = of(stretches), np.ones(7, bool)
-    best = maximum(function, TRUTH, STEPS, free)
+    [best] = maxima(function, [(TRUTH, free)], STEPS)
     best.place[5] = abs(best.place[5])
-    low, high = interval(function, best, 5, 0.0, 1.0, free)
+    ranges = [*[(-10.0, 10.0)] * 5, (0.0, 1.0), (-10.0, 10.0)]
+    low, high = intervals(function, best, ranges, free)[5]
     assert low == 0.0
     assert 0 < high < 0.003
 
@@ -206,7 +207,7 @@ def test_the_bootstrap_draws_groups() -> None:
         return of_parts(x).sum(axis=1)
 
     free = np.ones(1, bool)
-    best = maximum(function, np.zeros(1), np.array([0.1]), free)
+    [best] = maxima(function, [(np.zeros(1), free)], np.array([0.1]))
     found = bootstrap(of_parts, best, groups, free)[:, 0]
     assert found.mean() == pytest.approx(sample.mean(), abs=0.02)
     assert found.std() == pytest.approx(shifts.std() / np.sqrt(40), rel=0.1)

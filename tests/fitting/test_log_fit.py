@@ -20,6 +20,7 @@ from palmbots.fitting.log_fit import LogFit
 from palmbots.fitting.motion_fit import fit_recorded
 from palmbots.fitting.motion_likelihood import Stretch
 from palmbots.fitting.recorded_logs import Sent, _packets, read_carry, stretches_in
+from palmbots.fitting.straight_stretches import thinned
 from palmbots.logs.mcap_writer import write_log
 from palmbots.pair.launcher import UP
 from palmbots.simulation.result import Carry
@@ -98,7 +99,7 @@ def test_without_noise_every_position_follows_from_the_commands(
         drift = sense * error[-1] / one.times_s[-1]
         assert drift == pytest.approx(0, abs=1e-9) or drift == pytest.approx(0.004, rel=1e-6)
         np.testing.assert_allclose(error, sense * drift * one.times_s, atol=1e-9)
-        assert np.diff(one.times_s).max() < 0.111
+        assert np.diff(one.times_s).min() > 0 and np.diff(one.times_s).max() < 0.111
 
 
 def test_a_way_of_less_than_two_seconds_is_no_stretch() -> None:
@@ -117,6 +118,12 @@ def test_between_positions_the_command_stays_the_same() -> None:
     seen = np.abs(np.concatenate(ways))[:, None] - speeds
     assert (np.abs(seen) < 1e-6).any(axis=1).all()
     assert ((np.abs(seen) < 1e-6).sum(axis=0) > 0).sum() > 1
+
+
+def test_no_position_is_used_twice() -> None:
+    """Two equal ones would show that positions have no noise. The command changes at once here."""
+    times = np.arange(30) / 100
+    assert thinned(times, np.where(times < 0.015, 0.06, 0.05)) == [0, 1, 2, 12, 22]
 
 
 def test_delays_of_whole_ticks_have_the_mean_of_the_radio(logs: list[Path]) -> None:

@@ -20,7 +20,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots.fitting.profile_likelihood import Maximum, interval, maximum
+from palmbots.fitting.profile_likelihood import Maximum, intervals, maxima
 
 Floats = NDArray[np.float64]
 
@@ -92,12 +92,12 @@ class LossFit:
 
     def _maximum(self) -> Maximum:
         odds = math.log(self.rate / (1 - self.rate))
-        found = []
+        starts = []
         for part in (-0.1, -3.0):  # of the losses that are single ones
             for length in (-0.5, 2.0):
                 start = np.array([odds + part, odds + math.log(-math.expm1(part)), length])
-                start = np.clip(start, [-15, -15, -2], [5, 3, 9])
-                found.append(maximum(self.log_likelihood, start, _STEPS, self._free))
+                starts.append((np.clip(start, [-15, -15, -2], [5, 3, 9]), self._free))
+        found = maxima(self.log_likelihood, starts, _STEPS)
         best = max(found, key=lambda one: one.value)
         low, high = np.array(_RANGES).T
         return Maximum(np.clip(best.place, low, high), best.value, best.information, best.steps)
@@ -105,9 +105,11 @@ class LossFit:
     def values(self) -> list[tuple[float, float, float]]:
         """ℓ, s and m in intervals, each with its 95 % interval from the profile."""
         assert self.best is not None
+        ends = intervals(self.log_likelihood, self.best, _RANGES, self._free)
         found = []
-        for index, (ends, of) in enumerate(zip(_RANGES, (_share, _share, math.exp), strict=True)):
-            low, high = interval(self.log_likelihood, self.best, index, *ends, self._free)
+        for index, ((low, high), of) in enumerate(
+            zip(ends, (_share, _share, math.exp), strict=True)
+        ):
             bounds = [0.0 if low <= _LEAST and index < 2 else of(low), of(high)]
             value = float(self.best.place[index])
             found.append((0.0 if value <= _LEAST + 4 and index < 2 else of(value), *bounds))

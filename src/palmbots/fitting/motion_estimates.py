@@ -5,14 +5,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palmbots.fitting.fitted_values import LEAST_RUNS, Estimate
 from palmbots.fitting.motion_likelihood import Stretch, Stretches
-from palmbots.fitting.profile_likelihood import Function, Maximum, bootstrap, interval, maximum
+from palmbots.fitting.profile_likelihood import Function, Maximum, bootstrap, intervals, maxima
 
 Floats = NDArray[np.float64]
 
@@ -85,10 +85,8 @@ def fit_stretches(
 
     free = np.ones(len(_STEPS), bool)
     free[_BIAS] = has_bias
-    best = _best(function, stretches, free, ends)
-    on_progress(_SEARCHES / 2)
     without = free & (np.arange(len(free)) != _WHITE)
-    plain = _best(function, stretches, without, ends)
+    best, plain = _best(function, stretches, (free, without), ends)
 
     def of_intervals(part: float) -> None:
         on_progress(_SEARCHES + (1 - _SEARCHES) * part)
@@ -104,25 +102,43 @@ def fit_stretches(
 def _best(
     function: Function,
     stretches: Sequence[Stretch],
-    free: NDArray[np.bool_],
+    models: Sequence[NDArray[np.bool_]],
     ends: tuple[float, float],
-) -> Maximum:
-    """The best of searches that begin with a short and with a long correlation time."""
+) -> list[Maximum]:
+    """For each model, of which these parameters are fitted, the best of searches that begin with a
+    short and with a long correlation time. Each part of the noise begins with a third of what moves
+    the robot between positions, as a variance."""
     ratios = np.array([each.speed_m_s / each.command_m_s for each in stretches])
-    spread = float(np.std(ratios)) + 1e-3
-    error = 0.5 * spread * float(np.mean([each.command_m_s for each in stretches]))
-    found = []
-    for part in (0.2, 0.8):
-        start = np.zeros(len(_STEPS))
-        start[[_GAIN, _GAIN_SD, _NOISE]] = float(np.median(ratios)), spread / 2, error
-        start[[_LOG_TAU, _WHITE, _POSITION]] = ends[0] + part * (ends[1] - ends[0]), error, 5e-4
-        start[~free] = 0.0
-        found.append(maximum(function, start, _STEPS, free))
-    best = max(found, key=lambda one: one.value)
+    gain = float(np.median(ratios))
+    after_s = np.concatenate([np.diff(each.times_s) for each in stretches])
+    moved = np.concatenate(
+        [np.diff(each.positions_m - gain * each.commanded_m) for each in stretches]
+    )
+    third = float(np.mean(moved**2)) / 3 + 1e-12
+    starts = []
+    for free in models:
+        for part in (0.2, 0.8):
+            start = np.zeros(len(_STEPS))
+            start[[_GAIN, _GAIN_SD]] = gain, 0.5 * float(np.std(ratios)) + 5e-4
+            start[_LOG_TAU] = ends[0] + part * (ends[1] - ends[0])
+            start[_NOISE] = math.sqrt(third / np.mean(after_s**2))
+            start[_WHITE] = math.sqrt(third / np.mean(after_s))
+            start[_POSITION] = math.sqrt(third / 2)
+            start[~free] = 0.0
+            starts.append((start, free))
+    found = maxima(function, starts, _STEPS)
+    return [
+        _inside(max(both, key=lambda one: one.value), ends)
+        for both in zip(found[::2], found[1::2], strict=True)
+    ]
+
+
+def _inside(best: Maximum, ends: tuple[float, float]) -> Maximum:
+    """The same without signs of deviations, which have no meaning, and within the limits of τ."""
     place = best.place.copy()
     place[_DEVIATIONS] = np.abs(place[_DEVIATIONS])
     place[_LOG_TAU] = np.clip(place[_LOG_TAU], *ends)
-    return Maximum(place, best.value, best.information, best.steps)
+    return replace(best, place=place)
 
 
 def _intervals(
@@ -140,11 +156,7 @@ def _intervals(
     stretches of a run may have more in common than the model says.
     """
     ranges = [(0.0, 10.0), (-1.0, 1.0), (0.0, 1.0), (0.0, 1.0), ends, (0.0, 1.0), (0.0, 1.0)]
-    found = []
-    for index, range_of in enumerate(ranges):
-        on_progress(index / len(ranges))
-        is_free = bool(free[index])
-        found.append(interval(function, best, index, *range_of, free) if is_free else (0.0, 0.0))
+    found = intervals(function, best, ranges, free, on_progress)
     if len(set(runs.tolist())) < LEAST_RUNS:
         return found
     drawn = bootstrap(of_stretches, best, runs, free)

@@ -28,8 +28,9 @@ Many chains, and many sets of parameters, are filtered side by side.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,7 @@ PARAMETERS = ("gain", "bias_m_s", "gain_sd", "noise_m_s", "log_tau", "white", "p
 
 _LEAST_M = 1e-8
 """Least measurement noise [m], far below that of any instrument: a density stays finite."""
+_BLOCK = 16  # steps
 
 
 @dataclass(frozen=True)
@@ -117,6 +119,7 @@ class Stretches:
                 self._measured[places[0], 1, row] = commanded / self._commands[row]
                 first += len(one.times_s)
         self._steps[0] = 0.0
+        self._begins = set(np.flatnonzero(self._starts.any(axis=1)).tolist())
         self.runs = np.array([chain[0].run for chain in self.chains])
 
     def log_likelihood(self, parameters: Floats) -> Floats:
@@ -174,7 +177,6 @@ class Stretches:
         log_tau, *squared = sets.T[:, :, None]
         variance, diffusion, of_position = squared
         taus, which = np.unique(log_tau, return_inverse=True)
-        changes = _changes(np.exp(taus)[:, None], self._steps)
         which = which.ravel() if len(taus) > 1 else np.s_[:]
         shape = len(sets), len(self.lengths)
         # States: the displacement s from the first position, of positions and times, and n.
@@ -183,22 +185,23 @@ class Stretches:
         ss, nn = (np.broadcast_to(one, shape) for one in (of_position, variance))
         sums = found = np.zeros((4, *shape))
         steps = np.arange(1, len(self._steps))
-        for k, live in zip(steps, np.searchsorted(-self.lengths, -steps), strict=True):
+        lives = np.searchsorted(-self.lengths, -steps).tolist()
+        changes = self._changes(np.exp(taus)[:, None], which, variance, diffusion)
+        for k, live, of_step in zip(steps.tolist(), lives, changes, strict=True):
             if live < ss.shape[1]:
                 s, n, ss, sn, nn, sums = (one[..., :live] for one in (s, n, ss, sn, nn, sums))
-            h = self._steps[k, :live]
-            a, c, of_ss, of_sn, of_nn = (one[k, which, :live] for one in changes)
+            a, c, aa, of_ss, of_sn, of_nn = (one[:, :live] for one in of_step)
             s = s + c * n
             n = a * n
             of_s = sn + c * nn
-            ss = ss + c * (sn + of_s) + variance * of_ss + diffusion * h
-            sn = a * of_s + variance * of_sn
-            nn = a * a * nn + variance * of_nn
+            ss = ss + c * (sn + of_s) + of_ss
+            sn = a * of_s + of_sn
+            nn = aa * nn + of_nn
             # The position is measured.
             total = ss + of_position
             error = self._measured[k, :, None, :live] - s
-            starts = self._starts[k, :live]
-            if starts.any():  # a flat prior: as if the position were known
+            starts = self._starts[k, :live] if k in self._begins else None
+            if starts is not None:  # a flat prior: as if the position were known
                 s, error = np.where(starts, 0.0, s), np.where(starts, 0.0, error)
                 total = np.where(starts, 1.0, total)
                 sn = np.where(starts, 0.0, sn)
@@ -209,16 +212,26 @@ class Stretches:
             sums[1:3] += error[0] * part
             sums[3] += error[1] * part[1]
             s, n = s + ss * part, n + sn * part
-            for_s, for_n = of_position / total, sn / total
-            nn = nn - for_n * sn
+            for_s = of_position / total
+            nn = nn - sn * (sn / total)
             ss, sn = for_s * ss, for_s * sn
-            if starts.any():
+            if starts is not None:
                 ss = np.where(starts, of_position, ss)
         found[0] += np.log(2 * np.pi) * (self.lengths - self._starts.sum(axis=0))
         return found
 
+    def _changes(
+        self, tau: Floats, which: Any, variance: Floats, diffusion: Floats
+    ) -> Iterator[tuple[Floats, ...]]:
+        """For each step a, c and a² of `_change`, and what it adds to the covariances."""
+        for first in range(1, len(self._steps), _BLOCK):  # at once: it is a few calls of NumPy
+            steps = self._steps[first : first + _BLOCK]
+            a, c, of_ss, of_sn, of_nn = _change(tau, steps)[:, :, which]
+            of_ss = variance * of_ss + diffusion * steps[:, None]
+            yield from zip(a, c, a * a, of_ss, variance * of_sn, variance * of_nn, strict=True)
 
-def _changes(tau: Floats, steps: Floats) -> tuple[Floats, ...]:
+
+def _change(tau: Floats, steps: Floats) -> Floats:
     """What a step h changes: n decays by a = e^(−h/τ) and adds c n to s. And what the drawn part of
     n adds to the covariances, of a variance of 1: of s, of s and n, and of n.
 
@@ -230,7 +243,7 @@ def _changes(tau: Floats, steps: Floats) -> tuple[Floats, ...]:
     lost = -np.expm1(-x)
     short = x * x * x * (2 / 3 - x * (0.5 - x * (7 / 30)))  # the same, without rounding
     added = np.where(x < 1e-2, short, 2 * x - lost * (2 + lost))
-    return 1 - lost, tau * lost, tau * tau * added, tau * lost * lost, lost * (2 - lost)
+    return np.stack([1 - lost, tau * lost, tau * tau * added, tau * lost * lost, lost * (2 - lost)])
 
 
 def _of_filter(sets: Floats) -> Floats:

@@ -19,6 +19,7 @@ from palmbots.fitting.fitted_values import Estimate, FittedPart, Source
 from palmbots.fitting.object_slides import FRICTION, Slides, objects_with, slides_in
 from palmbots.fitting.palm_readings import Readings, palm_estimates, readings_of
 from palmbots.probing.object_set import ObjectSet, Prior
+from palmbots.probing.slip_comparison import DOWN, UP
 from palmbots.scene.object_frame import ObjectFrame, object_frame
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import contact_radii, to_spec
@@ -259,11 +260,9 @@ def _shown(
         )
     point = np.repeat(_centre(found)[None, :, None], 2, axis=2)
     rows = np.arange(0, len(slides), max(1, len(slides) // _SHOWN))
-    leads = []
-    for row in rows.tolist():
-        seen = slides.observation(row)
-        low, high = found.compared(point, seen.pose, (seen.way, seen.way))
-        leads.append(seen.way * 0.5 * float(low[0] + high[0]) / found.prior.width)
-    return ObjectData(
-        found.boxes, np.array(leads), slides.side[rows], contacts, signs, half_width_m
-    )
+    leads = np.zeros(len(rows))
+    for way in (UP, DOWN):
+        those = slides.way[rows] == way
+        low, high = found.compared(point, slides.poses(rows[those]), (way, way))
+        leads[those] = way * 0.5 * (low + high) / found.prior.width
+    return ObjectData(found.boxes, leads, slides.side[rows], contacts, signs, half_width_m)

@@ -33,6 +33,7 @@ FRICTION = (0.02, 2.0)
 _GRAVITY_M_S2 = 9.80665
 _SLACK_RAD = 1e-6  # of each angle: logs are rounded
 _ALIKE_RAD = 1e-3  # angles of slides that count as one
+_AT_ONCE = 32  # slides: so few stay in the processor's cache
 _TRIED = 500  # objects that choose the observations which cut the set
 _ROUNDS = 4
 _CUTS = 40  # observations in a round
@@ -153,7 +154,8 @@ def _excluded(found: ObjectSet, slides: Slides, points: Floats) -> NDArray[np.bo
     """Which objects each slide contradicts; shape (slides, objects)."""
     excluded = np.zeros((len(slides), len(points)), bool)
     for side, way in itertools.product((0, 1), (UP, DOWN)):
-        rows = np.flatnonzero((slides.side == side) & (slides.way == way))
-        of_each_object = rows[:, None]
-        excluded[rows] = ~found.may_slide(points, slides.poses(of_each_object), way)[side]
+        those = np.flatnonzero((slides.side == side) & (slides.way == way))
+        for rows in np.split(those, range(_AT_ONCE, len(those), _AT_ONCE)):
+            poses = slides.poses(rows[:, None])  # for each object
+            excluded[rows] = ~found.may_slide(points, poses, way)[side]
     return excluded

@@ -7,24 +7,31 @@ parameters, is less than half the 95 % quantile of χ² with one degree of freed
 range it becomes a bound on one side.
 
 The function gets many sets of parameters at once, because the overhead of a call exceeds the cost
-of its computation. Derivatives are differences over a fraction of a parameter's own standard
-deviation.
+of its computation. So searches run side by side: each one is a generator that yields the sets that
+it needs next, and one call answers all of them. Derivatives are differences over a fraction of a
+parameter's own standard deviation.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from palmbots._types import Interval
 from palmbots._util.confidence_intervals import Z95
 
+T = TypeVar("T")
 Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
 Function = Callable[[Floats], Floats]
 """Sets of parameters, one in a row → the log-likelihood of each."""
+Search = Generator[Floats, Floats, T]
+"""Yields sets of parameters, receives the log-likelihood of each, and returns what it found."""
 
 _STEP = 0.1  # of differences, in standard deviations
 _ROUNDS = 60  # of Newton's method, at most
@@ -45,21 +52,46 @@ class Maximum:
     """For differences."""
 
 
-def maximum(function: Function, start: Floats, steps: Floats, free: NDArray[np.bool_]) -> Maximum:
-    """Climb from `start` to a maximum by Newton's method, damped where it does not climb.
+def maxima(
+    function: Function, starts: Sequence[tuple[Floats, Booleans]], steps: Floats
+) -> list[Maximum]:
+    """Climb from each start to a maximum by Newton's method, damped where it does not climb.
 
     Args:
         function: to be maximised.
-        start: where the search begins.
+        starts: where each search begins, and which parameters it may change.
         steps: sizes of first differences, of about a standard deviation or less.
-        free: which parameters may change.
     """
+    return _together(function, [_climb(start, steps, free) for start, free in starts])
+
+
+def _together(
+    function: Function,
+    searches: Sequence[Search[T]],
+    on_progress: Callable[[float], None] = lambda part: None,
+) -> list[T]:
+    """Run searches side by side: each call of the function answers all that have not ended."""
+    found: dict[int, T] = {}
+    wanted = {number: next(search) for number, search in enumerate(searches)}
+    while wanted:
+        on_progress(len(found) / len(searches))
+        values = function(np.concatenate([*wanted.values()]))
+        ends = np.cumsum([len(sets) for sets in wanted.values()])
+        for number, part in zip([*wanted], np.split(values, ends[:-1]), strict=True):
+            try:
+                wanted[number] = searches[number].send(part)
+            except StopIteration as end:
+                found[number] = end.value
+                del wanted[number]
+    return [found[number] for number in range(len(searches))]
+
+
+def _climb(start: Floats, steps: Floats, free: Booleans) -> Search[Maximum]:
     place, steps = start.copy(), steps.copy()
     chosen = np.flatnonzero(free)
-    damping, value = 1e-3, float(function(place[None])[0])
-    information = np.zeros((len(start), len(start)))
+    damping = 1e-3
+    value, gradient, information = yield from _derivatives(place, steps, chosen)
     for _ in range(_ROUNDS):
-        gradient, information = derivatives(function, place, steps, chosen)
         inner = information[np.ix_(chosen, chosen)]
         # As if the function were concave in every direction: then each step climbs.
         curvatures, vectors = np.linalg.eigh(inner)
@@ -69,35 +101,38 @@ def maximum(function: Function, start: Floats, steps: Floats, free: NDArray[np.b
             if curvatures[0] > -1e-6 * sizes.max():
                 break
             along[0] = sizes[0] ** 0.5  # a saddle: leave it downhill of its curvature
+        curved = np.abs(np.diag(information))
+        own = _STEP / np.sqrt(np.maximum(curved, 1e-30))
+        following = steps.copy()
+        following[chosen] = np.clip(own, 0.1 * steps, 10 * steps)[chosen]
         while damping < 1e9:
             move = vectors @ (along / (sizes * (1 + damping)))
             tried = place.copy()
             tried[chosen] += move
-            found = float(function(tried[None])[0])
+            found, *others = yield from _derivatives(tried, following, chosen)
             if found > value:
                 break
             damping = max(10 * damping, 1e-2)
         else:
             break
-        place, value = tried, found
+        place, value, steps = tried, found, following
+        gradient, information = others
         damping = 0.1 * damping if damping > 1e-4 else 0.0
-        curved = np.abs(np.diag(information))
-        own = _STEP / np.sqrt(np.maximum(curved, 1e-30))
-        steps[chosen] = np.clip(own, 0.1 * steps, 10 * steps)[chosen]
     return Maximum(place, value, information, steps)
 
 
-def derivatives(
-    function: Function, place: Floats, steps: Floats, chosen: NDArray[np.intp]
-) -> tuple[Floats, Floats]:
-    """The gradient, and minus the second derivatives; 0 for parameters that are not `chosen`."""
+def _derivatives(
+    place: Floats, steps: Floats, chosen: NDArray[np.intp]
+) -> Search[tuple[float, Floats, Floats]]:
+    """The value, the gradient, and minus the second derivatives; 0 for parameters that are not
+    `chosen`."""
     size, count = len(place), len(chosen)
     moves = np.zeros((count, size))
     moves[np.arange(count), chosen] = steps[chosen]
     one, other = np.triu_indices(count, 1)
     both = moves[one] + moves[other]
-    values = function(place + np.vstack([np.zeros((1, size)), moves, -moves, both, -both]))
-    middle, rest = values[0], values[1:]
+    values = yield place + np.vstack([np.zeros((1, size)), moves, -moves, both, -both])
+    middle, rest = float(values[0]), values[1:]
     up, down, up_both, down_both = np.split(rest, [count, 2 * count, 2 * count + len(one)])
     gradient, information = np.zeros(size), np.zeros((size, size))
     gradient[chosen] = (up - down) / (2 * steps[chosen])
@@ -106,33 +141,38 @@ def derivatives(
     first, second = chosen[one], chosen[other]
     information[first, second] = -mixed / (2 * steps[first] * steps[second])
     information[second, first] = information[first, second]
-    return gradient, information
+    return middle, gradient, information
 
 
-def interval(
+def intervals(
     function: Function,
     best: Maximum,
-    index: int,
-    low: float,
-    high: float,
-    free: NDArray[np.bool_],
-) -> tuple[float, float]:
-    """The 95 % interval of one parameter, within its range.
+    ranges: Sequence[Interval],
+    free: Booleans,
+    on_progress: Callable[[float], None] = lambda part: None,
+) -> list[Interval]:
+    """The 95 % interval of each parameter within its range; of one that is not fitted its value.
 
     Args:
         function: the log-likelihood.
         best: its maximum.
-        index: which parameter.
-        low: end of the parameter's range.
-        high: the other end.
+        ranges: both ends of each parameter's range.
         free: the parameters that are fitted.
+        on_progress: called with the completed fraction.
     """
-    others = free & (np.arange(len(free)) != index)
-    return _end(function, best, index, low, others), _end(function, best, index, high, others)
+    ends = [(index, end) for index in np.flatnonzero(free).tolist() for end in ranges[index]]
+    searches = [
+        _end(best, index, end, free & (np.arange(len(free)) != index)) for index, end in ends
+    ]
+    found = [(float(value), float(value)) for value in best.place]
+    bounds = _together(function, searches, on_progress)
+    for (index, _), low, high in zip(ends[::2], bounds[::2], bounds[1::2], strict=True):
+        found[index] = low, high
+    return found
 
 
 def bootstrap(
-    of_parts: Function, best: Maximum, groups: NDArray[np.intp], free: NDArray[np.bool_]
+    of_parts: Function, best: Maximum, groups: NDArray[np.intp], free: Booleans
 ) -> Floats:
     """Estimates from groups of parts that are drawn with replacement.
 
@@ -164,9 +204,7 @@ def bootstrap(
     return found
 
 
-def _end(
-    function: Function, best: Maximum, index: int, limit: float, others: NDArray[np.bool_]
-) -> float:
+def _end(best: Maximum, index: int, limit: float, others: Booleans) -> Search[float]:
     """One end of the interval: the limit, if the likelihood there is still great enough."""
     centre = float(best.place[index])
     sense = math.copysign(1.0, limit - centre)
@@ -176,20 +214,20 @@ def _end(
     spread = 1 / math.sqrt(max(best.information[index, index] + cross @ tilt, 1e-300))
     place, at = best.place.copy(), centre
 
-    def depth(value: float) -> float:
+    def depth(value: float) -> Search[float]:
         """How far the profile is below the maximum, as standard deviations."""
         nonlocal place, at
         tried = place.copy()
         tried[others] += tilt * (value - at)
         tried[index] = value
-        found = maximum(function, tried, best.steps, others)
+        found = yield from _climb(tried, best.steps, others)
         place, at = found.place, value
         return math.sqrt(max(0.0, 2 * (best.value - found.value)))
 
     before, depth_before = centre, 0.0
     value = centre + sense * min(Z95 * spread, abs(limit - centre))
     for _ in range(_SECANTS):
-        found = depth(value)
+        found = yield from depth(value)
         if abs(found - Z95) < 0.02:
             return value
         if value == limit and found < Z95:

@@ -134,8 +134,8 @@ def thinned(times: Floats, commands: Floats | None = None) -> list[int]:
             changes, np.searchsorted(times, times[changes] - BEFORE_S), strict=True
         ):
             is_near[first : change + 1] = True
-    for place, time in enumerate(times):
-        if is_near[place] or time - times[kept[-1]] > 0.95 * SPACING_S:
+    for place in range(1, len(times)):
+        if is_near[place] or times[place] - times[kept[-1]] > 0.95 * SPACING_S:
             kept.append(place)
     return kept
 
