@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -85,8 +86,8 @@ def fit_stretches(
 
     free = np.ones(len(_STEPS), bool)
     free[_BIAS] = has_bias
-    without = free & (np.arange(len(free)) != _WHITE)
-    best, plain = _best(function, stretches, (free, without), ends)
+    best, plain = _maxima(function, _starts(stretches, ends), free, ends)
+    on_progress(_SEARCHES)
 
     def of_intervals(part: float) -> None:
         on_progress(_SEARCHES + (1 - _SEARCHES) * part)
@@ -99,38 +100,43 @@ def fit_stretches(
     )
 
 
-def _best(
-    function: Function,
-    stretches: Sequence[Stretch],
-    models: Sequence[NDArray[np.bool_]],
-    ends: tuple[float, float],
-) -> list[Maximum]:
-    """For each model, of which these parameters are fitted, the best of searches that begin with a
-    short and with a long correlation time. Each part of the noise begins with a third of what moves
-    the robot between positions, as a variance."""
+def _maxima(
+    function: Function, starts: Floats, free: NDArray[np.bool_], ends: tuple[float, float]
+) -> tuple[Maximum, Maximum]:
+    """The best of searches from the best short and the best long correlation time, and that of a
+    search without the white part."""
+    starts = np.where(free, starts, 0.0)
+    values = function(starts)
+    has_white, is_short = starts[:, _WHITE] > 0, starts[:, _LOG_TAU] < np.mean(ends)
+    chosen = [
+        starts[np.argmax(np.where(those, values, -np.inf))]
+        for those in (has_white & is_short, has_white & ~is_short, ~has_white)
+    ]
+    without = free & (np.arange(len(free)) != _WHITE)
+    searches = [*zip(chosen, (free, free, without), strict=True)]
+    *both, plain = (_inside(one, ends) for one in maxima(function, searches, _STEPS))
+    return max(both, key=lambda one: one.value), plain
+
+
+def _starts(stretches: Sequence[Stretch], ends: tuple[float, float]) -> Floats:
+    """Where searches may begin: the noise, the white part and that of the positions each have some
+    share of what moves the robot between positions, as a variance."""
     ratios = np.array([each.speed_m_s / each.command_m_s for each in stretches])
     gain = float(np.median(ratios))
     after_s = np.concatenate([np.diff(each.times_s) for each in stretches])
     moved = np.concatenate(
         [np.diff(each.positions_m - gain * each.commanded_m) for each in stretches]
     )
-    third = float(np.mean(moved**2)) / 3 + 1e-12
-    starts = []
-    for free in models:
-        for part in (0.2, 0.8):
-            start = np.zeros(len(_STEPS))
-            start[[_GAIN, _GAIN_SD]] = gain, 0.5 * float(np.std(ratios)) + 5e-4
-            start[_LOG_TAU] = ends[0] + part * (ends[1] - ends[0])
-            start[_NOISE] = math.sqrt(third / np.mean(after_s**2))
-            start[_WHITE] = math.sqrt(third / np.mean(after_s))
-            start[_POSITION] = math.sqrt(third / 2)
-            start[~free] = 0.0
-            starts.append((start, free))
-    found = maxima(function, starts, _STEPS)
-    return [
-        _inside(max(both, key=lambda one: one.value), ends)
-        for both in zip(found[::2], found[1::2], strict=True)
-    ]
+    scales = np.mean(moved**2) / [np.mean(after_s**2), np.mean(after_s), 2.0] + 1e-12
+    shares = np.array(
+        [*itertools.product((0.05, 0.3, 1.0), (0.0, 0.003, 0.03, 0.3), (0.003, 0.03, 0.3))]
+    )
+    taus = np.linspace(*ends, 5)
+    starts = np.zeros((len(shares), len(taus), len(_STEPS)))
+    starts[..., _GAIN], starts[..., _GAIN_SD] = gain, 0.5 * float(np.std(ratios)) + 5e-4
+    starts[..., [_NOISE, _WHITE, _POSITION]] = np.sqrt(scales * shares)[:, None]
+    starts[..., _LOG_TAU] = taus
+    return starts.reshape(-1, len(_STEPS))
 
 
 def _inside(best: Maximum, ends: tuple[float, float]) -> Maximum:

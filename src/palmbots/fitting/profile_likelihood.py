@@ -105,14 +105,14 @@ def _climb(start: Floats, steps: Floats, free: Booleans) -> Search[Maximum]:
         own = _STEP / np.sqrt(np.maximum(curved, 1e-30))
         following = steps.copy()
         following[chosen] = np.clip(own, 0.1 * steps, 10 * steps)[chosen]
-        while damping < 1e9:
+        while damping < 1e5:
             move = vectors @ (along / (sizes * (1 + damping)))
             tried = place.copy()
             tried[chosen] += move
             found, *others = yield from _derivatives(tried, following, chosen)
             if found > value:
                 break
-            damping = max(10 * damping, 1e-2)
+            damping = max(10 * damping, 1.0)
         else:
             break
         place, value, steps = tried, found, following
