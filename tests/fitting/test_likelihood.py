@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq, minimize
 from scipy.stats import chi2, kstest, multivariate_normal
 
+from palmbots.fitting.fitted_values import FittedPart
 from palmbots.fitting.motion_estimates import displacement_variance, fit_stretches
 from palmbots.fitting.motion_likelihood import Floats, Stretch, Stretches
 from palmbots.fitting.profile_likelihood import Function, bootstrap, intervals, maxima
@@ -191,6 +192,26 @@ def test_an_interval_ends_where_the_range_ends() -> None:
     low, high = intervals(function, best, ranges, free)[5]
     assert low == 0.0
     assert 0 < high < 0.003
+
+
+@pytest.mark.parametrize(
+    ("tau_s", "noise_m_s", "remark"),
+    [
+        (8.0, 0.008, "it is at least 1.3 s; 1.5 s is the longest that the stretches show"),
+        (0.03, 0.03, "it is at most 0.13 s; 0.05 s is the shortest that the fit tries"),
+        (0.5, 0.008, ""),
+    ],
+)
+def test_a_correlation_time_at_a_limit_of_the_search_says_so(
+    tau_s: float, noise_m_s: float, remark: str
+) -> None:
+    hidden = np.array([1.03, 0.001, 0.03, noise_m_s, np.log(tau_s), 0.0, 1e-4])
+    estimates = fit_stretches(drawn(np.random.default_rng(0), 60, hidden)).estimates
+    noise, tau = estimates[3:5]
+    assert tau.is_identified and tau.remark == remark
+    assert noise.remark == (f"for a correlation time of {tau.value:.2g} s" if remark else "")
+    part = FittedPart((), estimates, None)
+    assert (f"; {remark}\n" in part.fragment()) == bool(remark)
 
 
 def test_the_bootstrap_draws_groups() -> None:

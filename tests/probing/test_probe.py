@@ -9,6 +9,7 @@ import collections
 import itertools
 import json
 import math
+import shlex
 import statistics
 from dataclasses import replace
 from functools import partial
@@ -236,6 +237,9 @@ def test_files_and_lines(here: Run, tmp_path: Path) -> None:
     low, high = table["com_x_m"]
     assert low <= 0.125 <= high
     assert (tmp_path / "box" / "probe.png").stat().st_size > 1000
+    label, _, printed = next(one for one in out.splitlines() if "certify" in one).partition(": ")
+    assert label == "certify it, if both palms have the same friction"
+    assert here(*shlex.split(printed)[1:]).stdout.startswith("CERTIFIED TO HOLD")
 
 
 def test_a_certificate_and_a_design_for_this_object(here: Run, tmp_path: Path) -> None:

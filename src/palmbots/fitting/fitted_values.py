@@ -40,6 +40,8 @@ class Estimate:
     high: float | None = None
     reason: str = ""
     """Why it is not identified; empty: it is."""
+    remark: str = ""
+    """What else the interval means."""
 
     @property
     def is_identified(self) -> bool:
@@ -133,8 +135,8 @@ class FittedPart:
         if more := self.rows():
             yield Table([(f"  {label}", text) for label, text in more])
         for one in self.estimates:
-            if not one.is_identified:
-                yield Line(f"{one.key}: {one.reason}", indent=2)
+            if text := one.reason or one.remark:
+                yield Line(f"{one.key}: {text}", indent=2)
 
     def fragment(self) -> str:
         """The text of the part of a scene: values with their intervals, and the keys that are not
@@ -155,6 +157,7 @@ class FittedPart:
                     line += f"  # {one.low:.4g} to {one.high:.4g}"
                     if isinstance(one.value, tuple):
                         line += " for x; y is that of the logs"
+                line += f"; {one.remark}" if one.remark else ""
                 lines.append(line)
             else:
                 lines.append(f"# {key}: {one.reason}")

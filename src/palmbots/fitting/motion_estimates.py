@@ -195,10 +195,16 @@ def _estimates(
             place[index] = 0.0
     slow = "the commanded speeds differ by less than 20 % (as a standard deviation)"
     low, high = (math.exp(end) for end in found[_LOG_TAU])
-    is_any = low <= math.exp(ends[0]) * 1.001 and high >= math.exp(ends[1]) * 0.999
     no_tau = few or ("the noise may be 0" if found[_NOISE][0] <= 0 else "")
-    if not no_tau and is_any:
-        no_tau = f"the stretches show {low:.2g} to {high:.2g} s, and it may be any of these times"
+    remark = ""
+    if high >= math.exp(ends[1]) * 0.999:
+        remark = f"it is at least {low:.2g} s; {high:.2g} s is the longest that the stretches show"
+    if low <= math.exp(ends[0]) * 1.001:
+        if remark and not no_tau:
+            no_tau = (
+                f"the stretches show {low:.2g} to {high:.2g} s, and it may be any of these times"
+            )
+        remark = f"it is at most {high:.2g} s; {low:.2g} s is the shortest that the fit tries"
     rows = [
         ("robot.gain", place[_GAIN], found[_GAIN], ""),
         ("robot.bias_m_s", place[_BIAS], found[_BIAS], "" if has_bias else slow),
@@ -214,6 +220,10 @@ def _estimates(
         else Estimate(key, reason=reason)
         for key, value, ends, reason in rows
     ]
+    given[_LOG_TAU] = replace(given[_LOG_TAU], remark=remark)
+    if place[_LOG_TAU] in ends:
+        on_tau = f"for a correlation time of {math.exp(place[_LOG_TAU]):.2g} s"
+        given[_NOISE] = replace(given[_NOISE], remark=on_tau)
     return tuple(given)
 
 

@@ -8,6 +8,7 @@ import contextlib
 import json
 import os
 import secrets
+import shlex
 import stat
 import tomllib
 import zlib
@@ -100,6 +101,7 @@ class Pair:
                 turns.
         """
         scene = load_scene(self.scene())
+        scene.spell(shlex.quote(self.scene()))
         try:
             check_on_robots(scene)
         except SceneError as error:

@@ -10,7 +10,7 @@ import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from palmbots._types import SIDES, BySide, Interval, Overrides, Side
 from palmbots._util.arguments import ordered_pair, seed_of
@@ -363,6 +363,12 @@ def write_probe(result: Probe, path: str | os.PathLike[str]) -> list[Path | Item
     write_whole(place / "probe.toml", head + toml_text({"probed": outward}))
     result.save_figure(place / "probe.png")
     if result.is_consistent:
-        command = command_text("certify", **{"from": shlex.quote(str(place / "probe.toml"))})
-        files.append(Line(f"certify it: {command}", is_whole=True))
+        left, right = result.friction.left, result.friction.right
+        may_be_equal = max(left[0], right[0]) <= min(left[1], right[1])
+        probed: dict[str, Any] = {"from": shlex.quote(str(place / "probe.toml"))}
+        command = command_text(
+            "certify", result.scene.spelled, **probed, common_friction=may_be_equal
+        )
+        condition = ", if both palms have the same friction" if may_be_equal else ""
+        files.append(Line(f"certify it{condition}: {command}", is_whole=True))
     return files
