@@ -64,6 +64,23 @@ def test_the_noise_goes_on_between_the_stretches_of_a_chain() -> None:
             assert abs(apart_from - wanted) > 1e-3
 
 
+def test_noise_that_is_held_has_the_covariance_of_its_sums() -> None:
+    """A simulated robot keeps its noise for a control period: against the covariance of the sums of
+    an autoregressive process. As if it were not held, the likelihood is another one."""
+    held_s, size = 0.01, 60
+    parameters = np.array([1.0, 0.0, 0.0, 0.02, np.log(0.3), 0.0001, 1e-7])
+    lags = np.abs(np.subtract.outer(np.arange(size), np.arange(size)))
+    spread = 0.02**2 * held_s**2 * np.exp(-lags * held_s / 0.3)
+    spread += 0.0001**2 * held_s * np.eye(size)
+    moved = np.random.default_rng(0).multivariate_normal(np.zeros(size), spread)
+    times = np.linspace(0.0, held_s * size, size + 1)
+    one = Stretch(times, np.concatenate([[0.0], np.cumsum(0.06 * held_s + moved)]), 0.06 * times, 0)
+    wanted = multivariate_normal(np.zeros(size), spread).logpdf(moved)
+    held = Stretches([replace(one, held_s=held_s)]).log_likelihood(parameters)[0, 0]
+    assert held == pytest.approx(wanted, abs=0.02)
+    assert abs(Stretches([one]).log_likelihood(parameters)[0, 0] - wanted) > 0.5
+
+
 def test_many_stretches_and_sets_are_filtered_as_one() -> None:
     stretches = drawn(np.random.default_rng(2), 7)
     sets = np.stack([TRUTH, TRUTH * 1.1])

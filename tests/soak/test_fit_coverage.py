@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """How often the 95 % intervals of a fit contain hidden values; `pytest -s` prints the counts."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
 
+from fitted_carries import HIDDEN, carries_fitted, contains
 from fitted_objects import object_fitted
 from stretches import TRUTH, coverage
 
@@ -31,6 +34,31 @@ def test_a_bound_on_one_side_covers_0(index: int, key: str) -> None:
     found = coverage(FITS, 60, hidden)
     print(found)
     assert found.covered[key] >= 0.90 * FITS
+
+
+RADIO = {"radio.loss": 0.1, "radio.latency_s": 0.03, "radio.jitter_s": 0.04}
+BOUNDED = ("position_noise_m", "radio.latency_s", "radio.jitter_s")
+"""Of logs: a value that is 0, and those that are known to a control period only."""
+
+
+@pytest.mark.parametrize("controller", ["shared-sign", "silent"])
+def test_intervals_of_carries_cover_95_percent(controller: str) -> None:
+    """400 fits of 4 carries each; `silent` has no radio. Between 90 and 98 % contain the value, and
+    at least 90 % where the interval bounds it."""
+    radio = RADIO if controller == "shared-sign" else {}
+    hidden = {**HIDDEN, "position_noise_m": 0.0, **radio}
+    if radio:
+        hidden["packets_lost"] = radio["radio.loss"]
+    covered, unidentified = Counter[str](), Counter[str]()
+    for number in range(FITS):
+        of = carries_fitted(controller, number, 4, radio)
+        covered.update(key for key, value in hidden.items() if contains(of[key], value))
+        unidentified.update(key for key in hidden if not of[key].is_identified)
+    print(controller, covered, unidentified)
+    for key in hidden:
+        assert unidentified[key] <= 0.05 * FITS, key
+        share = covered[key] / (FITS - unidentified[key])
+        assert 0.90 <= share <= (1.0 if key in BOUNDED else 0.98), key
 
 
 def test_bounds_of_the_object_contain_it() -> None:

@@ -18,6 +18,9 @@ function of v, with the coefficients Σ y_k²/T_k, Σ y_k t_k/T_k and Σ t_k²/T
 integrated out of it. The place at which a stretch begins has a flat prior, so the first position
 has no density in it.
 
+A simulated robot keeps n for a control period h. Its displacements then have the covariances above
+but for terms of (h/τ)²/12, and σ² h²/(3τ) is added to q².
+
 While a robot stands, the noise n goes on without moving it. Controllers often stop a robot that is
 too fast, so n is not stationary when it starts again. The stretches of a robot between which it
 stands are therefore a *chain* with one gain, through which the filter keeps n.
@@ -61,6 +64,8 @@ class Stretch:
     stood_s: float = math.nan
     """How long the robot has stood since the stretch before this one, which the noise may outlast;
     NaN: no such stretch is known."""
+    held_s: float = 0.0
+    """How long the noise keeps a value: a control period of a simulation; 0 for real robots."""
     is_short: bool = False
     """Whether it serves only the likelihood, together with those before and after it."""
 
@@ -120,6 +125,7 @@ class Stretches:
                 first += len(one.times_s)
         self._steps[0] = 0.0
         self._begins = set(np.flatnonzero(self._starts.any(axis=1)).tolist())
+        self._held = np.array([chain[0].held_s for chain in self.chains])
         self.runs = np.array([chain[0].run for chain in self.chains])
 
     def log_likelihood(self, parameters: Floats) -> Floats:
@@ -176,6 +182,7 @@ class Stretches:
         """
         log_tau, *squared = sets.T[:, :, None]
         variance, diffusion, of_position = squared
+        diffusion = diffusion + variance * self._held**2 / (3 * np.exp(log_tau))
         taus, which = np.unique(log_tau, return_inverse=True)
         which = which.ravel() if len(taus) > 1 else np.s_[:]
         shape = len(sets), len(self.lengths)

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -204,7 +205,8 @@ def _losses(
             else "packets are lost as if each were lost independently"
         )
         others = [Estimate(key, reason=reason) for key in names[1:]]
-        return [given, *others, _all_losses(losses.rate, wide)], np.array([losses.rate, 0.0, 1.0])
+        fate = np.array([losses.rate, 0.0, 1.0])
+        return [given, *others, replace(given, key="packets_lost")], fate
     (loss, share, length) = losses.values()
     fate = np.array([loss[0], share[0], length[0]])
     # The total varies between the parts by more than the model says: what the bootstrap adds to the
@@ -269,12 +271,22 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
         drawn.append(ordered[np.minimum(places, len(ordered) - 1)])
     spread = np.array(drawn)
     ends = np.quantile(spread, (0.025, 0.975), axis=0).T
-    of_jitter = np.quantile(2 * (spread[:, 1] - spread[:, 0]) / ways, (0.025, 0.975))
+    of_jitter = np.quantile(2 * (spread[:, 1] - spread[:, 0]), (0.025, 0.975))
+    # No packet has the least delay of the model, so the latency is below the least one that was
+    # seen, with 95 % by at most this.
+    share = -math.expm1(math.log(0.05) / len(everything))
+    below = width * (share if ways == 1 else math.sqrt(2 * share))
+    too_long, too_short = (
+        max(getattr(one, name) for one in runs) for name in ("too_long_s", "too_short_s")
+    )
+    low, high = least - below - too_long, float(ends[0, 1]) + too_short
+    shortest = max(0.0, float(of_jitter[0]) - 2 * too_short)
+    longest = float(of_jitter[1]) + 2 * below + too_long
     found = [
-        Estimate(latency, least / ways, float(ends[0, 0]) / ways, float(ends[0, 1]) / ways)
+        Estimate(latency, least / ways, low / ways, high / ways)
         if kind != "delay behind the fastest"
         else Estimate(latency, reason="times of one way do not show it without a common clock"),
-        Estimate(jitter, width, float(of_jitter[0]), float(of_jitter[1])),
+        Estimate(jitter, width, shortest / ways, longest / ways),
     ]
     called = kind.replace("the ", "").replace(" ", "_").replace("-", "_")
     for column, (name, q) in enumerate(_QUANTILES, 1):

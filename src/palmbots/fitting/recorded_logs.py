@@ -18,7 +18,7 @@ import hashlib
 import math
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +37,7 @@ from palmbots.logs.mcap_reader import read_log
 from palmbots.logs.run_log_reader import RunLog, is_run_log
 from palmbots.simulation.result import Carry
 from palmbots.views.log_alignment import ClockFit, Stamp, align, traffic
+from palmbots.views.run_figures import WORLD as ROBOTS
 from palmbots.views.run_figures import carry_of
 from palmbots.views.run_replay import read_run
 
@@ -122,6 +123,7 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
     trace = carry.trace
     assert trace is not None
     times = trace["time"].to_numpy()
+    held_s = 0.0 if carry.world == ROBOTS else carry.scene.control.period_s
     for number, side in enumerate(SIDES):
         moved = _moved(carry, side)
         wanted = trace["commanded"].to_numpy()[:, number]
@@ -146,6 +148,7 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
                 commanded[rows],
                 run,
                 stood_s=times[first] - last_s,
+                held_s=held_s,
                 is_short=bool(duration <= LEAST_S or way <= SLOWEST_M_S * duration),
             )
             last_s = math.nan if is_cut else times[rows[-1]]
@@ -223,7 +226,7 @@ def _packets(source: Source, sent: Sent, period_s: float) -> Packets | None:
     """One direction as a recording; None: too few arrived.
 
     A packet is noticed at the end of a control period. Delays that differ are spread evenly over
-    that period.
+    that period, so each may be too short; delays that do not may be too long.
     """
     arrived = sorted(
         (at, index, round(at - now, _DIGITS))
@@ -235,9 +238,11 @@ def _packets(source: Source, sent: Sent, period_s: float) -> Packets | None:
     _, index, delays = (np.array(column) for column in zip(*arrived, strict=True))
     short, usual, long = np.quantile(np.diff([now for now, _ in sent.times_s]), (0.1, 0.5, 0.9))
     interval_s = float(usual) if long < _IRREGULAR * short else None
+    differ = bool(np.ptp(delays) > 0)
     if not sent.is_timed:
         delays = np.zeros(0)
-    elif np.ptp(delays) > 0:
+    elif differ:
         order = np.argsort(np.random.default_rng(0).random(len(delays)))
         delays = delays - period_s * (order + 0.5) / len(delays)
-    return packets_of(source, index.astype(np.int64), interval_s, delays, "one-way delay")
+    found = packets_of(source, index.astype(np.int64), interval_s, delays, "one-way delay")
+    return replace(found, too_long_s=0.0 if differ else period_s, too_short_s=period_s * differ)

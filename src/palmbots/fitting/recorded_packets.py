@@ -52,6 +52,9 @@ class Packets:
     why_no_delays: str
     fates_s: Floats
     """The delay of each packet in the order of sending, −1 if it was lost; empty: unknown."""
+    too_long_s: float = 0.0
+    too_short_s: float = 0.0
+    """By how much each delay may be too long or too short, because of the receiver's ticks."""
 
 
 def read_packets(path: str | os.PathLike[str]) -> Packets:
