@@ -186,3 +186,10 @@ def test_silhouette_is_drawn_along_the_arcs() -> None:
     assert spec.width == pytest.approx(0.25 - 2 * 0.04)
     sharp = to_spec(scene(0.0))
     assert sharp.silhouette == [(x, y) for x, _, y, _ in sharp.outline]
+
+
+def test_an_arc_lies_in_a_palm_only_between_its_ends() -> None:
+    """A left side that bulges by 2 mm. The whole circle of its arc would lie in the right palm."""
+    box = [(0.0, 0.0), (0.25, 0.0), (0.25, 0.16), (0.0, 0.16), (-0.002, 0.08)]
+    bulging = {"vertices_m": box, "contacts": (0, 1), "edge_radius_m": [0.0, 0.0, 0.0, 0.0, 0.24]}
+    assert pb.carry("paper", seed=1, overrides={"object": bulging}).outcome == "delivered"

@@ -33,7 +33,7 @@ inline double palm_overlap_of(const Spec& spec) {
   return reach - std::sqrt(std::max(spec.width * spec.width - z * z, 0.0));
 }
 
-// A corner of the object that is in a palm.
+// A corner of the object, or a point of its arc, that is in a palm.
 struct BuriedCorner {
   double depth;  // [m]
   double along;  // from the contact, along the palm, outward [m]
@@ -53,15 +53,13 @@ inline std::optional<BuriedCorner> buried_corner_of(const Spec& spec) {
     Travel still{};
     still.palms[side] = {world.pivot(side), {}, angle, 0.0, angle};
     const Frame frame = still.frame(palm, 0.0);
-    const RoundedBody& body = world.shapes().body;
-    for (std::size_t i = 0; i < body.count; ++i) {
-      const Corner& corner = body.corners[i];
-      const Vec seen = frame.from_world(pose.at + pose.to_world(corner.centre) - frame.origin);
-      const double depth = spec.palms[side].offset - (seen.y - corner.radius);
-      if (std::abs(seen.x) > 0.5 * spec.palms[side].length || depth <= most) continue;
+    each_drawn_point(world.shapes().body, [&](std::size_t, Vec point) {
+      const Vec seen = frame.from_world(pose.at + pose.to_world(point) - frame.origin);
+      const double depth = spec.palms[side].offset - seen.y;
+      if (std::abs(seen.x) > 0.5 * spec.palms[side].length || depth <= most) return;
       most = depth;
       deepest = {depth, seen.x - spec.start[side], side};
-    }
+    });
   }
   return deepest;
 }

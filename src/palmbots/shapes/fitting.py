@@ -1,45 +1,36 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lines and arcs that replace a dense outline within a tolerance, and the corners made of them.
+"""The polygon with rounded corners that replaces a dense outline within a tolerance.
 
 An outline is an array of points [m], x to the right and y upwards, counter-clockwise, whose first
-point is not repeated. The fit goes around it once, from where its longest edge begins. Each piece
-is the longest line from where the last one ended, or an arc if it goes further than two lines. An
-arc that rounds the corner between two lines becomes this corner, with a radius. The other corners
-of the polygon are the ends of the pieces, and points on the remaining arcs whose chords keep to the
-tolerance.
+point is not repeated. Each edge of the polygon follows a chord of the outline. Two chords can be
+neighbours if the outline between them is near their lines and an arc that touches both. The arc has
+the radius of least deviation, 0 included; concave corners are sharp. A polygon with the fewest
+corners is a shortest path from the longest chord around the outline. Least squares then move its
+lines and arcs to the points of the outline.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from palmbots.shapes.point_arrays import Points
+from palmbots.shapes.rounded_outline import boundary, deviation_m, from_segment, rounded, unit
 
-# Parts of the tolerance for the fit, for chords, and for levelling. First exact lines and arcs, as
-# drawings have them; then what follows a scan with few corners.
-_SHARES = (1.0, 0.7, 0.5, 0.35, 0.25, 0.1)
-_PARTS = ((0.1, 0.8, 0.15), *((one, one, level) for one in _SHARES for level in (0.5, 1.0)))
+# Parts of the tolerance for the fit. First exact lines and arcs, as drawings have them; then what
+# follows a scan with few corners: all of the tolerance, or less where errors add up.
+_EXACT = 0.1
+_SHARES = (_EXACT, 1.0, 0.7, 0.5, 0.35, 0.25)
+_CHORDS = (0.25, 1.0)  # distances of chords from the outline, of these parts
+_LEVEL = 0.15  # how far corners are moved to be level, of the tolerance
 
 _SHARPEST = math.radians(150)  # turn of a corner that may have a radius
-_SHORTEST = 1e-5  # edge beside it [m]
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A part of a fitted outline, from `start` to the start of the next one."""
-
-    start: Points
-    """[m]"""
-    radius_m: float = 0.0
-    """Of an arc; 0: a line."""
-    centre: Points | None = None
-    sweep_rad: float = 0.0
-    """Angle of the arc, counter-clockwise > 0."""
+_FACET = 0.08  # distance of the middle of a facet from its arc, of the radius: 45° of the arc
+_STRAIGHT = 1e-3  # distance of points that are left out within an edge, of the tolerance
+_LEAST_RADIUS = 0.1  # of an arc, of the tolerance; smaller ones are noise
 
 
 @dataclass(frozen=True)
@@ -49,39 +40,99 @@ class Fitted:
     vertices: Points
     radii: Points
     """Of the corners [m]; 0: a sharp one."""
-    arc_ends: Points
-    """The ends of the arcs that chords replace, two for each."""
     deviation_m: float
     """Greatest distance between outline and polygon."""
 
 
-def boundary(vertices: Points, radii: Points) -> Points:
-    """Points along a polygon with rounded corners, whose chords keep to 0.1 % of each radius."""
-    found: list[Points] = []
-    before, after = np.roll(vertices, 1, axis=0), np.roll(vertices, -1, axis=0)
-    for corner, radius, *ends in zip(vertices, radii, before, after, strict=True):
-        (ax, ay), (bx, by) = ((end - corner) / np.hypot(*(end - corner)) for end in ends)
-        turn = math.atan2(bx * ay - by * ax, -(ax * bx + ay * by))
-        if radius == 0 or turn <= 0:
-            found.append(corner)
-            continue
-        centre = corner + radius / math.cos(turn / 2) * _unit(np.array([ax + bx, ay + by]))
-        first = math.atan2(ax, -ay)  # of the outward normal of the edge that ends here
-        angles = first + np.linspace(0, turn, 2 + math.ceil(turn / 0.09))
-        found.append(centre + radius * np.column_stack([np.cos(angles), np.sin(angles)]))
-    return np.vstack(found)
+class _Chord(NamedTuple):
+    """A line from one point of an outline to a later one."""
+
+    first: int
+    last: int
+    line: tuple[float, float]
+    """Angle of the outward normal, and distance from the origin along it."""
 
 
-def _unit(vector: Points) -> Points:
-    return vector / np.hypot(*vector)
+class _Edge(NamedTuple):
+    """An edge of a polygon, the radius of the corner at its end, and which points are near it."""
+
+    line: tuple[float, float]
+    radius: float
+    points: Any
+
+
+class _Corner:
+    """Two lines, and an arc that touches both."""
+
+    def __init__(self, one: Any, other: Any) -> None:
+        (angle, offset), (next_angle, next_offset) = one, other
+        self.turn = math.remainder(next_angle - angle, 2 * math.pi)
+        self.side = math.copysign(1.0, self.turn)
+        self.normals = np.array([unit(angle), unit(next_angle)])
+        self.offsets = np.array([offset, next_offset])
+        self.along = self.normals[:, ::-1] * (-1, 1)
+        self.inverse = np.linalg.inv(self.normals)
+
+    def centre(self, radius: float) -> Points:
+        """Of the arc; of radius 0, the corner itself."""
+        return self.inverse @ (self.offsets - radius)
+
+    def distances(self, points: Points, radius: float) -> Points:
+        """Distances of points, outside > 0. None falls if the radius grows."""
+        off = points - self.centre(radius)
+        is_arc = (self.side * off @ self.inverse > 0).all(axis=1)
+        of_lines = self.side * (self.side * (points @ self.normals.T - self.offsets)).max(axis=1)
+        return np.where(is_arc, self.side * np.hypot(*off.T) - radius, of_lines)
+
+    def slopes(self, points: Points, radius: float) -> tuple[Points, Points, Any]:
+        """Distances, how they change with both angles, both offsets and the radius, and of which
+        points they are. The point nearest to a sharp corner is to be near both lines."""
+        nearest = int(np.hypot(*(points - self.centre(0.0)).T).argmin())
+        which = np.array([*range(len(points)), *[nearest][: int(radius == 0)]])
+        points = points[which]
+        off = points - self.centre(radius)
+        far = np.hypot(*off.T)
+        # Shares of both normals in the direction of the distance.
+        shares = self.side * (off / np.maximum(far, 1e-300)[:, None]) @ self.inverse
+        of_lines = points @ self.normals.T - self.offsets
+        is_arc = (shares > 0).all(axis=1)
+        is_other = self.side * of_lines[:, 1] > self.side * of_lines[:, 0]
+        if radius == 0:
+            is_arc[[nearest, -1]], is_other[[nearest, -1]] = False, (False, True)
+        shares[~is_arc] = np.column_stack([~is_other, is_other])[~is_arc]
+        feet = np.where(is_arc[:, None], points - off, points)
+        turns = shares * (feet @ self.along.T)
+        slopes = np.column_stack([turns, -shares, shares.sum(axis=1) - 1])
+        lines = np.where(is_other, of_lines[:, 1], of_lines[:, 0])
+        return np.where(is_arc, self.side * far - radius, lines), slopes, which
+
+    def radius(self, points: Points, most: float, limit: float) -> float | None:
+        """The radius up to `most` with the least greatest distance; None: it is over the limit."""
+
+        def ends(radius: float) -> tuple[float, float]:
+            found = self.distances(points, radius)
+            return float(found.min()), float(found.max())
+
+        low, high = 0.0, most if 0 < self.turn < _SHARPEST else 0.0
+        inmost, outmost = ends(high)[0], ends(low)[1]
+        while inmost >= -limit and outmost <= limit:
+            if high - low <= 1e-3 * most:
+                return low
+            middle = (low + high) / 2
+            least, greatest = ends(middle)
+            if least + greatest < 0:
+                low, outmost = middle, greatest
+            else:
+                high, inmost = middle, least
+        return None
 
 
 def polygon_of(outline: Points, tolerance_m: float, most: int) -> Fitted:
     """The polygon with few corners that deviates by at most the tolerance.
 
     A body stands on its lowest corners, so corners a little above the lowest one are made level
-    with it. Errors of fit, chords and levelling may add up; so the greatest deviation is measured,
-    and the fit repeated with a smaller part of the tolerance until it keeps to all of it.
+    with it. Errors of fit and levelling may add up; so the greatest deviation is measured, and the
+    fit repeated with a smaller part of the tolerance until it keeps to all of it.
 
     Args:
         outline: dense points.
@@ -89,185 +140,239 @@ def polygon_of(outline: Points, tolerance_m: float, most: int) -> Fitted:
         most: corners that may be used to follow lines and arcs closely; beyond that, as few as the
             tolerance allows.
     """
-    for fit, chord, level in _PARTS:
-        pieces = _pieces(outline, fit * tolerance_m)
-        corners, arc_ends = _corners(pieces, chord * tolerance_m)
-        corners = _level(corners, level * tolerance_m)
-        vertices, radii = corners[:, :2], corners[:, 2]
-        stands = (vertices[:, 1] == vertices[:, 1].min()).sum() > 1
-        if len(vertices) < 3 or not stands or (fit < chord and len(vertices) > most):
+    for share in _SHARES:
+        limit = share * tolerance_m
+        edges, ring = _fewest(
+            outline, limit, tolerance_m, most if share == _EXACT else len(outline)
+        )
+        if len(edges) < 3:
             continue
-        if (deviation := deviation_m(outline, boundary(vertices, radii))) <= tolerance_m:
-            return Fitted(vertices, radii, arc_ends, deviation)
-    vertices = _level(np.pad(outline, ((0, 0), (0, 1))), 0.0)[:, :2]
-    sharp = np.zeros(len(vertices))
-    return Fitted(vertices, sharp, np.empty((0, 2)), deviation_m(outline, vertices))
+        nearest = _nearest(_with_radii(_nearest(edges, ring), ring), ring)
+        for found in (nearest, edges):
+            vertices = np.array([corner.centre(0.0) for corner in _corners_of(found)])
+            radii = np.array([edge.radius for edge in found])
+            vertices, radii = _finished(vertices, radii, tolerance_m)
+            if (deviation := deviation_m(outline, boundary(vertices, radii))) <= tolerance_m:
+                return Fitted(vertices, radii, deviation)
+    vertices, radii = _finished(outline, np.zeros(len(outline)), 0.0)
+    return Fitted(vertices, radii, deviation_m(outline, vertices))
 
 
-def deviation_m(one: Points, other: Points) -> float:
-    """Greatest distance of a point of either outline from the other (Hausdorff distance)."""
-    return max(_farthest(one, other), _farthest(other, one))
+def _fewest(ring: Points, limit: float, coarsest: float, most: int) -> tuple[list[_Edge], Points]:
+    """The edges of a polygon with the fewest corners, and the outline from where the first begins.
+
+    Args:
+        ring: points of the outline.
+        limit: greatest distance of a point from the polygon.
+        coarsest: greatest distance of the middle between two points.
+        most: corners; none are found if there are more.
+    """
+    ring = np.roll(ring, -_farthest_from(ring, 0), axis=0)  # no point within an edge
+    ring = ring[sorted(chord.first for chord in _chords(ring, _STRAIGHT * coarsest))]
+    size = len(ring)
+    longest = max(
+        _chords(ring, limit), key=lambda one: math.dist(ring[one.first], ring[one.last % size])
+    )
+    ring = np.roll(ring, -longest.first, axis=0)
+    twice = np.vstack([ring, ring])
+    chords = sorted({chord for part in _CHORDS for chord in _chords(ring, part * limit)})
+    start = max(chord for chord in chords if chord.first == 0)
+    goal = _Chord(size, size + start.last, start.line)
+    nodes = [start, *(chord for chord in chords if chord.first >= start.last), goal]
+    reaches = [_reach(chord, twice, limit) for chord in nodes]
+    best: list[tuple[int, float, int, float]] = [(0, 0.0, -1, 0.0)] * len(nodes)
+    known = np.zeros(len(nodes), bool)
+    known[0] = True
+    for k, one in enumerate(nodes[:-1]):
+        corners, error = best[k][:2]
+        for i in range(k + 1, len(nodes)) if known[k] and corners < most else ():
+            other = nodes[i]
+            turn = math.remainder(other.line[0] - one.line[0], 2 * math.pi)
+            is_convex = int(turn > 0)
+            if other.first < one.last or abs(math.sin(turn)) < 1e-9:
+                continue
+            if other.first > reaches[k][is_convex][1] or one.last < reaches[i][is_convex][0]:
+                continue
+            if known[i] and best[i][:2] <= (corners + 1, error):
+                continue
+            if found := _corner_between(one, other, twice, limit, coarsest):
+                radius, off = found
+                if not known[i] or (corners + 1, error + off) < best[i][:2]:
+                    best[i], known[i] = (corners + 1, error + off, k, radius), True
+    edges: list[_Edge] = []
+    at = len(nodes) - 1 if known[-1] else 0
+    while at:
+        radius, before = best[at][3], best[at][2]
+        edges.append(_Edge(nodes[before].line, radius, _span(nodes[before], nodes[at]) % size))
+        at = before
+    return edges[::-1], ring
 
 
-def _farthest(points: Points, outline: Points) -> float:
-    steps = np.linspace(0, 1, 8, endpoint=False)[:, None, None]
-    dense = (points + steps * (np.roll(points, -1, axis=0) - points)).reshape(-1, 2)
-    nearest = np.full(len(dense), math.inf)
-    for start, end in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-        np.minimum(nearest, _from_segment(dense, start, end), out=nearest)
-    return float(nearest.max())
+def _farthest_from(ring: Points, k: int) -> int:
+    return int(np.hypot(*(ring - ring[k]).T).argmax())
 
 
-def _from_segment(points: Points, start: Points, end: Points) -> Points:
-    """Distances of points from a line between two points."""
-    along = end - start
-    square = float(along @ along)
-    if square == 0.0:
-        return np.hypot(*(points - start).T)
-    share = np.clip((points - start) @ along / square, 0.0, 1.0)
-    return np.hypot(*(points - start - share[:, None] * along).T)
-
-
-def _pieces(outline: Points, tolerance: float) -> list[Piece]:
-    ring = np.roll(outline, -_start_of_longest_edge(outline, tolerance), axis=0)
-    ring = np.vstack([ring, ring[:1]])
-    last, at = len(ring) - 1, 0
-    pieces: list[Piece] = []
-
-    def line(i: int, j: int) -> bool:
-        return bool((_from_segment(ring[i : j + 1], ring[i], ring[j]) <= tolerance).all())
-
-    def arc(i: int, j: int) -> bool:
-        return j - i < 3 or _arc(ring[i : j + 1], tolerance) is not None
-
-    while at < last:
-        end = _furthest(line, at, last)
-        beyond = _furthest(line, end, last) if end < last else last
-        round_end = _furthest(arc, at, last) if end < last else at
-        found = _arc(ring[at : round_end + 1], tolerance) if round_end > beyond else None
-        pieces.append(found or Piece(ring[at]))
-        at = round_end if found else end
-    return pieces
-
-
-def _furthest(fits: Callable[[int, int], bool], start: int, last: int) -> int:
-    """The last point up to which a piece fits: by doubling steps, then by bisection."""
-    good, step = start + 1, 1
-    while good + step <= last and fits(start, good + step):
-        good += step
-        step *= 2
-    bad = min(good + step, last + 1)
-    while bad - good > 1:
-        middle = (good + bad) // 2
-        good, bad = (middle, bad) if fits(start, middle) else (good, middle)
-    return good
-
-
-def _arc(points: Points, tolerance: float) -> Piece | None:
-    """The arc through the first, the middle and the last point, if the others are close to it."""
-    if len(points) < 4:
-        return None
-    a, b, c = points[0], points[len(points) // 2], points[-1]
-    (px, py), (qx, qy) = b - a, c - a
-    double = 2 * (px * qy - py * qx)
-    if abs(double) < 1e-12 * (px * px + py * py + qx * qx + qy * qy):
-        return None
-    p, q = px * px + py * py, qx * qx + qy * qy
-    offset = np.array([qy * p - py * q, px * q - qx * p]) / double
-    centre, radius = a + offset, float(np.hypot(*offset))
-    middles = (points[1:] + points[:-1]) / 2  # else the corners of a rectangle would be an arc
-    off = np.abs(np.hypot(*(np.vstack([points, middles]) - centre).T) - radius)
-    if off.max() > tolerance:
-        return None
-    angles = np.unwrap(np.arctan2(*(points - centre).T[::-1]))
-    sweep = float(angles[-1] - angles[0])
-    if not tolerance < radius * abs(sweep) or abs(sweep) > 2 * math.pi - 0.1:
-        return None
-    return Piece(a, radius, centre, sweep)
-
-
-def _start_of_longest_edge(outline: Points, tolerance: float) -> int:
-    """The index of the point where the longest edge of the outline, without its details, begins."""
-    kept = _without_details(outline, tolerance)
-    edges = np.roll(outline[kept], -1, axis=0) - outline[kept]
-    return int(kept[int(np.hypot(*edges.T).argmax())])
-
-
-def _without_details(outline: Points, tolerance: float) -> Any:
-    """The indices of the points that Douglas and Peucker's method keeps."""
-    far = int(np.hypot(*(outline - outline[0]).T).argmax())
-    ring = np.vstack([outline, outline[:1]])
-    kept, spans = {0, far}, [(0, far), (far, len(outline))]
+def _chords(ring: Points, limit: float) -> list[_Chord]:
+    """Chords from which no point of a closed outline is off by more than a limit (Douglas and
+    Peucker)."""
+    closed = np.vstack([ring, ring[:1]])
+    far = _farthest_from(ring, 0)
+    spans, found = [(0, far), (far, len(ring))], []
     while spans:
         i, j = spans.pop()
-        if j - i < 2:
-            continue
-        off = _from_segment(ring[i + 1 : j], ring[i], ring[j])
-        if off.max() > tolerance:
-            k = i + 1 + int(off.argmax())
-            kept.add(k)
+        off = from_segment(closed[i : j + 1], closed[i], closed[j])
+        if off.max() > limit and j - i > 1:
+            k = i + int((off > off.max() - 0.1 * limit).argmax())  # the end of a parallel facet
             spans += [(i, k), (k, j)]
-    return np.array(sorted(kept))
-
-
-def _corners(pieces: list[Piece], tolerance: float) -> tuple[Points, Points]:
-    """Rows of x, y and radius: rounded corners, the other ends of the pieces, and the points
-    between the chords of the other arcs; and the ends of those."""
-    corners: list[tuple[float, float, float]] = []
-    arc_ends: list[Points] = []
-    rounded = [_rounded_corner(pieces, k, tolerance) for k in range(len(pieces))]
-    for k, piece in enumerate(pieces):
-        if (corner := rounded[k]) is not None:
-            corners.append((*corner, round(piece.radius_m, 6)))
-            continue
-        if rounded[k - 1] is None:
-            corners.append((*piece.start, 0.0))
-        if piece.centre is None:
-            continue
-        arc_ends += [piece.start, pieces[(k + 1) % len(pieces)].start]
-        most = 2 * math.acos(max(0.0, 1 - tolerance / piece.radius_m))
-        count = max(1, math.ceil(abs(piece.sweep_rad) / most - 1e-9))
-        x, y = piece.start - piece.centre
-        for step in range(1, count):
-            turn = piece.sweep_rad * step / count
-            c, s = math.cos(turn), math.sin(turn)
-            corners.append((*(piece.centre + np.array([c * x - s * y, s * x + c * y])), 0.0))
-    return np.array(corners), np.array(arc_ends).reshape(-1, 2)
-
-
-def _rounded_corner(pieces: list[Piece], k: int, tolerance: float) -> Points | None:
-    """Where the lines before and after an arc meet, if the arc rounds this convex corner."""
-    arc, n = pieces[k], len(pieces)
-    before, after, beyond = pieces[k - 1], pieces[(k + 1) % n], pieces[(k + 2) % n]
-    if arc.centre is None or n < 4 or before.centre is not None or after.centre is not None:
-        return None
-    if not 0 < arc.sweep_rad < _SHARPEST:
-        return None
-    one, other = arc.start - before.start, beyond.start - after.start
-    if min(np.hypot(*one), np.hypot(*other)) < _SHORTEST:
-        return None
-    one, other = _unit(one), _unit(other)
-    turn = math.atan2(one[0] * other[1] - one[1] * other[0], one @ other)
-    if not 0 < turn < _SHARPEST:
-        return None
-    gap_x, gap_y = after.start - arc.start
-    corner = arc.start + one * (gap_x * other[1] - gap_y * other[0]) / math.sin(turn)
-    # A line may go on along the arc within the tolerance; the arc is as exact as the drawing.
-    of_arc = arc.centre - arc.radius_m / math.cos(turn / 2) * _unit(other - one)
-    return of_arc if np.hypot(*(of_arc - corner)) <= tolerance else None
-
-
-def _level(corners: Points, tolerance: float) -> Points:
-    """The corners in whole micrometres, the lowest ones level, without those within an edge."""
-    found = corners.copy()
-    lowest = found[:, 1].min()
-    found[found[:, 1] <= lowest + tolerance, 1] = lowest
-    found = np.round(found, 6)
-    while len(found) > 3:
-        before, after = found - np.roll(found, 1, axis=0), np.roll(found, -1, axis=0) - found
-        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        is_corner = np.abs(cross) > 1e-12
-        if is_corner.all():
-            break
-        found = np.delete(found, int(np.abs(cross).argmin()), axis=0)
+        else:
+            dx, dy = closed[j] - closed[i]
+            angle = math.atan2(-dx, dy)
+            found.append(_Chord(i, j, (angle, float(closed[j] @ unit(angle)))))
     return found
+
+
+def _reach(chord: _Chord, twice: Points, limit: float) -> list[tuple[int, int]]:
+    """The first and the last point up to which the outline stays on one side of a chord's line:
+    outside, as near a concave corner, and inside."""
+    height = twice @ unit(chord.line[0]) - chord.line[1]
+    found = []
+    for beyond in (height < -limit, height > limit):
+        before, after = np.flatnonzero(beyond[: chord.first]), np.flatnonzero(beyond[chord.last :])
+        found.append((max(before, default=-1) + 1, chord.last + min(after, default=len(twice)) - 1))
+    return found
+
+
+def _span(one: _Chord, other: _Chord) -> Any:
+    """The indices of the points from the middle of a chord to that of another one."""
+    return np.arange((one.first + one.last + 1) // 2, (other.first + other.last) // 2 + 1)
+
+
+def _corner_between(
+    one: _Chord, other: _Chord, twice: Points, limit: float, coarsest: float
+) -> tuple[float, float] | None:
+    """The radius of the corner between two chords, and the greatest distance of a point from it;
+    None: it is no corner of the outline. An arc takes no more than half of a chord."""
+    corner = _Corner(one.line, other.line)
+    vertex = corner.centre(0.0)
+    to, back = (
+        float(corner.along[k] @ (vertex - (twice[chord.first] + twice[chord.last]) / 2))
+        for k, chord in enumerate((one, other))
+    )
+    room = min(to, -back)
+    if room <= 0:
+        return None
+    points = twice[_span(one, other)]
+    radius = corner.radius(points, room / max(math.tan(corner.turn / 2), 1e-9), limit)
+    if radius is None:
+        return None
+    middles = (points[1:] + points[:-1]) / 2
+    coarsest = max(limit, min(coarsest, _FACET * radius))
+    if (abs(corner.distances(middles, radius)) > coarsest).any():
+        return None
+    return radius, float(abs(corner.distances(points, radius)).max())
+
+
+def _nearest(edges: list[_Edge], ring: Points) -> list[_Edge]:
+    """The edges with their lines and arcs moved so that the squares of the distances of the outline
+    become least (Levenberg and Marquardt)."""
+    count = len(edges)
+    shift, size = ring.mean(axis=0), float(np.ptp(ring, axis=0).max())
+    scaled = (ring - shift) / size
+    lengths = np.hypot(*(np.roll(scaled, -1, axis=0) - scaled).T)
+    weights = np.sqrt((lengths + np.roll(lengths, 1)) / 2)
+    found = np.array(
+        [(a, (offset - shift @ unit(a)) / size, r / size) for (a, offset), r, _ in edges]
+    )
+    is_free = np.column_stack([np.ones((count, 2)), found[:, 2] > 0]).astype(float)
+
+    def system(values: Points) -> tuple[Points, Points]:
+        rows, distances = [], []
+        for k, edge in enumerate(edges):
+            other = (k + 1) % count
+            corner = _Corner(values[k, :2], values[other, :2])
+            off, slopes, which = corner.slopes(scaled[edge.points], values[k, 2])
+            row = np.zeros((len(off), count, 3))
+            row[:, k, :2] += slopes[:, [0, 2]]
+            row[:, other, :2] += slopes[:, [1, 3]]
+            row[:, k, 2] = slopes[:, 4]
+            weight = weights[edge.points[which]]
+            rows.append(weight[:, None] * (row * is_free).reshape(len(off), -1))
+            distances.append(weight * off)
+        return np.vstack(rows), np.concatenate(distances)
+
+    def sides(values: Points) -> list[float]:
+        return list(np.sign(np.sin(np.roll(values[:, 0], -1) - values[:, 0])))
+
+    rows, off = system(found)
+    damping = 1e-6
+    for _ in range(30):
+        normal = rows.T @ rows + damping * np.eye(3 * count)
+        tried = found - np.linalg.solve(normal, rows.T @ off).reshape(count, 3)
+        tried[:, 2] = np.maximum(tried[:, 2], 0.0)
+        damping *= 10
+        if sides(tried) == sides(found):
+            new_rows, new_off = system(tried)
+            if new_off @ new_off < off @ off:
+                is_done = new_off @ new_off > (1 - 1e-9) * (off @ off)
+                found, rows, off, damping = tried, new_rows, new_off, max(damping / 100, 1e-12)
+                if is_done:
+                    break
+    return [
+        _Edge((a, offset * size + float(shift @ unit(a))), r * size, edge.points)
+        for (a, offset, r), edge in zip(found.tolist(), edges, strict=True)
+    ]
+
+
+def _corners_of(edges: list[_Edge]) -> list[_Corner]:
+    return [
+        _Corner(e.line, edges[k].line)
+        for e, k in zip(edges, [*range(1, len(edges)), 0], strict=True)
+    ]
+
+
+def _with_radii(edges: list[_Edge], ring: Points) -> list[_Edge]:
+    """The edges with the best radii of those corners that had none beside the lines before."""
+    corners = _corners_of(edges)
+    vertices = np.array([corner.centre(0.0) for corner in corners])
+    lengths = np.hypot(*(np.roll(vertices, -1, axis=0) - vertices).T)
+    found = []
+    for edge, corner, room in zip(
+        edges, corners, np.minimum(lengths, np.roll(lengths, 1)), strict=True
+    ):
+        radius = edge.radius
+        if radius == 0 and 0 < corner.turn < _SHARPEST:
+            most = float(room) / 2 / math.tan(corner.turn / 2)
+            radius = corner.radius(ring[edge.points], most, math.inf) or 0.0
+        found.append(edge._replace(radius=radius))
+    return found
+
+
+def _finished(vertices: Points, radii: Points, tolerance: float) -> tuple[Points, Points]:
+    """The polygon in whole micrometres, the lowest corners level, without vertices within an edge,
+    and with arcs that have room."""
+    for _ in range(4):
+        heights = np.array([points[:, 1].min() for points in rounded(vertices, radii)])
+        rises = heights - heights.min()
+        vertices = vertices - np.column_stack(
+            [0 * rises, np.where(rises <= _LEVEL * tolerance, rises, 0.0)]
+        )
+    vertices = np.round(vertices, 6)
+    while True:
+        before, after = (
+            vertices - np.roll(vertices, 1, axis=0),
+            np.roll(vertices, -1, axis=0) - vertices,
+        )
+        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        if len(vertices) < 4 or (np.abs(cross) > 1e-12).all():
+            break
+        gone = int(np.abs(cross).argmin())
+        vertices, radii = np.delete(vertices, gone, axis=0), np.delete(radii, gone)
+    turns = np.arctan2(cross, (before * after).sum(axis=1))
+    radii = np.where((turns > 0) & (radii > _LEAST_RADIUS * tolerance), radii, 0.0)
+    takes = np.tan(turns / 2)
+    both = radii * takes + np.roll(radii * takes, -1)
+    parts = np.minimum(1.0, np.hypot(*after.T) / np.maximum(both, 1e-300))
+    fitting = np.minimum(parts, np.roll(parts, 1))
+    return vertices, np.where(
+        fitting < 1, np.floor(1e6 * fitting * radii), np.round(1e6 * radii)
+    ) / 1e6

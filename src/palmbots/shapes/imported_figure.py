@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from palmbots.shapes.fitting import boundary
 from palmbots.shapes.imported_object import ImportedObject
+from palmbots.shapes.rounded_outline import boundary
 from palmbots.viz import style
 
 _WIDTH, _ENLARGED = 5.0, 1.8  # inches
@@ -29,7 +29,7 @@ def draw_imported_object(result: ImportedObject) -> Figure:
         rows["whole"].set_aspect("equal", adjustable="datalim")
         rows["whole"].set_title(f"{result.source}, {result.view}")
         rows["whole"].set_ylabel("height y [m]")
-        half = max(0.25 * size.min(), 1.6 * max(result.radii_m))
+        half = max(0.25 * size.min(), 1.6 * max(result.radii_m[k] for k in result.contacts))
         for k, name in enumerate(("left contact", "right contact")):
             x, y = corners[result.contacts[k]]
             inward = (1 - 2 * k) * 0.5 * half

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from palmbots._util.atomic_files import check_file, write_whole
 from palmbots._util.command import Option, writes
 from palmbots._util.plain_values import NOT_IN_JSON
@@ -22,12 +24,13 @@ from palmbots.scene.command_text import command_text
 from palmbots.scene.object_frame import Point
 from palmbots.scene.object_section import Object
 from palmbots.shapes.point_arrays import Points
+from palmbots.shapes.rounded_outline import boundary
 
 
 @dataclass(frozen=True, repr=False)
 class ImportedObject(Result):
     """An object of a scene, made from a drawing or a mesh. Its frame begins at the left end of the
-    outline, at the height of its lowest corners."""
+    object, at the height of its lowest points."""
 
     figure = "imported-object"
 
@@ -44,12 +47,10 @@ class ImportedObject(Result):
     com_m: Point
     mass_kg: float
     depth_m: float
-    arcs: int
-    """Arcs of the outline that are chords in `vertices_m`."""
     tolerance_m: float
     """Greatest deviation that was allowed."""
     deviation_m: float
-    """Greatest distance between the outline of the file and `vertices_m`."""
+    """Greatest distance between the outline of the file and that of the object."""
     palm_length_m: float | None
     """Length of the longest palms that do not collide under the object. None: those of the scene
     `paper` do not."""
@@ -98,8 +99,8 @@ class ImportedObject(Result):
 
     def lines(self) -> Iterator[Item]:
         """Size and mass, how exact the outline is, and how the object is carried."""
-        xs, ys = zip(*self.vertices_m, strict=True)
-        size = [max(xs) - min(xs), max(ys) - min(ys), self.depth_m]
+        outline = boundary(np.array(self.vertices_m), np.array(self.radii_m))
+        size = [*map(float, np.ptp(outline, axis=0)), self.depth_m]
         yield (
             f"imported  {' × '.join(map(millimetres, size))} (length, height, depth), "
             f"{self.mass_kg:.4g} kg"
@@ -112,8 +113,6 @@ class ImportedObject(Result):
             rounded = sorted(radius for radius in radii if radius > 0)
             ends = dict.fromkeys(map(millimetres, (rounded[0], rounded[-1])))
             corners += f", {len(rounded)} rounded with a radius of {' to '.join(ends)}"
-        if self.arcs:
-            corners += f", {self.arcs} {'arc' if self.arcs == 1 else 'arcs'} as chords"
         yield Table(
             [
                 ("  corners", corners),

@@ -46,6 +46,7 @@ from palmbots.shapes.imported_object import ImportedObject
 from palmbots.shapes.meshes import read_mesh
 from palmbots.shapes.outlines import area_and_centroid
 from palmbots.shapes.point_arrays import Points
+from palmbots.shapes.rounded_outline import boundary, rounded
 from palmbots.simulation.single import carry
 
 _AXES = ("x", "y", "z", "-x", "-y", "-z")
@@ -53,7 +54,6 @@ _DRAWINGS = {".svg": read_svg, ".dxf": read_dxf}
 _MESHES = {".stl": "z", ".obj": "z", ".gltf": "y", ".glb": "y"}  # and the axis that points upwards
 _USUAL, _COARSEST = 0.005, 0.1  # tolerance, of the size
 _USUAL_OF_LESSER = 0.02  # of the smaller of length and height
-_NEAR_CONTACT = 0.15  # of the smaller of length and height
 _SHORTEST_PALM_MM = 20  # of which the zero zone is half
 
 
@@ -210,7 +210,7 @@ def _object(
     points, centre, turn = settled(body.outline.points, centre)
     fitted, tolerance_m = _fitted(body.name, points, tolerance_mm)
     refuse_one_point(points, tolerance_m, body)
-    corner = fitted.vertices.min(axis=0)
+    corner = boundary(fitted.vertices, fitted.radii).min(axis=0)
     com = centre - corner if given is None else given
     remarks = body.remarks
     if abs(turn) > SEEN:
@@ -243,12 +243,6 @@ def _object(
     for key, value, problem, allowed in _core.check_scene(whole):
         shown = f"{show(value)} " if value else ""
         raise PalmbotsError(f"{body.name}: {key}: {shown}{problem}; allowed: {allowed}")
-    if _has_round_contact(fitted, made) or _has_short_edge(made):
-        remarks = (
-            *remarks,
-            "Short edges at a contact seem to replace an arc: a palm may lie flush on them, where "
-            "the object would roll.",
-        )
     palms = _palm_length_m(made)
     return ImportedObject(
         source=body.name,
@@ -260,7 +254,6 @@ def _object(
         com_m=made.com_m,
         mass_kg=made.mass_kg,
         depth_m=made.depth_m,
-        arcs=len(fitted.arc_ends) // 2,
         tolerance_m=tolerance_m,
         deviation_m=fitted.deviation_m,
         palm_length_m=palms,
@@ -316,35 +309,18 @@ def _pairs(points: Any) -> list[tuple[float, float]]:
 def _touched(fitted: Fitted) -> tuple[int, int] | None:
     """The corners that both palms of the scene `paper` touch where they are steep, as at the start
     of a carry; None: it is the same one."""
-    edges = np.roll(fitted.vertices, -1, axis=0) - fitted.vertices
-    after = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.hypot(*edges.T)[:, None]  # inward
-    before = np.roll(after, 1, axis=0)
-    middle = (before + after) / (1 + (before * after).sum(axis=1))[:, None]
-    centres = fitted.vertices + fitted.radii[:, None] * middle
+    corners = rounded(fitted.vertices, fitted.radii)
     left, right = (
-        int(np.argmin(centres @ (-out * math.sin(palm.steep), math.cos(palm.steep)) - fitted.radii))
-        for out, palm in zip((-1, 1), to_spec(load_scene("paper")).palms, strict=True)
+        int(
+            np.argmin(
+                [(points @ (-out * math.sin(tilt), math.cos(tilt))).min() for points in corners]
+            )
+        )
+        for out, tilt in zip(
+            (-1, 1), [one.steep for one in to_spec(load_scene("paper")).palms], strict=True
+        )
     )
     return None if left == right else (left, right)
-
-
-def _has_round_contact(fitted: Fitted, made: Object) -> bool:
-    """Whether an arc that chords replace begins or ends at a contact."""
-    corner = fitted.vertices.min(axis=0)
-    contacts = corner + np.array([made.vertices_m[k] for k in made.contacts])
-    return any(np.hypot(*(end - contact)) < 1e-3 for end in fitted.arc_ends for contact in contacts)
-
-
-def _has_short_edge(made: Object) -> bool:
-    """Whether a convex corner is so near to a sharp contact that both may stand for one arc."""
-    corners = np.array(made.vertices_m)
-    near = _NEAR_CONTACT * float(np.ptp(corners, axis=0).min())
-    edges = np.roll(corners, -1, axis=0) - corners
-    before = np.roll(edges, 1, axis=0)
-    is_convex = before[:, 0] * edges[:, 1] > before[:, 1] * edges[:, 0]
-    radii = np.broadcast_to(made.edge_radius_m, len(corners))
-    is_short = (np.hypot(*edges.T) < near) & is_convex & np.roll(is_convex, -1)
-    return any(radii[k] == 0 and (is_short[k] or is_short[k - 1]) for k in made.contacts)
 
 
 def _keys(made: Object, palms: float | None) -> dict[str, Any]:
