@@ -3,6 +3,7 @@
 #include "touched_state.hpp"
 
 #include "palmbots/mechanics/mode_forces.hpp"
+#include "palmbots/mechanics/mode_margin.hpp"
 #include "palmbots/sim/palm_way.hpp"
 #include "palmbots/sim/placement.hpp"
 #include "palmbots/sim/standing_start.hpp"

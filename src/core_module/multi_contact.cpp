@@ -12,6 +12,7 @@
 
 #include "bindings.hpp"
 #include "palmbots/mechanics/mode_forces.hpp"
+#include "palmbots/mechanics/mode_margin.hpp"
 #include "palmbots/sim/state_contacts.hpp"
 
 namespace palmbots::bindings {

@@ -157,6 +157,16 @@ void bind_world(nb::module_& m) {
             return std::vector(names.begin(), names.end());
           },
           "Which of floor, wall and stand are among the contacts.")
+      .def_prop_ro(
+          "run_off",
+          [](const W& w) {
+            std::vector<std::pair<std::size_t, std::string>> found;
+            for (const FeaturePair pair : w.run_off())
+              found.emplace_back(pair.carrier, name_of(w.shapes().surfaces[pair.surface]));
+            return found;
+          },
+          "(palm, or 2: the ground; vertex, tip, nose, heel, floor, wall or stand) of each contact "
+          "that ran off the end of its feature in the last step that was not fast.")
       .def("pierced", &W::pierced_palm, nb::arg("deep"),
            "The palm that is in the object by more than this [m]; None: neither is.")
       .def(

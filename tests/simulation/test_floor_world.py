@@ -274,6 +274,28 @@ def test_an_object_does_not_fall_through_a_nose() -> None:
     assert falls > 0
 
 
+def test_a_contact_that_runs_off_its_feature_is_reported() -> None:
+    """A palm pushes against the side of a wide lid, and then sinks below it."""
+    lid = [[0, 0], [0.25, 0], [0.25, 0.02], [0.35, 0.02], [0.35, 0.1], [-0.1, 0.1], [-0.1, 0.02]]
+    keys = {"object.vertices_m": [*lid, [0, 0.02]], "object.com_m": [0.125, 0.05]}
+    world = FloorWorld(overrides=keys)
+    for left, up, touches, run_off in (
+        (0.0, 0.05, False, ()),
+        (0.012, 0.0, True, ()),
+        (0.0, -0.029, True, ()),
+        (0.0, -0.002, False, ("left palm",)),
+        (0.0, -0.002, False, ()),
+    ):
+        state = world.move(left, up_m=(up, 0.0))
+        assert (state.touched_m.left is not None, state.run_off) == (touches, run_off)
+    # Where it withdraws instead, its force is zero.
+    world = FloorWorld(overrides=keys)
+    world.move(up_m=(0.05, 0.0))
+    assert world.move(0.012).touched_m.left is not None
+    state = world.move(-0.001)
+    assert (state.touched_m.left, state.run_off) == (None, ())
+
+
 @pytest.mark.parametrize("pieces", [2, 7, 300])
 def test_a_motion_in_one_piece_is_that_in_many(pieces: int) -> None:
     """The first nose pushes the box against the second one, then both get under. In one piece the

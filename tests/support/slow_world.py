@@ -4,7 +4,9 @@
 Shares nothing with the core. Contacts are found anew at every step from plain geometry. Of all ways
 in which each may stick, slide or break one is taken whose twist is that of a rigid body (least
 squares) and whose forces balance (by non-negative ones). A way that still holds goes on; otherwise
-contacts on both palms come first, then as many contacts as possible.
+contacts on both palms come first, then as many contacts as possible. Of several that move the
+object differently, one in which all contacts slide comes first, then the one with the largest
+margin, then one in which the robot in front, in the direction of travel, slides.
 """
 
 import itertools
@@ -33,6 +35,8 @@ TRIED = (2.0**-6, 2.0**-16)  # of a step: for so long a mode that follows must h
 SLACK = 2e-5  # of the pace of the surfaces: a speed of the wrong sign that counts as none
 ELSEWHERE = 1e-3  # of the pace: motions that differ by less are the same
 UNBALANCED = 1e-6  # [weights]
+STEEPEST = math.radians(89.0)  # friction angle
+FINE = math.radians(0.1)  # to which margins are compared
 ALMOST = 1e-4  # the same where a mode begins [weights]
 
 Names = tuple[int, ...]
@@ -157,10 +161,17 @@ class SlowWorld:
             rows.vt.append(vx * ny - vy * nx)
         return rows
 
-    def _rays(self, names: Names, mode: Mode, rows: Rows) -> np.ndarray:
+    def _rays(
+        self, names: Names, mode: Mode, rows: Rows, leans: tuple[float, ...] = (0.0, 0.0, 0.0)
+    ) -> np.ndarray:
+        """The wrenches of the forces that balance; `leans`: with the friction angles of the
+        surfaces of each carrier greater by so much."""
         n, t = np.array(rows.n), np.array(rows.t)
+        pairs = [self._all[i] for i in names]
+        angles = [math.atan(pair.friction) + leans[pair.carrier] for pair in pairs]
+        frictions = [math.tan(min(max(angle, 0.0), STEEPEST)) for angle in angles]
         rays = [
-            n[k] + sign * self._all[names[k]].friction * t[k]
+            n[k] + sign * frictions[k] * t[k]
             for k, how in enumerate(mode)
             for edge, sign in ((_UP, -1.0), (_DOWN, 1.0))
             if how in (edge, _STICK)
@@ -341,6 +352,20 @@ class SlowWorld:
         twist = self._holds(names, mode, contacts, self.at, UNBALANCED)
         return None if twist is None else (mode, twist)
 
+    def _margin(self, names: Names, mode: Mode, contacts: Any) -> float:
+        """By how much the friction angles of all surfaces may change before forces balance no more,
+        to `FINE` [rad]."""
+        rows = self._rows(names, contacts, self.at)
+
+        def holds(by: float) -> bool:
+            return all(
+                self._is_balanced(self._rays(names, mode, rows, signs), UNBALANCED)
+                for signs in itertools.product((-by, by), repeat=3)
+            )
+
+        steps = np.arange(FINE, STEEPEST, FINE).tolist()
+        return next((by for by in steps if not holds(by)), math.inf)
+
     def _choose(self, names: Names, contacts: Any, h: float) -> tuple[Mode, np.ndarray] | None:
         """The mode that follows: the best one that goes on for a while."""
         found = list(self._modes(names, contacts))
@@ -355,7 +380,21 @@ class SlowWorld:
                 best.append((mode, twist))
             if best:
                 self.ambiguous_events += len(best) > 1
-                return best[0]
+                best.sort(key=lambda found: _STICK in found[0])
+                alike = [found for found in best if (_STICK in found[0]) == (_STICK in best[0][0])]
+                if len(alike) == 1:
+                    return best[0]
+                front = int(sum(way[0] for way in self._by) > 0)
+                held = [
+                    sum(
+                        how == _STICK and self._all[i].carrier == front
+                        for i, how in zip(names, mode, strict=True)
+                    )
+                    for mode, _ in alike
+                ]
+                margins = [self._margin(names, mode, contacts) for mode, _ in alike]
+                first = min(range(len(alike)), key=lambda k: (-margins[k], held[k]))
+                return alike[first]
         return None
 
     def move(self, by: Any, palms: tuple[float, float], pace: float) -> tuple[str, float]:

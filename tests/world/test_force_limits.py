@@ -33,15 +33,27 @@ def test_the_program_notices_limits_that_are_not_kept() -> None:
     assert len(found.faults) > 10
 
 
-def test_a_force_that_hardly_exceeds_a_limit_is_one_event() -> None:
-    """The force that two stalled robots need grows by 1e-8 weights in a period."""
-    rng = np.random.default_rng([57, 2])
+def limited_script(seed: int) -> tuple[_core.World, Drive]:
+    """One of those that benchmarks/bench_contact_steps.py times."""
+    rng = np.random.default_rng([seed, 2])
     limits = rng.choice([0.3, 0.6, 1.0, 2.0], 2).tolist()
     world, _, on_floor = world_of(rng, (limits[0], limits[1]))
-    drive = Drive(rng, on_floor)
+    return world, Drive(rng, on_floor)
+
+
+def test_a_force_that_hardly_exceeds_a_limit_is_one_event() -> None:
+    """The force that two stalled robots need grows by 1e-8 weights in a period."""
+    world, drive = limited_script(57)
     for k in range(111):
         reason, *_, pieces = world.move(*drive.next(k, world.palms))
         assert reason == "" and pieces < 20
+
+
+def test_more_than_200_events_in_a_step_end_it_as_jammed() -> None:
+    world, drive = limited_script(1722)
+    for k in range(101):
+        reason, done, *_, pieces = world.move(*drive.next(k, world.palms))
+    assert (reason, pieces) == ("jammed", 201) and 0 < done < 1
 
 
 @pytest.mark.parametrize("way", [-1, 1])

@@ -105,11 +105,11 @@ def test_a_tip_beside_an_arc_does_not_sink_into_it() -> None:
     assert found.faults == []
 
 
-def test_the_oracle_sees_a_corner_that_turns_on_a_tip() -> None:
-    """Halfway between two poses the tip is 0.2 µm beyond the end of its edge."""
-    found = Found()
-    run(7706180, found)
-    assert found.faults == [] and found.ends["completed"] == 1
+def test_after_ambiguous_events_the_larger_margin_decides() -> None:
+    """A corner of the object is caught between a palm and the floor, on either side: its contacts
+    stick, and those of the other corner slide (2015). Two noses push up an edge (2448)."""
+    ends = compare_scripts((2015, 2448), steps=STEPS[:1])
+    assert (ends.ambiguous, ends.ambiguous_agreed) == (2, 2)
 
 
 def test_the_slow_world_notices_a_wrong_friction() -> None:

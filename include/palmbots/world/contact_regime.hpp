@@ -18,11 +18,13 @@ struct ActivePair {
   Vec reference;  // of a tip on an arc (feature_contact.hpp)
 };
 
+using ActivePairs = FixedList<ActivePair, max_supports>;
+
 // How a robot moves. One that stalls stands, or yields: the contacts determine its speed.
 enum class Drive : std::uint8_t { as_commanded, yields, stands };
 
 struct Regime {
-  FixedList<ActivePair, max_supports> active;
+  ActivePairs active;
   PerSide<Drive> drives{};
   double alike = 0.0;  // difference of the runs of both sides, where nothing else decides [m]
   bool pushed = true;  // whether forces balance with the push, or only without it

@@ -25,7 +25,7 @@ struct AmbiguousChoice {
   Regime regime;
 };
 
-// Which of several motions that are possible alike follows: the first one by the rules of
+// Which of several motions that are possible alike follows: one by the rules of
 // world/regime_choice.hpp, or any of them with equal probability, by a counter-based draw for each
 // such event.
 struct AmbiguousEvents {
@@ -34,15 +34,16 @@ struct AmbiguousEvents {
   std::uint32_t stream = 0;
   std::uint32_t count = 0;  // of those that have occurred
 
-  std::size_t pick(std::size_t of) {
+  template <class Rule>
+  std::size_t pick(std::size_t of, Rule rule) {
     if (of == 1) return 0;
     const std::uint32_t event = count++;
-    return is_drawn ? draw(seed, event, stream)[0] % of : 0;
+    return is_drawn ? draw(seed, event, stream)[0] % of : rule();
   }
 };
 
-// `rounding` is the error of the pose at the start [m]; `noted(instant, t)` is called whenever a regime
-// has been chosen.
+// `rounding` is the error of the pose at the start [m]; `noted(instant, t, run_off)` is called whenever a
+// regime has been chosen; `run_off` are the contacts of the last one that ran off the end of a feature.
 template <class Noted>
 class ContactStep : ContactTrial {
  public:
@@ -81,7 +82,7 @@ class ContactStep : ContactTrial {
     double ahead = look_;
     while (now_.t < 1.0) {
       const double goal = after(ahead);
-      const Reached then = reach(goal, now_, regime_);
+      Reached then = reach(goal, now_, regime_);
       if (then.settled && goal - now_.t > shortest && moved(then.place.pose) > near_move()) {
         ahead = 0.5 * (goal - now_.t);  // slow palms can turn the object fast
         continue;
@@ -93,6 +94,9 @@ class ContactStep : ContactTrial {
         continue;
       }
       go_to_event(goal, then);
+      at_end_.clear();
+      for (std::size_t i = 0; then.settled && i < regime_.active.size(); ++i)
+        if (then[then.of_motion + i] < -Conditions::rounding) at_end_.push_back(regime_.active[i]);
       look_around();
       if (++pieces_ > most_events) return DropReason::jammed;
       const Regime ended = regime_;
@@ -105,9 +109,10 @@ class ContactStep : ContactTrial {
     return DropReason::none;
   }
 
-  // Moves object and pivots to the first instant at which a condition that fails at `goal` does. Only
-  // those take part in the search: others may be near zero all the time.
-  void go_to_event(double goal, Conditions then) {
+  // Moves object and pivots to the first instant at which a condition that fails at `goal` does, and
+  // sets `then` to those that fail there. Only they take part in the search: others may be near zero
+  // all the time.
+  void go_to_event(double goal, Conditions& then) {
     const Conditions now = conditions_of(posed(regime_), near_, pace_);
     const Place start = now_;
     for (int i = 0; i < most_events; ++i) {
@@ -172,7 +177,11 @@ class ContactStep : ContactTrial {
     const Instant now = instant(now_);
     if (off_palm(now, closed_)) return DropReason::off_palm;
     const DropReason reason = choose_among(closed_pairs(now), now);
-    if (reason == DropReason::none) noted_(now, now_.t);
+    if (reason != DropReason::none) return reason;
+    ActivePairs run_off;
+    for (const ActivePair& one : at_end_)
+      if (has_run_off(now, one, regime_)) run_off.push_back(one);
+    noted_(now, now_.t, run_off);
     return reason;
   }
 
@@ -272,6 +281,32 @@ class ContactStep : ContactTrial {
     return false;
   }
 
+  using Best = FixedList<const RegimeCandidate*, RegimeCandidates::capacity>;
+  // The number of the one that follows by the rule: of those in which all contacts slide, if there are
+  // some, the one with the largest margin; of several, the one in which the robot in front slides.
+  std::size_t by_rule(const Best& best) const {
+    if (best[1]->alike != best[0]->alike) return 0;
+    constexpr double same = 1e-9;  // margins that differ by less [rad]
+    const Instant now = instant(now_);
+    const double travel = now.frames[left].velocity.x + now.frames[right].velocity.x;
+    const std::size_t front =
+        travel == 0.0 ? leading_side(now, regime_) : (travel < 0.0 ? left : right);
+    const auto held = [&](std::size_t k) {  // contacts of the robot in front that stick
+      return std::ranges::count_if(best[k]->regime.active, [&](const ActivePair& a) {
+        return a.pair.carrier == front && a.motion == Motion::stick;
+      });
+    };
+    std::size_t found = 0;
+    double most = margin_in(posed(best[0]->regime));
+    for (std::size_t k = 1; k < best.size() && best[k]->alike == best[0]->alike; ++k) {
+      const double margin = margin_in(posed(best[k]->regime));
+      if (!(margin > most + same || (margin + same >= most && held(k) < held(found)))) continue;
+      found = k;
+      most = margin;
+    }
+    return found;
+  }
+
   // The best candidate that goes on becomes the regime, or one of those that are as good and move the
   // object elsewhere; `at_limit`: of those in which a robot that yields exerts its greatest force.
   // Nothing: none goes on. A reason: the object is then on one palm only.
@@ -280,7 +315,7 @@ class ContactStep : ContactTrial {
     std::array<double, RegimeCandidates::capacity> missed{};  // what fails of each
     for (double ahead = trial_; ahead < 0.1; ahead *= grown) {
       const double then = after(ahead * look_);
-      FixedList<const RegimeCandidate*, RegimeCandidates::capacity> best;
+      Best best;
       FixedList<Pose, RegimeCandidates::capacity> ends;
       for (std::size_t k = 0; k < found.size(); ++k) {
         const RegimeCandidate& one = found[k];
@@ -303,7 +338,7 @@ class ContactStep : ContactTrial {
       }
       if (best.empty()) continue;
       if (problem_.on_both && !best[0]->on_both) return DropReason::lifting;
-      regime_ = best[ambiguous_.pick(best.size())]->regime;
+      regime_ = best[ambiguous_.pick(best.size(), [&] { return by_rule(best); })]->regime;
       return DropReason::none;
     }
     return choose_later(found) ? std::optional(DropReason::none) : std::nullopt;
@@ -357,6 +392,7 @@ class ContactStep : ContactTrial {
   Pose& pose_;
   AmbiguousEvents& ambiguous_;
   Noted noted_;
+  ActivePairs at_end_;  // the contacts that ended the last regime at the end of a feature
   double trial_ = shortest_trial;  // the first one
   std::int32_t pieces_ = 1;
 };

@@ -76,6 +76,8 @@ class World {
   std::uint32_t ambiguous_events() const { return ambiguous_.count; }
   // Those of the last step that was not fast; empty where no event in it was ambiguous.
   const std::vector<AmbiguousChoice>& choices() const { return choices_; }
+  // The contacts that ran off the end of their feature in that step.
+  const std::vector<FeaturePair>& run_off() const { return run_off_; }
 
   Pose pose() const { return posed_ ? pose_ : pose_on_vertices(model_, state_, here()); }
   // The position of a pivot.
@@ -186,6 +188,7 @@ class World {
  private:
   const Advance<Real>& take_apart(const PerSide<Vec>& by, const PerSide<Real>& angles) {
     choices_.clear();
+    run_off_.clear();
     fall_.reset();
     last_ = go(by, angles);
     const Then then = consequence(last_.reason, phase_).then;
@@ -293,7 +296,8 @@ class World {
     problem.commanded = {by[left].x, by[right].x};
     const double rounding = double(Real(64) * std::numeric_limits<Real>::epsilon()) * shapes().size;
     std::uint32_t seen = ambiguous_.count;
-    const auto note = [&](const Instant& now, double t) {
+    const auto note = [&](const Instant& now, double t, const ActivePairs& run_off) {
+      for (const ActivePair& one : run_off) run_off_.push_back(one.pair);
       if (ambiguous_.count != seen) choices_.push_back({t, regime_});
       seen = ambiguous_.count;
       const bool before = std::exchange(on_vertices, rests_on_vertices());
@@ -359,6 +363,7 @@ class World {
   Neighbourhood around_;
   AmbiguousEvents ambiguous_{};
   std::vector<AmbiguousChoice> choices_;
+  std::vector<FeaturePair> run_off_;
   double separation_ = 0;  // valid if `posed_`; unlike the configuration's, not rounded to Real
   WorldState<Real> state_{};
   Advance<Real> last_{};

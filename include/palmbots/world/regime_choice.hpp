@@ -9,10 +9,11 @@
 //   - contacts on both palms before contacts on one;
 //   - as many contacts as possible persist;
 //   - all of them slide before some of them do;
-//   - the palm that leads slides first (`leading_side`).
+//   - the larger margin (mechanics/mode_margin.hpp);
+//   - the robot in front, in the direction of travel, slides.
 //
 // If several move the object differently and persist in as many contacts, the event is ambiguous
-// (world/contact_step.hpp): the last two rules may be replaced by a draw.
+// (world/contact_step.hpp): the last three rules may be replaced by a draw.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +21,7 @@
 
 #include "palmbots/base/few_sorted.hpp"
 #include "palmbots/mechanics/drop_reason.hpp"
+#include "palmbots/mechanics/mode_margin.hpp"
 #include "palmbots/world/regime_conditions.hpp"
 
 namespace palmbots {
@@ -97,6 +99,31 @@ inline bool at_one_point(const FeatureContact& a, const FeatureContact& b, doubl
 
 inline bool in_one_direction(const FeatureContact& a, const FeatureContact& b) {
   return magnitude(cross(a.normal, b.normal)) < Tolerance::blank;
+}
+
+// Whether a contact has run off the end of its feature: the regime that follows has neither it nor one in
+// its place, at the same point or where the object lies flush.
+inline bool has_run_off(const Instant& at, const ActivePair& one, const Regime& regime) {
+  const FeatureContact c = at.contact(one.pair, one.reference);
+  if (c.inside > Tolerance::blank) return false;
+  return std::ranges::none_of(regime.active, [&](const ActivePair& other) {
+    const FeatureContact in_place = at.contact(other.pair, other.reference);
+    return other.pair.carrier == one.pair.carrier &&
+           (in_one_direction(c, in_place) || at_one_point(c, in_place, at.problem.shapes.size));
+  });
+}
+
+// The margin of a regime [rad].
+inline double margin_in(const PosedRegime& at) {
+  Supports supports;
+  Motions motions{};
+  SurfaceNumbers carriers{};
+  for (const ActiveContact& c : at.contacts) {
+    motions[supports.size()] = c.motion;
+    carriers[supports.size()] = c.pair.carrier;
+    supports.push_back(c);
+  }
+  return margin_of(supports, motions, at.weight().x, carriers).angle;
 }
 
 // Adds a candidate in which the closed pairs have these motions.

@@ -103,9 +103,9 @@ class World(Section):
     """[world] What the quasistatic world does where mechanics leave it open."""
 
     ambiguity: str = key("world.ambiguity")
-    """Which motion follows where further contacts permit several. rule: that in which both palms
-    slide, else the one in which the palm that leads slides. drawn: one of them, each with the same
-    probability; the seed determines which."""
+    """Which motion follows where further contacts permit several. rule: that in which all contacts
+    slide, else the one with the largest margin, else the one in which the robot in front slides.
+    drawn: one of them, each with the same probability; the seed determines which."""
     fall_m: float = key("world.fall_m")
     """How far a contact vertex may fall in a job on the floor, for example off the inner end of a
     palm. Where it slides, the height counts times the share of the energy that friction does not

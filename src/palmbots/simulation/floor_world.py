@@ -59,6 +59,9 @@ class FloorState:
     palms_deg: BySide[float]
     falls: tuple[Fall, ...] = ()
     """Falls of the object in the last motion."""
+    run_off: tuple[str, ...] = ()
+    """The surfaces of the contacts that ran off the end of a surface or of an edge of the object in
+    the last motion, where no other contact took their place."""
 
     @property
     def on_floor(self) -> bool:
@@ -115,6 +118,7 @@ class FloorWorld:
         angles = _angles(palms_deg)
         self._end = ""
         self._falls: tuple[Fall, ...] = ()
+        self._run_off: tuple[str, ...] = ()
         self._weight = chosen.object.mass_kg * _core.standard_gravity
         if floor_friction is not None:
             spec.floor_friction = floor_friction
@@ -191,7 +195,7 @@ class FloorWorld:
             self._check_palms(at, angles, motion, "on the way")
             (one, two), angles = motion
             at = _sum(at[0], one), _sum(at[1], two)
-        self._falls = ()
+        self._falls = self._run_off = ()
         for ways, after in motions:
             self._end = self._move(ways, after)
             if self._end:
@@ -202,6 +206,7 @@ class FloorWorld:
         """Why a motion ends early. After a fall it goes on, at most `_MOST_FALLS` times."""
         for _ in range(_MOST_FALLS):
             end, done, *_ = self._world.move(ways, after)
+            self._run_off += tuple(map(_surface, self._world.run_off))
             if end or self._world.fall is None:
                 return end
             high, com = self._world.fall
@@ -254,9 +259,8 @@ class FloorWorld:
         found = []
         near = _core.contact_tolerance * self._spec.width if within_m is None else within_m
         for kind, carrier, _, (_, px, py, nx, ny, friction) in self._world.touching(near):
-            name, velocity = kind, (0.0, 0.0)
+            name, velocity = _surface((carrier, kind)), (0.0, 0.0)
             if carrier < 2:
-                name = _PALMS[carrier]
                 # A palm whose angle grows turns clockwise on the left.
                 spin = (-1, 1)[carrier] * math.radians(turn_deg_s[carrier])
                 pivot, (vx, vy) = self._world.pivots[carrier], velocities[carrier]
@@ -281,7 +285,13 @@ class FloorWorld:
             pivots_m=BySide.of(world.pivots),
             palms_deg=BySide.of(map(math.degrees, world.palms)),
             falls=self._falls,
+            run_off=self._run_off,
         )
+
+
+def _surface(contact: tuple[int, str]) -> str:
+    carrier, kind = contact
+    return _PALMS[carrier] if carrier < 2 else kind
 
 
 def _sum(one: Point, other: Point) -> Point:
