@@ -132,6 +132,17 @@ def test_a_noisy_scan_of_a_rounded_box_has_four_corners(noise_m: float) -> None:
     assert fitted.deviation_m <= 0.00125
 
 
+def test_no_arc_has_a_circle_that_leaves_the_outline() -> None:
+    """A side that bulges by 2 mm about a radius of 1.6 m. In MuJoCo each arc is a whole ball."""
+    bulge = np.linspace(-0.05, 0.05, 60)
+    arc = np.column_stack(
+        [np.sqrt(1.6**2 - 0.08**2) - 1.6 * np.cos(bulge), 0.08 - 1.6 * np.sin(bulge)]
+    )
+    fitted = polygon_of(np.vstack([BOX, arc]), 0.00125, 32)
+    assert fitted.deviation_m < 0.0002
+    assert fitted.radii.max() < 0.1
+
+
 def test_deviation_is_measured_both_ways() -> None:
     """A spike of either outline counts."""
     spiked = np.insert(BOX, 2, [(0.25, 0.08), (0.27, 0.081), (0.25, 0.082)], axis=0)

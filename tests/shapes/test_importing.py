@@ -90,9 +90,10 @@ def test_half_ellipse_on_a_box(tolerance_mm: float | None, tmp_path: Path) -> No
     area = box + dome
     y = (box * h / 2 + dome * (h + 4 * b / (3 * math.pi))) / area
     assert found.mass_kg == pytest.approx(125 * area * 200 * 1e-9, rel=3e-4)
-    assert found.com_m == pytest.approx((a / 1000, y / 1000), abs=3e-5)
+    # From the left end of the object, which is off by up to the deviation.
+    assert found.com_m == pytest.approx((a / 1000, y / 1000), abs=found.deviation_m)
     assert found.deviation_m <= found.tolerance_m
-    assert len(found.vertices_m) < 12
+    assert any(found.radii_m)
     for x, y in 1000 * boundary(np.array(found.vertices_m), np.array(found.radii_m)) - (a, h):
         if y > 0 and abs(x) < 0.98 * a:
             assert abs(y - b * math.sqrt(1 - (x / a) ** 2)) < 2.5 * 1000 * found.tolerance_m

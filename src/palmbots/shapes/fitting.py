@@ -18,7 +18,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from palmbots.shapes.point_arrays import Points
-from palmbots.shapes.rounded_outline import boundary, deviation_m, from_segment, rounded, unit
+from palmbots.shapes.rounded_outline import (
+    boundary,
+    deviation_m,
+    distance_of,
+    from_segment,
+    rounded,
+    unit,
+)
 
 # Parts of the tolerance for the fit. First exact lines and arcs, as drawings have them; then what
 # follows a scan with few corners: all of the tolerance, or less where errors add up.
@@ -106,8 +113,10 @@ class _Corner:
         lines = np.where(is_other, of_lines[:, 1], of_lines[:, 0])
         return np.where(is_arc, self.side * far - radius, lines), slopes, which
 
-    def radius(self, points: Points, most: float, limit: float) -> float | None:
-        """The radius up to `most` with the least greatest distance; None: it is over the limit."""
+    def radius(self, ring: Points, which: Any, most: float, limit: float) -> float | None:
+        """The radius up to `most` with the least greatest distance from some points of an outline;
+        None: it is over the limit. The whole circle of an arc lies in the outline."""
+        points = ring[which]
 
         def ends(radius: float) -> tuple[float, float]:
             found = self.distances(points, radius)
@@ -117,7 +126,9 @@ class _Corner:
         inmost, outmost = ends(high)[0], ends(low)[1]
         while inmost >= -limit and outmost <= limit:
             if high - low <= 1e-3 * most:
-                return low
+                far = distance_of(self.centre(low), ring)
+                is_inside = far >= (1 - _FACET) * low - limit
+                return low if is_inside else 0.0 if ends(0.0)[0] >= -limit else None
             middle = (low + high) / 2
             least, greatest = ends(middle)
             if least + greatest < 0:
@@ -147,7 +158,7 @@ def polygon_of(outline: Points, tolerance_m: float, most: int) -> Fitted:
         )
         if len(edges) < 3:
             continue
-        nearest = _nearest(_with_radii(_nearest(edges, ring), ring), ring)
+        nearest = _nearest(_with_radii(_nearest(edges, ring), ring, tolerance_m), ring)
         for found in (nearest, edges):
             vertices = np.array([corner.centre(0.0) for corner in _corners_of(found)])
             radii = np.array([edge.radius for edge in found])
@@ -261,10 +272,11 @@ def _corner_between(
     room = min(to, -back)
     if room <= 0:
         return None
-    points = twice[_span(one, other)]
-    radius = corner.radius(points, room / max(math.tan(corner.turn / 2), 1e-9), limit)
+    span = _span(one, other)
+    radius = corner.radius(twice, span, room / max(math.tan(corner.turn / 2), 1e-9), limit)
     if radius is None:
         return None
+    points = twice[span]
     middles = (points[1:] + points[:-1]) / 2
     coarsest = max(limit, min(coarsest, _FACET * radius))
     if (abs(corner.distances(middles, radius)) > coarsest).any():
@@ -283,6 +295,7 @@ def _nearest(edges: list[_Edge], ring: Points) -> list[_Edge]:
     found = np.array(
         [(a, (offset - shift @ unit(a)) / size, r / size) for (a, offset), r, _ in edges]
     )
+    most = 2 * found[:, 2]  # a radius that grows farther would be another arc
     is_free = np.column_stack([np.ones((count, 2)), found[:, 2] > 0]).astype(float)
 
     def system(values: Points) -> tuple[Points, Points]:
@@ -308,7 +321,7 @@ def _nearest(edges: list[_Edge], ring: Points) -> list[_Edge]:
     for _ in range(30):
         normal = rows.T @ rows + damping * np.eye(3 * count)
         tried = found - np.linalg.solve(normal, rows.T @ off).reshape(count, 3)
-        tried[:, 2] = np.maximum(tried[:, 2], 0.0)
+        tried[:, 2] = np.clip(tried[:, 2], 0.0, most)
         damping *= 10
         if sides(tried) == sides(found):
             new_rows, new_off = system(tried)
@@ -330,7 +343,7 @@ def _corners_of(edges: list[_Edge]) -> list[_Corner]:
     ]
 
 
-def _with_radii(edges: list[_Edge], ring: Points) -> list[_Edge]:
+def _with_radii(edges: list[_Edge], ring: Points, limit: float) -> list[_Edge]:
     """The edges with the best radii of those corners that had none beside the lines before."""
     corners = _corners_of(edges)
     vertices = np.array([corner.centre(0.0) for corner in corners])
@@ -342,7 +355,7 @@ def _with_radii(edges: list[_Edge], ring: Points) -> list[_Edge]:
         radius = edge.radius
         if radius == 0 and 0 < corner.turn < _SHARPEST:
             most = float(room) / 2 / math.tan(corner.turn / 2)
-            radius = corner.radius(ring[edge.points], most, math.inf) or 0.0
+            radius = corner.radius(ring, edge.points, most, limit) or 0.0
         found.append(edge._replace(radius=radius))
     return found
 

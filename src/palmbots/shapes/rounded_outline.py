@@ -59,6 +59,14 @@ def from_segment(points: Points, start: Points, end: Points) -> Points:
     return np.hypot(*(points - start - share[:, None] * along).T)
 
 
+def distance_of(point: Points, outline: Points) -> float:
+    """Distance of a point from a closed outline."""
+    along = np.roll(outline, -1, axis=0) - outline
+    squares = np.maximum((along**2).sum(axis=1), 1e-300)
+    shares = np.clip(((point - outline) * along).sum(axis=1) / squares, 0.0, 1.0)
+    return float(np.hypot(*(outline + shares[:, None] * along - point).T).min())
+
+
 def unit(angle: float) -> tuple[float, float]:
     """The vector of length 1 at an angle."""
     return math.cos(angle), math.sin(angle)
