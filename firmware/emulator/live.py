@@ -191,8 +191,8 @@ class LivePair:
         else:
             frames = dict(zip(SIDES, self.job.frames(), strict=True))
             for side, robot in self.of_side.items():
-                sign, at_target, _, _, touches, *_, beneath = frames[side]
-                robot.feel(sign, at_target, touches, beneath)
+                seen = frames[side]
+                robot.feel(seen.sign, seen.palm_at_target, seen.has_contact, seen.beneath)
         end_us = self.time_us + self.period_us
         while self.time_us < end_us - 1e-6:
             self.time_us = min(end_us, self.time_us + QUANTUM_US)

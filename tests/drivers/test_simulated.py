@@ -9,6 +9,7 @@ import pytest
 from palmbots.drivers.arm import HOLDS, RISES
 from palmbots.drivers.driver import Drive
 from palmbots.drivers.simulated import SimulatedDriver
+from palmbots.links.reading_frame import ReadingFrame
 
 
 class World:
@@ -33,7 +34,7 @@ def drive(arm: int, palm: int = 0) -> Drive:
 
 def reading(arm: int, is_there: bool) -> list[Any]:
     """What the world sends while the arm does this: the arm is `is_there`."""
-    return [0, True, 0.0, 0, True, arm, is_there, 2, False]
+    return [*ReadingFrame(0, True, 0.0, 0, arm=arm, arm_there=is_there, arm_steps=2)]
 
 
 @pytest.mark.parametrize("frames", [0, 1], ids=["no newer reading", "a reading on its way"])
@@ -60,16 +61,16 @@ def test_an_arm_has_not_arrived_until_the_world_has_received_the_newest_command(
         assert seen.arm_there is is_there
 
 
-@pytest.mark.parametrize("senses", [[], [True, HOLDS, True, 0, False]], ids=["carry", "job"])
+@pytest.mark.parametrize("arm", [None, HOLDS], ids=["carry", "job"])
 def test_a_palm_has_not_turned_until_the_world_has_received_the_newest_command(
-    senses: list[Any],
+    arm: int | None,
 ) -> None:
     world = World()
     driver = SimulatedDriver(world, "left", 1)
     found = []
     for in_force, wanted, turned in ((0, 0, True), (0, 1, True), (1, 1, False), (1, 1, True)):
         driver.write(drive(HOLDS, wanted))
-        world.sent.append([0, turned, 0.0, in_force, *senses])
+        world.sent.append([*ReadingFrame(0, turned, 0.0, in_force, arm=arm, arm_there=True)])
         seen = driver.read()
         assert seen is not None
         found.append(seen.palm_at_target)

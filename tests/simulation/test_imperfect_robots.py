@@ -179,16 +179,16 @@ def test_programs_read_how_far_their_own_robot_has_moved(direction: str) -> None
     scene = pb.load_scene("paper", QUIET | {"task.direction": direction})
     stage = PerfectStage(scene, "quasistatic", 0)
     speed, correction = scene.robot_of("left").speed_m_s, scene.robot_of("left").correction_m_s
-    assert [frame[2] for frame in stage.frames()] == [0, 0]
+    assert [frame.distance_m for frame in stage.frames()] == [0, 0]
     for _ in range(300):
         stage.step((0, 0, False), (0, 0, False))
-    travelled = [frame[2] for frame in stage.frames()]
+    travelled = [frame.distance_m for frame in stage.frames()]
     assert travelled == pytest.approx([3 * speed] * 2, abs=0.02)
     for left, right in (((0, 1, False), (0, 0, False)), ((0, 0, False), (0, 1, False))):
-        before = [frame[2] for frame in stage.frames()]
+        before = [frame.distance_m for frame in stage.frames()]
         for _ in range(20):
             stage.step(left, right)
-        moved = np.subtract([frame[2] for frame in stage.frames()], before)
+        moved = np.subtract([frame.distance_m for frame in stage.frames()], before)
         apart = float(moved[1] - moved[0]) * (1 if direction == "forward" else -1)
         assert 0.1 * correction < apart < 0.2 * correction + 1e-9
         same = moved[1] if left[1] == 1 else moved[0]

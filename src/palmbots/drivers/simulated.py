@@ -20,6 +20,7 @@ from palmbots.drivers.hardware_io import HardwareIo
 from palmbots.errors import PalmbotsError
 from palmbots.links.greeting import check_admitted
 from palmbots.links.local_connection import Connection, ConnectionLost, connect
+from palmbots.links.reading_frame import ReadingFrame
 
 _WORLD_STARTS_WITHIN_S = 20.0
 _PARTNER_STARTS_WITHIN_S = 40.0  # the world gives up earlier
@@ -157,18 +158,14 @@ class SimulatedDriver:
                 servo_rad,
                 battery_v,
             )
-        if not isinstance(frame, list) or len(frame) not in (4, 9):
+        if not isinstance(frame, list | tuple) or len(frame) != len(ReadingFrame._fields):
             raise PalmbotsError("world: sends no readings; allowed: one without --lockstep")
-        sign, palm_at_target, distance_m, palm, *senses = frame
-        if not senses:
-            self._in_force = palm, None
-            return Reading(sign, palm_at_target, distance_m)
-        self._has_arm = True
-        touches, arm, is_there, steps, beneath = senses
-        self._in_force = palm, arm
+        seen = ReadingFrame(*frame)
+        self._in_force = seen.palm, seen.arm
+        self._has_arm = seen.arm is not None
         return Reading(
-            sign, palm_at_target, distance_m, has_contact=touches, arm_there=is_there,
-            arm_steps=steps, beneath=beneath,
+            seen.sign, seen.palm_at_target, seen.distance_m, has_contact=seen.has_contact,
+            arm_there=seen.arm_there, arm_steps=seen.arm_steps, beneath=seen.beneath,
         )  # fmt: skip
 
     def write(self, drive: Drive) -> None:

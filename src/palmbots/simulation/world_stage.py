@@ -15,6 +15,7 @@ from palmbots.drivers.arm import ARM_WORDS, FOLLOWS, HOLDS, RISES
 from palmbots.drivers.driver import RawCommand, RawReading
 from palmbots.errors import PalmbotsError, SceneError
 from palmbots.links.local_connection import ConnectionLost
+from palmbots.links.reading_frame import ReadingFrame
 from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 from palmbots.simulation.driven_world import DrivenWorld, as_built
@@ -120,13 +121,12 @@ class PerfectStage:
         """Nothing."""
         return []
 
-    def frames(self) -> tuple[Any, Any]:
-        """Sign, whether the palm is turned, the distance that the robot itself has moved, and the
-        palm in force."""
+    def frames(self) -> tuple[ReadingFrame, ReadingFrame]:
+        """What both robots without arms sense."""
         apart = 0.5 * (self._carry.sight().separation - self._start_m)
         moved = self.midpoint - apart, self.midpoint + apart
         left, right = (
-            [sign, turned, self._forward * x, palm]
+            ReadingFrame(sign, turned, self._forward * x, palm)
             for (sign, turned, *_), x, palm in zip(
                 self._carry.seen(), moved, self._palms, strict=True
             )
@@ -216,12 +216,10 @@ class FloorStage:
         """Nothing."""
         return []
 
-    def frames(self) -> tuple[Any, Any]:
-        """Sign, whether the palm is turned, the distance that the robot has moved, the palm in
-        force, whether something presses the palm, what the arm does, whether it has done that, its
-        steps, and whether the robot is below an object on a stand."""
+    def frames(self) -> tuple[ReadingFrame, ReadingFrame]:
+        """What both robots with arms sense."""
         left, right = (
-            [*values[:3], palm, *values[3:]]
+            ReadingFrame(*values[:3], palm, *values[3:])
             for values, palm in zip(self._job.seen, self._palms, strict=True)
         )
         return left, right
