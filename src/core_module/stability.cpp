@@ -138,6 +138,21 @@ void bind_stability(nb::module_& m) {
           },
           nb::arg("angles"))
       .def(
+          "pose",
+          [](const E& self, int property, std::size_t shallow, Numbers2 angles, Numbers2 rise) {
+            const PerSide<PalmAngle<double>> palms{PalmAngle<double>::at(angles.first),
+                                                   PalmAngle<double>::at(angles.second)};
+            Clearance<double> clearance(self);
+            clearance.look(palms, interval(rise));
+            const Interval<double> permitted = detail::com_x_at(
+                self, property_of(property), side_of(shallow), palms, interval(rise));
+            return std::tuple(permitted.low, permitted.high, clearance.least());
+          },
+          nb::arg("property"), nb::arg("shallow"), nb::arg("angles"), nb::arg("rise"),
+          "At exact angles (left, right) and height differences of the contacts: the lowest and "
+          "the "
+          "highest c_x that a property permits, and the clearance.")
+      .def(
           "map", &design_map, nb::arg("shallow"), nb::arg("steep"), nb::arg("com_x"),
           nb::arg("quantity"), nb::arg("most"), nb::arg("reach"),
           "Tolerance of a quantity (0 COM, 1 friction, 2 slope, 3 contacts, 4 angle) and clearance "

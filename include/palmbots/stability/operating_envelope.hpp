@@ -243,46 +243,61 @@ Interval<Real> com_x_all(const OperatingEnvelope<Real>& envelope,
   return intersect(permitted, com_x_held(envelope, angles));
 }
 
-// The clearance of the outline from both palms, anywhere in the operating region [rad]: the least
-// angle by which object or palm would have to turn until an edge lies on a palm's line. The palms
-// count as infinitely long.
+// The clearance of the outline from both palms in some poses [rad]: the least angle by which object or
+// palm would have to turn until an edge lies on a palm's line. The palms count as infinitely long.
+template <class Real>
+class Clearance {
+ public:
+  explicit Clearance(const OperatingEnvelope<Real>& envelope) : envelope_(envelope) {}
+
+  // Adds the poses with these palm angles and height differences.
+  void look(const PerSide<PalmAngle<Real>>& palms, Interval<Real> rise) {
+    for (const Real dy : {rise.low, rise.high}) {
+      const ContactVector<Real> contact_vector = contact_vector_at(dy, envelope_.width);
+      for (const std::size_t side : {left, right}) {
+        const PalmFrameVector<Real> r = palm_frame_vector(contact_vector, side, palms[side]);
+        within_ = within_ && r.inward > Real(0);  // also false if the object cannot reach
+        const Real tangent = r.normal / r.inward;
+        seen_[side] = hull(seen_[side], {tangent, tangent});
+      }
+    }
+  }
+  Real least() const {
+    if (!within_) return -pi<Real>;
+    Real least = pi<Real>;
+    for (const std::size_t side : {left, right}) {
+      const ClearCone<Real>& clear = envelope_.clear[side];
+      const Real low = std::atan(seen_[side].low) - std::atan(clear.low);
+      const Real high = std::atan(clear.high) - std::atan(seen_[side].high);
+      least = low < least ? low : least;
+      least = high < least ? high : least;
+    }
+    return least;
+  }
+
+ private:
+  static constexpr Real inf = std::numeric_limits<Real>::infinity();
+  const OperatingEnvelope<Real>& envelope_;
+  // The extremes of the tangent of the angle between palm and object.
+  PerSide<Interval<Real>> seen_{Interval<Real>{inf, -inf}, Interval<Real>{inf, -inf}};
+  bool within_ = true;
+};
+
+// The same anywhere in the operating region.
 template <class Real>
 Real clearance_margin(const OperatingEnvelope<Real>& envelope,
                       const PerSide<AnglePair<Real>>& angles) {
-  constexpr Real inf = std::numeric_limits<Real>::infinity();
-  // The extremes of the tangent of the angle between palm and object, over all configurations
-  // evaluated.
-  PerSide<Interval<Real>> seen{Interval<Real>{inf, -inf}, Interval<Real>{inf, -inf}};
-  bool within = true;
-  const auto look = [&](const PerSide<PalmAngle<Real>>& palms, Interval<Real> rise) {
-    for (const Real dy : {rise.low, rise.high}) {
-      const ContactVector<Real> contact_vector = contact_vector_at(dy, envelope.width);
-      for (const std::size_t side : {left, right}) {
-        const PalmFrameVector<Real> r = palm_frame_vector(contact_vector, side, palms[side]);
-        within = within && r.inward > Real(0);  // also false if the object cannot reach
-        const Real tangent = r.normal / r.inward;
-        seen[side] = hull(seen[side], {tangent, tangent});
-      }
-    }
-  };
+  Clearance<Real> clearance(envelope);
   const PerSide<PalmAngle<Real>> steep{angles[left].steep, angles[right].steep};
   const PerSide<PalmAngle<Real>> flat{angles[left].shallow, angles[right].shallow};
-  look(steep, rise_over(envelope.contacts, steep, envelope.offset));
-  look(flat, rise_over(envelope.contacts, flat, envelope.offset));
+  clearance.look(steep, rise_over(envelope.contacts, steep, envelope.offset));
+  clearance.look(flat, rise_over(envelope.contacts, flat, envelope.offset));
   for (const std::size_t shallow : {left, right}) {
     PerSide<PalmAngle<Real>> palms = steep;
     palms[shallow] = flat[shallow];
-    look(palms, detail::operating_rise(envelope, shallow, palms));
+    clearance.look(palms, detail::operating_rise(envelope, shallow, palms));
   }
-  if (!within) return -pi<Real>;
-  Real least = pi<Real>;
-  for (const std::size_t side : {left, right}) {
-    const Real low = std::atan(seen[side].low) - std::atan(envelope.clear[side].low);
-    const Real high = std::atan(envelope.clear[side].high) - std::atan(seen[side].high);
-    least = low < least ? low : least;
-    least = high < least ? high : least;
-  }
-  return least;
+  return clearance.least();
 }
 
 }  // namespace palmbots

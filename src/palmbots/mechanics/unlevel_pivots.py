@@ -2,50 +2,28 @@
 """Do properties 0, 1 and 2 hold while the pivots are at different heights?
 
 Near the floor they are, because each palm keeps its inner end on the floor: a palm at the angle θ
-has its pivot ℓ sin θ above the nose's lower edge. In the air two arms differ by their errors. Seen
-along the line between the pivots, such a pair stands on a slope (`palmbots.scene.unequal_pivots`),
-whose angle τ depends on where the contacts are: sin τ = rise / distance of the pivots. Each state
-of a grid of contacts has its own τ; this is a sample, not a proof. A property also demands that the
-object touches the palms, as if they were infinitely long, nowhere else (clearance).
+has its pivot ℓ sin θ above the nose's lower edge. In the air two arms differ by their errors, and
+while they move.
+
+Palms exert the same forces wherever their pivots are. At given palm angles the properties depend on
+the contacts only through their height difference, to which that of the pivots is added. So the two
+extreme height differences decide, as with level pivots (`stability/operating_envelope.hpp`). A palm
+that turns is evaluated at nine angles, as there. With `clear` a property also demands that the
+object touches the palms, as if they were infinitely long, nowhere else.
 Source: docs/theory/lifting.md.
 """
 
-import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Callable, Collection, Iterator
 
 import palmbots._core as _core
-from palmbots._types import SIDES, Side
-from palmbots.mechanics.acting_object import acting_object
-from palmbots.mechanics.contact_modes import contact_modes_batch
+from palmbots._types import SIDES
 from palmbots.scene.spec import contact_radii
 
-Array = NDArray[np.float64]
+Pair = tuple[float, float]
 
 PROPERTIES = (0, 1, 2)
-_CONTACTS = 5  # places on each palm
-_TURNS = 4  # angles of a palm that turns
-_ROUNDS = 6  # the distance depends on τ; each round has a small part of the last error
-_HALVINGS = 12
-_STEEPEST = math.radians(89)
-_TOUCH = 1e-6  # m; what is deeper than that below a palm's line touches it
-_UP = {"left": 3, "right": 1}  # index of the contact mode in which only this contact slides up
-_DOWN = {"left": 6, "right": 2}
-
-
-@dataclass(frozen=True)
-class _Poses:
-    """Poses of the palms with all their contacts, one column for each state."""
-
-    number: Array
-    closing: Array
-    """The contact mode that has to occur on closing; −1: any."""
-    opening: Array
-    theta: Array
-    p: Array
+_TURNS = 8
+_HALVINGS = 20
 
 
 class PivotRises:
@@ -56,31 +34,36 @@ class PivotRises:
 
     def __init__(self, spec: _core.Spec, share: float = 1.0) -> None:
         self._spec = spec
-        columns = [np.concatenate(part, axis=-1) for part in zip(*_poses(spec, share), strict=True)]
-        self._poses = poses = _Poses(*columns)
-        palms = spec.palms
-        heights = [
-            np.array([palm.lowest_pivot(float(angle)) for angle in row])
-            for palm, row in zip(palms, poses.theta, strict=True)
-        ]
-        self._on_floor = heights[1] - heights[0]
+        left, right = (0.5 * share * palm.usable for palm in spec.palms)
+        self._contacts = (-left, left), (-right, right)
+        friction = [(palm.friction, palm.friction) for palm in spec.palms]
+        com_y, slope = (spec.com_height, spec.com_height), (spec.slope, spec.slope)
+        self._envelope = _core.OperatingEnvelope(
+            spec, com_y, friction, False, slope, self._contacts, 0.0
+        )
+        self._poses = list(_poses(spec, self._contacts))
 
     def on_floor(self, more_m: float = 0.0, clear: bool = True) -> frozenset[int]:
         """The properties that hold with both inner ends on the floor, and the right pivot higher by
         a further length. `clear`: they demand clearance."""
-        return self._holding(self._on_floor + more_m, clear)
+        return self._holding((more_m, more_m), self._of_floor, clear)
 
     def in_air(self, rise_m: float = 0.0, clear: bool = True) -> frozenset[int]:
         """The properties that hold with the right pivot this much higher."""
-        return self._holding(np.full_like(self._on_floor, rise_m), clear)
+        return self._holding((rise_m, rise_m), _level, clear)
 
-    def permitted_m(self, on_floor: bool = False, clear: bool = True) -> float:
-        """The largest further height difference, of either sign, with which all properties hold;
-        0: they do not hold without one."""
-        holding = self.on_floor if on_floor else self.in_air
+    def permitted_m(
+        self,
+        on_floor: bool = False,
+        clear: bool = True,
+        properties: Collection[int] = PROPERTIES,
+    ) -> float:
+        """The largest further height difference with which these properties hold, as with all
+        smaller ones of either sign; 0: they do not hold without one."""
+        base = self._of_floor if on_floor else _level
 
         def holds(size: float) -> bool:
-            return all(len(holding(sense * size, clear)) == len(PROPERTIES) for sense in (1, -1))
+            return self._holding((-size, size), base, clear).issuperset(properties)
 
         if not holds(0.0):
             return 0.0
@@ -90,101 +73,48 @@ class PivotRises:
             low, high = (middle, high) if holds(middle) else (low, middle)
         return low
 
-    def _holding(self, rise: Array, clear: bool) -> frozenset[int]:
-        spec, poses = self._spec, self._poses
-        left, right = spec.palms
-        p, tilt = poses.p, np.zeros_like(rise)
-        for _ in range(_ROUNDS):
-            theta = np.stack([poses.theta[0] + tilt, poses.theta[1] - tilt])
-            theta = np.clip(theta, -_STEEPEST, _STEEPEST)  # such a pair holds nothing
-            acting = acting_object(spec, theta, p)
-            out = [
-                place * np.cos(angle) - palm.offset * np.sin(angle)
-                for palm, place, angle in zip((left, right), p, theta, strict=True)
-            ]
-            with np.errstate(invalid="ignore", divide="ignore"):
-                tilt = np.arcsin(np.clip(rise / (acting.dx - out[0] - out[1]), -1.0, 1.0))
-            tilt = np.nan_to_num(tilt)
-        spans = np.isfinite(acting.dx)
-        own = {
-            name: np.where(spans, values, 1.0)
-            for name, values in (
-                ("width", acting.width),
-                ("com_x", acting.com_left),
-                ("com_y", acting.com_height),
-            )
-        }
-        modes = contact_modes_batch(
-            **own, theta_left=theta[0], theta_right=theta[1], p_left=p[0], p_right=p[1],
-            friction_left=left.friction, friction_right=right.friction,
-            offset_left=left.offset, offset_right=right.offset,
-            slope=np.tan(math.atan(spec.slope) + tilt),
-        )  # fmt: skip
-        right_way = [
-            (wanted < 0) | (found == wanted)
-            for wanted, found in ((poses.closing, modes.closing), (poses.opening, modes.opening))
-        ]
-        good = spans & modes.feasible[:, 0] & right_way[0] & right_way[1]
-        if clear:
-            good &= self._is_clear(theta)
-        return frozenset(n for n in PROPERTIES if bool(good[poses.number == n].all()))
+    def _of_floor(self, angles: Pair) -> float:
+        left, right = (
+            palm.lowest_pivot(angle) for palm, angle in zip(self._spec.palms, angles, strict=True)
+        )
+        return right - left
 
-    def _is_clear(self, theta: Array) -> NDArray[np.bool_]:
-        """Whether the outline is above the lines of both palms, seen along the line of pivots."""
-        spec, p = self._spec, self._poses.p
-        acting = acting_object(spec, theta, p)
-        normals = [
-            np.stack([s * np.sin(t), np.cos(t)]) for s, t in zip((1, -1), theta, strict=True)
-        ]
-        dx, dy = (np.where(np.isfinite(one), one, 1.0) for one in (acting.dx, acting.dy))
-        touching = [np.zeros((2, dx.size)), np.stack([dx, dy])]
-        radii = contact_radii(spec)
-        centres = [at + r * n for at, r, n in zip(touching, radii, normals, strict=True)]
-        x, y = centres[1] - centres[0]
-        cos, sin = x / np.hypot(x, y), y / np.hypot(x, y)
-        u, v = (np.array(axis)[:, np.newaxis] for axis in zip(*spec.silhouette, strict=True))
-        points = centres[0][0] + u * cos - v * sin, centres[0][1] + u * sin + v * cos
-        clear = np.ones(dx.size, bool)
-        for at, n in zip(touching, normals, strict=True):
-            above = (points[0] - at[0]) * n[0] + (points[1] - at[1]) * n[1]
-            clear &= above.min(axis=0) >= -_TOUCH
-        return clear
+    def _holding(self, more: Pair, base: Callable[[Pair], float], clear: bool) -> frozenset[int]:
+        """The properties that hold for all further rises from `more[0]` to `more[1]`."""
+        holding = set(PROPERTIES)
+        for number, shallow, angles, rise in self._poses:
+            of_pivots = base(angles)
+            low, high = (z + of_pivots + further for z, further in zip(rise, more, strict=True))
+            least, most, clearance = self._envelope.pose(number, shallow, angles, (low, high))
+            if not least <= self._spec.com_left <= most or (clear and clearance < 0):
+                holding.discard(number)
+        return frozenset(holding)
 
 
-def _poses(spec: _core.Spec, share: float) -> Iterator[tuple[Array, ...]]:
-    reaches = [0.5 * share * palm.usable for palm in spec.palms]
-    ends = [(-reach, reach) for reach in reaches]
-    angles = [(palm.shallow, palm.steep) for palm in spec.palms]
-    for k, side in enumerate(SIDES):
-        pair = _pair(angles, k, angles[k][0])
-        inward = [(low, 0.0) if i == k else (low, high) for i, (low, high) in enumerate(ends)]
-        outward = [(0.0, high) if i != k else (low, high) for i, (low, high) in enumerate(ends)]
-        other: Side = SIDES[1 - k]
-        yield _grid(1, pair, inward, closing=_UP[side])
-        yield _grid(2, pair, outward, opening=_DOWN[other])
-        for step in range(_TURNS + 1):
-            share = step / _TURNS
-            pair = _pair(angles, k, angles[k][0] + share * (angles[k][1] - angles[k][0]))
+def _level(_: Pair) -> float:
+    return 0.0
+
+
+def _poses(spec: _core.Spec, contacts: tuple[Pair, Pair]) -> Iterator[tuple[int, int, Pair, Pair]]:
+    """A property, the shallow palm, the angles, and the extreme height differences of the contacts
+    with level pivots."""
+    left, right = spec.palms
+    radii = contact_radii(spec)
+    offsets = left.offset + radii[0], right.offset + radii[1]
+
+    def rise(number: int, shallow: int, angles: Pair) -> Pair:
+        return _core.rise_over(number, shallow, contacts, 0.0, angles, offsets)
+
+    for alike in ((left.shallow, right.shallow), (left.steep, right.steep)):
+        yield 0, 0, alike, rise(0, 0, alike)
+    for k in range(len(SIDES)):
+        own = spec.palms[k]
+        for step in range(_TURNS):
+            angle = own.shallow + (own.steep - own.shallow) * step / _TURNS
+            angles = (angle, right.steep) if k == 0 else (left.steep, angle)
             # Palms turn where property 1 or 2 applies, before it or after it.
-            yield _grid(0, pair, inward)
-            yield _grid(0, pair, outward)
-    yield _grid(0, (angles[0][0], angles[1][0]), ends)
-    yield _grid(0, (angles[0][1], angles[1][1]), ends)
-
-
-def _pair(angles: list[tuple[float, float]], side: int, own: float) -> tuple[float, float]:
-    return (own, angles[1][1]) if side == 0 else (angles[0][1], own)
-
-
-def _grid(
-    number: int,
-    pair: tuple[float, float],
-    ends: list[tuple[float, float]],
-    closing: int = -1,
-    opening: int = -1,
-) -> tuple[Array, ...]:
-    places = np.meshgrid(*(np.linspace(*one, _CONTACTS) for one in ends), indexing="ij")
-    p = np.stack([axis.ravel() for axis in places])
-    n = p.shape[1]
-    theta = np.stack([np.full(n, angle) for angle in pair])
-    return np.full(n, number), np.full(n, closing), np.full(n, opening), theta, p
+            for number in (1, 2):
+                region = rise(number, k, angles)
+                yield 0, k, angles, region
+                if step == 0:
+                    yield number, k, angles, region
