@@ -3,7 +3,7 @@
 """Jobs from the floor or a stand: how many succeed, and how far from the wanted place the object
 ends.
 
-    .venv/bin/python benchmarks/bench_lift.py [JOBS] [WORLD] [SCENE]        200 each by default
+    .venv/bin/python benchmarks/bench_lift.py [JOBS] [WORLD] [SCENE] [KEY=VALUE …]    200 jobs
 
 The scene is `lift`, `stand`, `lone` or `handover`, with its noise of 1 cm/s, in the quasistatic
 world or in MuJoCo. Seeds are 0, 1, …; the counts depend on nothing but the version. The miss is
@@ -19,6 +19,7 @@ import numpy as np
 
 import palmbots as pb
 from palmbots.control.registry import resolve
+from palmbots.scene.overrides import parse_overrides
 from palmbots.simulation.floor_job import floor_job
 from palmbots.simulation.prepare import prepare
 
@@ -26,10 +27,10 @@ CONTROLLERS = ("shared-sign", "resilient")
 
 
 def jobs(
-    controller: str, count: int, world: str, scene: str
+    controller: str, count: int, world: str, scene: pb.Scene
 ) -> tuple[Counter[str], list[float], float]:
     """What failed, the misses of the jobs that succeeded [m], and the time of a job [s]."""
-    prepared = prepare(pb.load_scene(scene), resolve(controller), world)
+    prepared = prepare(scene, resolve(controller), world)
     failed: Counter[str] = Counter()
     missed = []
     start = time.process_time()
@@ -48,11 +49,12 @@ def main() -> None:
     """A line for each controller, and one for each kind of failure."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     world = sys.argv[2] if len(sys.argv) > 2 else "quasistatic"
-    scene = sys.argv[3] if len(sys.argv) > 3 else "lift"
+    name = sys.argv[3] if len(sys.argv) > 3 else "lift"
+    scene = pb.load_scene(name, parse_overrides(sys.argv[4:]))
     print(
         "controller     jobs  failed  median miss  95 % of the misses  95 % of |miss| below  time"
     )
-    for controller in CONTROLLERS[:1] if scene in ("lone", "handover") else CONTROLLERS:
+    for controller in CONTROLLERS[:1] if name in ("lone", "handover") else CONTROLLERS:
         failed, missed, job_s = jobs(controller, count, world, scene)
         low, median, high = 1e3 * np.quantile(missed, [0.025, 0.5, 0.975])
         within = 1e3 * np.quantile(np.abs(missed), 0.95)

@@ -95,15 +95,21 @@ class Lifting:
     palms."""
     in_air: tuple[int, ...]
     """The same with level pivots."""
+    held_rise_m: float
+    """The height difference of the pivots up to which properties 0 and 2 hold for contacts on the
+    inner half of the usable palms, where they are while the arms move."""
     permitted_rise_m: float
-    """The height difference of the pivots in the air up to which all properties hold for contacts
-    on the inner half of the usable palms, where they are while the arms move."""
+    """The same for all properties."""
     clear_rise_m: float
     """The same if the object also has to touch the palms nowhere else."""
     arms_differ_m: float
     """The largest height difference of two arms that move together: that of the pivots on the
-    floor or at a stand + rate × (lease + delay + tick) + the errors of both. If the arms differ
-    more while the pair carries, this difference."""
+    floor or at a stand + rate × (lease + delay + tick) + the errors of both."""
+    most_rate_m_per_s: float
+    """The greatest rate of the arms with which they differ by at most `permitted_rise_m`; or, up to
+    the default rate, by at most `held_rise_m`."""
+    raised_differ_m: float
+    """The largest height difference of the pivots while the pair carries."""
     refusals: tuple[str, ...]
     """Why the job cannot begin."""
     warnings: tuple[str, ...]
@@ -168,11 +174,12 @@ class Lifting:
             f"properties {on_floor if self.is_on_floor else 'with '}pivots level: "
             f"{numbers_of(self.in_air)}"
         )
+        held, permitted = map(millimetres, (self.held_rise_m, self.permitted_rise_m))
         yield (
             f"while both arms move, they differ by up to {millimetres(self.arms_differ_m)}; with "
-            "contacts on the inner half of the palms, the properties permit "
-            f"{millimetres(self.permitted_rise_m)}, and from {millimetres(self.clear_rise_m)} on "
-            "the object may touch a palm elsewhere"
+            f"contacts on the inner half of the palms, properties 0 and 2 permit {held}, all "
+            f"three {permitted}, and from {millimetres(self.clear_rise_m)} on the object may touch "
+            "a palm elsewhere"
         )
         yield from map(warning, self.warnings)
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from palmbots._types import SIDES, Side
 from palmbots._util.text import millimetres, rounded_down, rounded_up
 from palmbots.mechanics.lift_margins import Lifting, newtons, numbers_of
+from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene
 
 
@@ -20,6 +21,7 @@ def refusals(scene: Scene, found: Lifting) -> Iterator[str]:
             yield from _refusals_of_arm(scene, found, side)
         yield from _refusals_of_stand(scene, found, side)
     yield from _refusals_of_tops(scene, found)
+    yield from _refusals_of_moving_arms(scene, found)
     if found.from_stand_m is not None:
         yield from _refusals_of_noses(found)
     if found.picks_up:
@@ -102,6 +104,24 @@ def _refusals_of_tops(scene: Scene, found: Lifting) -> Iterator[str]:
         )
 
 
+def _refusals_of_moving_arms(scene: Scene, found: Lifting) -> Iterator[str]:
+    most, rates = found.most_rate_m_per_s, [scene.arm.of(side).rate_m_per_s for side in SIDES]
+    if found.held_rise_m > 0 and max(rates) > most:
+        allowed = (
+            f"at most {rounded_down(most, 3):g}"
+            if most >= ROWS["arm.rate_m_per_s"]["least"]
+            else "smaller arm.height_error_m, or palm angles nearer to each other"
+        )
+        which, limit = "the properties", found.permitted_rise_m
+        if found.arms_differ_m > found.held_rise_m:
+            which, limit = "properties 0 and 2", found.held_rise_m
+        yield (
+            f"arm.rate_m_per_s: value is {max(rates):g}, so the heights of the arms may differ by "
+            f"{millimetres(found.arms_differ_m)} while they move, and {which} hold only up to "
+            f"{millimetres(limit)}; allowed: {allowed}"
+        )
+
+
 def _refusals_of_stand(scene: Scene, found: Lifting, side: Side) -> Iterator[str]:
     own, arm = found.palms[side], scene.arm.of(side)
     lowest = max(own.pivot_m.right, arm.lowest_pivot_m)
@@ -163,8 +183,8 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
     """What may end it."""
     if (found.picks_up or found.from_stand_m is not None) and 1 not in found.where_centred:
         yield (
-            f"property 1 does not hold {_where(found)}: corrections may never centre both "
-            "contacts, or lose the object"
+            f"property 1 does not hold {_where(found)}: corrections may take longer, or never "
+            "centre both contacts"
         )
     for side in SIDES if found.picks_up else ():
         own, partner = found.palms[side], SIDES[1 - SIDES.index(side)]
@@ -196,14 +216,15 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
                 "palm that leaves last and is steeper than the friction angle, and may fall; it "
                 f"does not at {rounded_up(needed, 3):g} or more"
             )
-    if found.permitted_rise_m == 0:
+    if found.held_rise_m == 0:
         yield (
-            "in the air the properties do not hold, not even with contacts on the inner half of "
-            "the palms: a correction may lose the object"
+            "in the air properties 0 and 2 do not hold, not even with contacts on the inner half "
+            "of the palms: a correction may lose the object"
         )
-    elif found.arms_differ_m > found.permitted_rise_m:
+    elif found.raised_differ_m > found.permitted_rise_m:
         yield (
-            f"the heights of the arms may differ by {millimetres(found.arms_differ_m)} while they "
-            f"move, but the properties hold only up to {millimetres(found.permitted_rise_m)} "
-            "(arm.rate_m_per_s, arm.height_error_m, radio.lease_s)"
+            f"the heights of the arms may differ by {millimetres(found.raised_differ_m)} while the "
+            "pair carries, but property 1 holds only up to "
+            f"{millimetres(found.permitted_rise_m)}: corrections may never centre both contacts "
+            "(arm.height_error_m)"
         )

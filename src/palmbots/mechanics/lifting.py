@@ -30,6 +30,7 @@ from palmbots.mechanics.lifting_forces import (
 from palmbots.mechanics.lone import on_one_palm
 from palmbots.mechanics.lone_refusals import lone_lift
 from palmbots.mechanics.unlevel_pivots import PivotRises
+from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import as_given
 from palmbots.scene.spec import to_spec
@@ -38,6 +39,7 @@ _G = _core.standard_gravity
 _STEEPEST = math.radians(80)
 _HALVINGS = 50
 _LOWEST_HEEL_M = 1e-4  # any height stops a sharp edge
+_RATE_M_PER_S: float = ROWS["arm.rate_m_per_s"]["default"]
 _CENTRED = 0.5  # of the usable palm: where contacts are while the arms move
 
 
@@ -60,6 +62,11 @@ def lifting(scene: Scene) -> Lifting | None:
     plates = (shallow[0], shallow[1]), (steep[0], steep[1])
     docks = tuple(docking(body, plates[1], side) for side in (0, 1))
     rises, centred = PivotRises(spec), PivotRises(spec, _CENTRED)
+    permitted = centred.permitted_m(clear=False)
+    held = centred.permitted_m(clear=False, properties=(0, 2))
+    arms = [scene.arm.of(side) for side in SIDES]
+    errors, rate = sum(arm.height_error_m for arm in arms), max(arm.rate_m_per_s for arm in arms)
+    base, late = _start_rise(scene, spec, plates) + errors, _longest_alone_s(scene, spec)
     result = Lifting(
         picks_up=scene.task.ends[0] == "floor",
         puts_down=scene.task.ends[1] == "floor",
@@ -74,12 +81,12 @@ def lifting(scene: Scene) -> Lifting | None:
         ),
         on_floor=tuple(sorted(rises.on_floor())),
         in_air=tuple(sorted(rises.in_air())),
-        permitted_rise_m=centred.permitted_m(clear=False),
+        held_rise_m=held,
+        permitted_rise_m=permitted,
         clear_rise_m=centred.permitted_m(),
-        arms_differ_m=max(
-            _moving_arms_differ(scene, spec) + _start_rise(scene, spec, plates),
-            _raised_arms_differ(scene),
-        ),
+        arms_differ_m=base + rate * late,
+        most_rate_m_per_s=max((permitted - base) / late, min(_RATE_M_PER_S, (held - base) / late)),
+        raised_differ_m=abs(arms[0].carry_height_m - arms[1].carry_height_m) + errors,
         refusals=(),
         warnings=(),
         plates=plates,
@@ -225,21 +232,12 @@ def _least_angle(palm: _core.PalmSpec, lowest: float) -> float:
     return high
 
 
-def _moving_arms_differ(scene: Scene, spec: _core.Spec) -> float:
-    """How much farther than at their start the heights of two arms may differ while they move."""
-    arms = [scene.arm.of(side) for side in SIDES]
+def _longest_alone_s(scene: Scene, spec: _core.Spec) -> float:
+    """For how long one arm may move while the other one stands [s]."""
     table = _core.transition_table("shared-sign", spec)
     assert table is not None
-    lease = table["lease_s"]
-    late = lease + spec.longest_delay + scene.control.period_s
-    return max(arm.rate_m_per_s for arm in arms) * late + sum(arm.height_error_m for arm in arms)
-
-
-def _raised_arms_differ(scene: Scene) -> float:
-    """The largest height difference of the pivots while the pair carries."""
-    arms = [scene.arm.of(side) for side in SIDES]
-    apart = abs(arms[0].carry_height_m - arms[1].carry_height_m)
-    return apart + sum(arm.height_error_m for arm in arms)
+    lease: float = table["lease_s"]
+    return lease + spec.longest_delay + scene.control.period_s
 
 
 def _start_rise(
