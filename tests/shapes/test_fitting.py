@@ -132,12 +132,12 @@ def test_a_noisy_scan_of_a_rounded_box_has_four_corners(noise_m: float) -> None:
     assert fitted.deviation_m <= 0.00125
 
 
-def test_no_arc_has_a_circle_that_leaves_the_outline() -> None:
-    """A side that bulges by 2 mm about a radius of 1.6 m. In MuJoCo each arc is a whole ball."""
-    bulge = np.linspace(-0.05, 0.05, 60)
-    arc = np.column_stack(
-        [np.sqrt(1.6**2 - 0.08**2) - 1.6 * np.cos(bulge), 0.08 - 1.6 * np.sin(bulge)]
-    )
+@pytest.mark.parametrize("radius_m", [1.6, 6.4])
+def test_no_arc_has_a_circle_that_leaves_the_outline(radius_m: float) -> None:
+    """A side that bulges by 2 or by 0.5 mm. In MuJoCo each arc is a whole ball."""
+    bulge = np.linspace(-0.08, 0.08, 62)[1:-1] / radius_m
+    depth = radius_m * (np.cos(bulge) - math.cos(0.08 / radius_m))
+    arc = np.column_stack([-depth, 0.08 - radius_m * np.sin(bulge)])
     fitted = polygon_of(np.vstack([BOX, arc]), 0.00125, 32)
     assert fitted.deviation_m < 0.0002
     assert fitted.radii.max() < 0.1

@@ -113,7 +113,9 @@ class _Corner:
         lines = np.where(is_other, of_lines[:, 1], of_lines[:, 0])
         return np.where(is_arc, self.side * far - radius, lines), slopes, which
 
-    def radius(self, ring: Points, which: Any, most: float, limit: float) -> float | None:
+    def radius(
+        self, ring: Points, which: Any, most: float, limit: float, coarsest: float
+    ) -> float | None:
         """The radius up to `most` with the least greatest distance from some points of an outline;
         None: it is over the limit. The whole circle of an arc lies in the outline."""
         points = ring[which]
@@ -127,7 +129,7 @@ class _Corner:
         while inmost >= -limit and outmost <= limit:
             if high - low <= 1e-3 * most:
                 far = distance_of(self.centre(low), ring)
-                is_inside = far >= (1 - _FACET) * low - limit
+                is_inside = far >= low - _between(low, limit, coarsest)
                 return low if is_inside else 0.0 if ends(0.0)[0] >= -limit else None
             middle = (low + high) / 2
             least, greatest = ends(middle)
@@ -136,6 +138,11 @@ class _Corner:
             else:
                 high, inmost = middle, least
         return None
+
+
+def _between(radius: float, limit: float, coarsest: float) -> float:
+    """Distance from an arc that is allowed between the points of an outline: that of a facet."""
+    return max(limit, min(coarsest, _FACET * radius))
 
 
 def polygon_of(outline: Points, tolerance_m: float, most: int) -> Fitted:
@@ -273,13 +280,13 @@ def _corner_between(
     if room <= 0:
         return None
     span = _span(one, other)
-    radius = corner.radius(twice, span, room / max(math.tan(corner.turn / 2), 1e-9), limit)
+    most = room / max(math.tan(corner.turn / 2), 1e-9)
+    radius = corner.radius(twice, span, most, limit, coarsest)
     if radius is None:
         return None
     points = twice[span]
     middles = (points[1:] + points[:-1]) / 2
-    coarsest = max(limit, min(coarsest, _FACET * radius))
-    if (abs(corner.distances(middles, radius)) > coarsest).any():
+    if (abs(corner.distances(middles, radius)) > _between(radius, limit, coarsest)).any():
         return None
     return radius, float(abs(corner.distances(points, radius)).max())
 
@@ -355,7 +362,7 @@ def _with_radii(edges: list[_Edge], ring: Points, limit: float) -> list[_Edge]:
         radius = edge.radius
         if radius == 0 and 0 < corner.turn < _SHARPEST:
             most = float(room) / 2 / math.tan(corner.turn / 2)
-            radius = corner.radius(ring, edge.points, most, limit) or 0.0
+            radius = corner.radius(ring, edge.points, most, limit, limit) or 0.0
         found.append(edge._replace(radius=radius))
     return found
 
