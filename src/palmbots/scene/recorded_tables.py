@@ -89,8 +89,9 @@ def read_recording(
         for number, line in enumerate(text.splitlines(), 1)
         if (bare := line.lstrip()) and bare[0] != "#"
     ]
-    names = list(columns)
+    names, has_names = list(columns), False
     if lines and not _is_numbers(lines[0][1]):
+        has_names = True
         names = _split(lines.pop(0)[1])
         missing = [one for one in columns[:needed] if one not in names]
         if missing and instead not in names:
@@ -99,6 +100,12 @@ def read_recording(
     if len(lines) < least_rows:
         raise PalmbotsError(
             f"{name}: has {plural(len(lines), 'row')}; expected at least {least_rows}"
+        )
+    number, first = lines[0]
+    if (has_names and len(_split(first)) > len(names)) or {",", ";"} < {*first}:
+        raise PalmbotsError(
+            f"{name}: line {number} has decimal commas, or more numbers than there are names; "
+            "expected decimal points, and commas, semicolons or blanks between the numbers"
         )
     table = _table(name, lines, names, needed, expected)
     found = {key: table[:, names.index(key)] for key in columns if key in names[: table.shape[1]]}
