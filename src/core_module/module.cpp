@@ -5,6 +5,10 @@
 #include "bindings.hpp"
 #include "palmbots/base/wilson.hpp"
 
+namespace palmbots::bindings {
+void bind_displacement_filter(nb::module_& m);
+}
+
 NB_MODULE(_core, m) {
   m.doc() = "The compiled core of palmbots: mechanics, world, controllers, carries.";
   m.attr("z95") = palmbots::z95;
@@ -62,4 +66,5 @@ NB_MODULE(_core, m) {
   palmbots::bindings::bind_mode_machine(m);
   palmbots::bindings::bind_multi_contact(m);
   palmbots::bindings::bind_optimum(m);
+  palmbots::bindings::bind_displacement_filter(m);
 }

@@ -238,6 +238,8 @@ def test_what_is_no_such_log_is_refused(logs: list[Path], tmp_path: Path) -> Non
         pb.fit([tmp_path / "one.mcap"], motion=True)
     with refused(pb.PalmbotsError, match="one.mcap has [0-9] straight stretches"):
         pb.fit([tmp_path], motion=True)  # the folder of one carry stands for its log
+    with refused(pb.PalmbotsError, match=r"one.mcap: has the content of .*; expected each"):
+        pb.fit([logs[0], tmp_path / "one.mcap"])
     curved = pb.carry("paper", "silent", world="mujoco", overrides=CURVE)
     write_log(curved, tmp_path / "curve.mcap")
     with refused(pb.PalmbotsError, match="is of a curved path; expected carries on a straight"):

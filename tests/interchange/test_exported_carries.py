@@ -2,6 +2,7 @@
 """Carries in the formats of other programs, read with the packages of these programs."""
 
 import json
+import shutil
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ import palmbots as pb
 from palmbots._types import SIDES
 from palmbots.interchange import export, lerobot_sets
 from palmbots.mujoco.carry_files import save_carry
+from palmbots.views.run_replay import ReplayResult, replay_logs
 
 NOISY = {"robot.noise_m_s": 0.05, "task.distance_m": 0.3}
 SEEDS = 4
@@ -62,11 +64,18 @@ def _written(scene: str, folder: Path) -> Path:
 
 
 def test_a_log_gives_what_its_carry_gives(carries: list[Any], tmp_path: Path) -> None:
+    """The folder of `palmbots carry --out` stands for its log; one with several is refused."""
     save_carry(carries[0], tmp_path / "out")
-    pb.export(log=tmp_path / "out" / "carry.mcap", parquet=tmp_path / "log.parquet")
     pb.export("paper", overrides=NOISY, parquet=tmp_path / "carry.parquet")
-    one, other = (pd.read_parquet(tmp_path / f"{name}.parquet") for name in ("log", "carry"))
-    pd.testing.assert_frame_equal(one, other)
+    carried = pd.read_parquet(tmp_path / "carry.parquet")
+    for log in (tmp_path / "out" / "carry.mcap", tmp_path / "out"):
+        pb.export(log=log, parquet=tmp_path / "log.parquet")
+        pd.testing.assert_frame_equal(pd.read_parquet(tmp_path / "log.parquet"), carried)
+    replayed = replay_logs([tmp_path / "out"])
+    assert isinstance(replayed, ReplayResult) and replayed.identical
+    shutil.copy(tmp_path / "out" / "carry.mcap", tmp_path / "out" / "other.mcap")
+    with pytest.raises(pb.PalmbotsError, match="has 2 logs that are not of robots; expected"):
+        pb.export(log=tmp_path / "out", parquet=tmp_path / "log.parquet")
 
 
 def test_the_dynamic_world_has_its_own_variables(tmp_path: Path) -> None:

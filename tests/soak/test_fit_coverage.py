@@ -37,8 +37,8 @@ def test_a_bound_on_one_side_covers_0(index: int, key: str) -> None:
 
 
 RADIO = {"radio.loss": 0.1, "radio.latency_s": 0.03, "radio.jitter_s": 0.04}
-BOUNDED = ("position_noise_m", "radio.latency_s", "radio.jitter_s")
-"""Of logs: a value that is 0, and those that are known to a control period only."""
+BOUNDED = ("radio.latency_s", "radio.jitter_s")
+"""What logs show to a control period only."""
 
 
 @pytest.mark.parametrize("controller", ["shared-sign", "silent"])
@@ -46,9 +46,7 @@ def test_intervals_of_carries_cover_95_percent(controller: str) -> None:
     """400 fits of 4 carries each; `silent` has no radio. Between 90 and 98 % contain the value, and
     at least 90 % where the interval bounds it."""
     radio = RADIO if controller == "shared-sign" else {}
-    hidden = {**HIDDEN, "position_noise_m": 0.0, **radio}
-    if radio:
-        hidden["packets_lost"] = radio["radio.loss"]
+    hidden = {**HIDDEN, **radio}
     covered, unidentified = Counter[str](), Counter[str]()
     for number in range(FITS):
         of = carries_fitted(controller, number, 4, radio)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -12,6 +12,7 @@ from palmbots._util.report import Item, Line, Table
 from palmbots._util.text import plural
 from palmbots._util.toml_writer import toml_value
 from palmbots._version import __version__
+from palmbots.errors import PalmbotsError
 
 Value = float | bool | tuple[float, float]
 """Of a key: a number, a switch, or a point [x, y]."""
@@ -26,6 +27,21 @@ class Source:
 
     name: str
     sha256: str
+
+
+def refuse_twice(sources: Iterable[Source]) -> None:
+    """Refuse to fit a file twice: intervals would be too narrow.
+
+    Raises:
+        PalmbotsError: two files have the same content.
+    """
+    names: dict[str, str] = {}
+    for one in sources:
+        if one.sha256 in names:
+            raise PalmbotsError(
+                f"{one.name}: has the content of {names[one.sha256]}; expected each recording once"
+            )
+        names[one.sha256] = one.name
 
 
 @dataclass(frozen=True)

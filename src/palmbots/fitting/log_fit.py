@@ -11,7 +11,7 @@ from palmbots._util.report import Item, Line
 from palmbots._util.results import Result
 from palmbots._util.text import plural
 from palmbots.errors import PalmbotsError
-from palmbots.fitting.fitted_values import Value
+from palmbots.fitting.fitted_values import Value, refuse_twice
 from palmbots.fitting.motion_fit import MotionFit, fit_recorded
 from palmbots.fitting.object_fit import NothingIdentified, ObjectFit, fit_object
 from palmbots.fitting.radio_fit import RadioFit, fit_packets
@@ -74,6 +74,7 @@ def fit_logs(
         report(0.5 * run / len(files))
         carries.append(read_carry(file, run))
     sources = tuple(source for one in carries for source in one.sources)
+    refuse_twice(sources)
     why: list[str] = []
     of_robot = of_radio = of_object = None
     share = 0.3 if motion and radio else 0.5  # of the time: the robots

@@ -85,7 +85,7 @@ def fit_stretches(
         return of_stretches(parameters).sum(axis=1)
 
     free = np.ones(len(_STEPS), bool)
-    free[_BIAS] = has_bias
+    free[_BIAS], free[_POSITION] = has_bias, not all(one.is_exact for one in stretches)
     best, plain = _maxima(function, _starts(stretches, ends), free, ends)
     on_progress(_SEARCHES)
 
@@ -94,7 +94,7 @@ def fit_stretches(
 
     found = _intervals(of_stretches, function, arrays.runs, best, free, ends, of_intervals)
     return FittedStretches(
-        _estimates(best, found, stretches, has_bias, ends),
+        _estimates(best, found, stretches, free, ends),
         _displacements(stretches, arrays, best.place, plain.place),
         best.place,
     )
@@ -179,7 +179,7 @@ def _estimates(
     best: Maximum,
     found: list[tuple[float, float]],
     stretches: Sequence[Stretch],
-    has_bias: bool,
+    free: NDArray[np.bool_],
     ends: tuple[float, float],
 ) -> tuple[Estimate, ...]:
     """The estimates of scene keys, with the reason where one is not identified."""
@@ -205,18 +205,19 @@ def _estimates(
                 f"the stretches show {low:.2g} to {high:.2g} s, and it may be any of these times"
             )
         remark = f"it is at most {high:.2g} s; {low:.2g} s is the shortest that the fit tries"
+    exact = "the logs have the true positions"
     rows = [
         ("robot.gain", place[_GAIN], found[_GAIN], ""),
-        ("robot.bias_m_s", place[_BIAS], found[_BIAS], "" if has_bias else slow),
+        ("robot.bias_m_s", place[_BIAS], found[_BIAS], "" if free[_BIAS] else slow),
         ("robot.gain_sd", place[_GAIN_SD], found[_GAIN_SD], few_gains),
         ("robot.noise_m_s", place[_NOISE], found[_NOISE], few),
         ("robot.noise_tau_s", math.exp(place[_LOG_TAU]), (low, high), no_tau),
         ("robot.white_noise_m_per_sqrt_s", place[_WHITE], found[_WHITE], few),
-        ("position_noise_m", place[_POSITION], found[_POSITION], ""),
+        ("position_noise_m", place[_POSITION], found[_POSITION], "" if free[_POSITION] else exact),
     ]
     given = [
         Estimate(key, float(value), float(ends[0]), float(ends[1]), reason)
-        if reason != slow
+        if reason not in (slow, exact)
         else Estimate(key, reason=reason)
         for key, value, ends, reason in rows
     ]

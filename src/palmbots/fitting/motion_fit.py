@@ -22,6 +22,7 @@ from palmbots.fitting.fitted_values import (
     Estimate,
     FittedPart,
     Source,
+    refuse_twice,
 )
 from palmbots.fitting.motion_estimates import LEAST_STRETCHES, Displacements, fit_stretches
 from palmbots.fitting.motion_likelihood import Stretch
@@ -139,6 +140,7 @@ def fit_motion(
         stretches += found
         jumps += left_out
         sources += [Source(each.name, each.sha256) for each in (commands, positions)]
+    refuse_twice(sources[1::2])  # several runs may have the same commands
     return fit_recorded(
         stretches,
         tuple(sources),

@@ -25,18 +25,19 @@ While a robot stands, the noise n goes on without moving it. Controllers often s
 too fast, so n is not stationary when it starts again. The stretches of a robot between which it
 stands are therefore a *chain* with one gain, through which the filter keeps n.
 
-Many chains, and many sets of parameters, are filtered side by side.
+The filter is compiled: include/palmbots/robot/displacement_filter.hpp.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from palmbots import _core as core
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ PARAMETERS = ("gain", "bias_m_s", "gain_sd", "noise_m_s", "log_tau", "white", "p
 
 _LEAST_M = 1e-8
 """Least measurement noise [m], far below that of any instrument: a density stays finite."""
-_BLOCK = 16  # steps
+_DIGITS = 9  # of a time step in seconds: the rest is rounding
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,8 @@ class Stretch:
     NaN: no such stretch is known."""
     held_s: float = 0.0
     """How long the noise keeps a value: a control period of a simulation; 0 for real robots."""
+    is_exact: bool = False
+    """Whether the positions are the true ones: they have no noise of their own."""
     is_short: bool = False
     """Whether it serves only the likelihood, together with those before and after it."""
 
@@ -95,36 +98,31 @@ def chains_of(stretches: Sequence[Stretch]) -> list[list[Stretch]]:
 
 
 class Stretches:
-    """Chains of stretches as arrays, the longest first, so that those that have ended are a
-    tail."""
+    """Chains of stretches as arrays."""
 
     def __init__(self, stretches: Sequence[Stretch]) -> None:
-        self.chains = sorted(
-            chains_of(stretches), key=lambda chain: -sum(len(one.times_s) for one in chain)
-        )
+        self.chains = chains_of(stretches)
         self.lengths = np.array([sum(len(one.times_s) for one in chain) for chain in self.chains])
-        shape = int(self.lengths.max()), len(self.chains)
+        shape = len(self.chains), int(self.lengths.max())
         self._steps = np.zeros(shape)
         self._starts = np.zeros(shape, bool)
         """Where a stretch begins: the noise has gone on, the place is new."""
-        # What is filtered, by step: displacements beyond the commanded ones, and times.
-        self._measured = np.zeros((shape[0], 2, shape[1]))
-        self._commands = np.zeros(shape[1])
+        # What is filtered: displacements beyond the commanded ones, and times.
+        self._measured = np.zeros((*shape, 2))
+        self._commands = np.zeros(shape[0])
         for row, chain in enumerate(self.chains):
             way = sum(one.commanded_m[-1] - one.commanded_m[0] for one in chain)
             self._commands[row] = way / sum(one.times_s[-1] - one.times_s[0] for one in chain)
             first = 0
             for one in chain:
-                places = np.s_[first : first + len(one.times_s), row]
+                places = np.s_[row, first : first + len(one.times_s)]
                 self._steps[places] = np.diff(one.times_s, prepend=one.times_s[0] - one.stood_s)
-                self._starts[first, row] = True
+                self._starts[row, first] = True
                 commanded = one.commanded_m - one.commanded_m[0]
                 moved = one.positions_m - one.positions_m[0] - commanded
-                self._measured[places[0], 0, row] = moved
-                self._measured[places[0], 1, row] = commanded / self._commands[row]
+                self._measured[places] = np.column_stack([moved, commanded / self._commands[row]])
                 first += len(one.times_s)
-        self._steps[0] = 0.0
-        self._begins = set(np.flatnonzero(self._starts.any(axis=1)).tolist())
+        self._steps = np.round(self._steps, _DIGITS)
         self._held = np.array([chain[0].held_s for chain in self.chains])
         self.runs = np.array([chain[0].run for chain in self.chains])
 
@@ -140,7 +138,7 @@ class Stretches:
         sets = np.atleast_2d(parameters)
         # Sets that differ in the gain or in the bias only have one filter.
         alike, which = np.unique(_of_filter(sets), axis=0, return_inverse=True)
-        logs, squares, mixed, weights = self._filtered(alike)[:, which.ravel()]
+        logs, squares, mixed, weights = self._filtered(alike)[0][:, which.ravel()]
         mean, variance = self._speeds(sets)
         rest = squares - mean * (2 * mixed - mean * weights)
         spread = 1 + variance * weights
@@ -152,13 +150,11 @@ class Stretches:
         the second position of each stretch on: independent and standard normal where the model is
         right."""
         sets = np.atleast_2d(parameters)
-        errors: list[Floats] = []
-        self._filtered(_of_filter(sets), errors)
+        errors = self._filtered(_of_filter(sets))[1]
         found = []
         for row, (mean, variance) in enumerate(np.stack(self._speeds(sets))[:, 0].T):
-            steps = range(1, self.lengths[row])
-            of_steps = [errors[k - 1][:, 0, row] for k in steps if not self._starts[k, row]]
-            total, moved, time = np.array(of_steps).T
+            places = np.flatnonzero(~self._starts[row, : self.lengths[row]])
+            total, moved, time = errors[row, places].T
             # The speed as it is known from the positions before.
             mixed, weights = (
                 np.cumsum(one) - one for one in (moved * time / total, time * time / total)
@@ -173,84 +169,22 @@ class Stretches:
         gain, bias, gain_sd = sets.T[:3, :, None]
         return (gain - 1) * self._commands + bias, (gain_sd * self._commands) ** 2
 
-    def _filtered(self, sets: Floats, errors: list[Floats] | None = None) -> Floats:
-        """Σ log 2πT, Σ y²/T, Σ y t/T and Σ t²/T of each set and chain.
+    def _filtered(self, sets: Floats) -> tuple[Floats, Floats]:
+        """Σ log 2πT, Σ y²/T, Σ y t/T and Σ t²/T of each set and chain; T, y and t of the first set,
+        for each chain and position.
 
         Args:
             sets: rows of `_of_filter`.
-            errors: gets T, y and t of each step.
         """
-        log_tau, *squared = sets.T[:, :, None]
-        variance, diffusion, of_position = squared
-        diffusion = diffusion + variance * self._held**2 / (3 * np.exp(log_tau))
-        taus, which = np.unique(log_tau, return_inverse=True)
-        which = which.ravel() if len(taus) > 1 else np.s_[:]
-        shape = len(sets), len(self.lengths)
-        # States: the displacement s from the first position, of positions and times, and n.
-        s, n = np.zeros((2, *shape)), np.zeros((2, *shape))
-        sn = np.zeros(shape)
-        ss, nn = (np.broadcast_to(one, shape) for one in (of_position, variance))
-        sums = found = np.zeros((4, *shape))
-        steps = np.arange(1, len(self._steps))
-        lives = np.searchsorted(-self.lengths, -steps).tolist()
-        changes = self._changes(np.exp(taus)[:, None], which, variance, diffusion)
-        for k, live, of_step in zip(steps.tolist(), lives, changes, strict=True):
-            if live < ss.shape[1]:
-                s, n, ss, sn, nn, sums = (one[..., :live] for one in (s, n, ss, sn, nn, sums))
-            a, c, aa, of_ss, of_sn, of_nn = (one[:, :live] for one in of_step)
-            s = s + c * n
-            n = a * n
-            of_s = sn + c * nn
-            ss = ss + c * (sn + of_s) + of_ss
-            sn = a * of_s + of_sn
-            nn = aa * nn + of_nn
-            # The position is measured.
-            total = ss + of_position
-            error = self._measured[k, :, None, :live] - s
-            starts = self._starts[k, :live] if k in self._begins else None
-            if starts is not None:  # a flat prior: as if the position were known
-                s, error = np.where(starts, 0.0, s), np.where(starts, 0.0, error)
-                total = np.where(starts, 1.0, total)
-                sn = np.where(starts, 0.0, sn)
-            if errors is not None:
-                errors.append(np.array([total, *error]))
-            part = error / total
-            sums[0] += np.log(total)
-            sums[1:3] += error[0] * part
-            sums[3] += error[1] * part[1]
-            s, n = s + ss * part, n + sn * part
-            for_s = of_position / total
-            nn = nn - sn * (sn / total)
-            ss, sn = for_s * ss, for_s * sn
-            if starts is not None:
-                ss = np.where(starts, of_position, ss)
-        found[0] += np.log(2 * np.pi) * (self.lengths - self._starts.sum(axis=0))
-        return found
-
-    def _changes(
-        self, tau: Floats, which: Any, variance: Floats, diffusion: Floats
-    ) -> Iterator[tuple[Floats, ...]]:
-        """For each step a, c and a² of `_change`, and what it adds to the covariances."""
-        for first in range(1, len(self._steps), _BLOCK):  # at once: it is a few calls of NumPy
-            steps = self._steps[first : first + _BLOCK]
-            a, c, of_ss, of_sn, of_nn = _change(tau, steps)[:, :, which]
-            of_ss = variance * of_ss + diffusion * steps[:, None]
-            yield from zip(a, c, a * a, of_ss, variance * of_sn, variance * of_nn, strict=True)
-
-
-def _change(tau: Floats, steps: Floats) -> Floats:
-    """What a step h changes: n decays by a = e^(−h/τ) and adds c n to s. And what the drawn part of
-    n adds to the covariances, of a variance of 1: of s, of s and n, and of n.
-
-    Args:
-        tau: correlation times, in rows.
-        steps: h in any shape, to which an axis of correlation times is added before the last one.
-    """
-    x = steps[..., None, :] / tau
-    lost = -np.expm1(-x)
-    short = x * x * x * (2 / 3 - x * (0.5 - x * (7 / 30)))  # the same, without rounding
-    added = np.where(x < 1e-2, short, 2 * x - lost * (2 + lost))
-    return np.stack([1 - lost, tau * lost, tau * tau * added, tau * lost * lost, lost * (2 - lost)])
+        models = np.repeat(sets[None], len(self.chains), axis=0)
+        tau, variance = np.exp(models[..., 0]), models[..., 1]
+        models[..., 0] = tau
+        models[..., 2] += variance * self._held[:, None] ** 2 / (3 * tau)
+        sums, errors = core.filter_displacements(
+            models, self._steps, self._measured, self._starts, self.lengths
+        )
+        sums[0] += np.log(2 * np.pi) * (self.lengths - self._starts.sum(axis=1))
+        return sums, errors
 
 
 def _of_filter(sets: Floats) -> Floats:

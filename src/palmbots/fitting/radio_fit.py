@@ -21,6 +21,7 @@ from palmbots.fitting.fitted_values import (
     Estimate,
     FittedPart,
     Source,
+    refuse_twice,
 )
 from palmbots.fitting.loss_likelihood import LossFit
 from palmbots.fitting.recorded_packets import DelayKind, Packets, read_packets
@@ -117,6 +118,7 @@ def fit_radio(
     for number, file in enumerate(files):
         report(0.7 * number / len(files))
         runs.append(read_packets(file))
+    refuse_twice(one.source for one in runs)
     for one in runs:
         if one.delay_kind != runs[0].delay_kind:
             raise PalmbotsError(

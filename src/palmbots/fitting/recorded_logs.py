@@ -19,7 +19,6 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +33,9 @@ from palmbots.fitting.recorded_packets import Packets, packets_of
 from palmbots.fitting.speed_steps import Step, steps_in
 from palmbots.fitting.straight_stretches import LEAST_S, MOST_S, SLOWEST_M_S, thinned
 from palmbots.logs.mcap_reader import read_log
-from palmbots.logs.run_log_reader import RunLog, is_run_log
+from palmbots.logs.run_log_reader import RunLog, log_of_carry
 from palmbots.simulation.result import Carry
+from palmbots.simulation.worlds import DEFAULT_WORLD
 from palmbots.views.log_alignment import ClockFit, Stamp, align, traffic
 from palmbots.views.run_figures import WORLD as ROBOTS
 from palmbots.views.run_figures import carry_of
@@ -53,22 +53,6 @@ def are_logs(files: Sequence[str | os.PathLike[str]]) -> bool:
     """Whether all files are logs of carries, or folders with the logs of robots."""
     paths = [user_path(file) for file in files]
     return bool(paths) and all(path.is_dir() or path.suffix == ".mcap" for path in paths)
-
-
-def _file_of_one_carry(place: Path) -> Path:
-    """The log in a folder that `palmbots carry --out` wrote; any other path as it is.
-
-    Raises:
-        PalmbotsError: the folder has the logs of several carries.
-    """
-    logs = sorted(place.glob("*.mcap")) if place.is_dir() else []
-    of_carries = [one for one in logs if not is_run_log(one)]
-    if len(of_carries) > 1:
-        raise PalmbotsError(
-            f"{place}: has {len(of_carries)} logs that are not of robots; expected the log of one "
-            f"carry, the logs of a pair of robots, or the files ({place / '*.mcap'})"
-        )
-    return of_carries[0] if len(logs) == len(of_carries) == 1 else place
 
 
 @dataclass(frozen=True)
@@ -93,14 +77,15 @@ def read_carry(path: str | os.PathLike[str], run: int) -> RecordedCarry:
     Raises:
         PalmbotsError: it cannot be read, shows no carry, or one on a curved path.
     """
-    place = _file_of_one_carry(user_path(path))
-    if place.is_dir():
+    place = user_path(path)
+    file = log_of_carry(place) if place.is_dir() else place
+    if file is None:
         logs = read_run([place])
         clocks = align(logs)
         carry = carry_of(logs, clocks)
         links = packets_between(logs, clocks)
     else:
-        carry = read_log(place)
+        carry = read_log(file)
         links = packets_in(carry)
     if carry.scene.task.path.is_curved:
         raise PalmbotsError(f"{path}: is of a curved path; expected carries on a straight one")
@@ -124,6 +109,7 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
     assert trace is not None
     times = trace["time"].to_numpy()
     held_s = 0.0 if carry.world == ROBOTS else carry.scene.control.period_s
+    is_exact = carry.world == DEFAULT_WORLD
     for number, side in enumerate(SIDES):
         moved = _moved(carry, side)
         wanted = trace["commanded"].to_numpy()[:, number]
@@ -137,7 +123,8 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
             every = np.arange(first, after)
             rows = every[times[every] < times[first] + MOST_S]
             is_cut = len(rows) < len(every)
-            rows = rows[thinned(times[rows], wanted[rows])]
+            if not is_exact:
+                rows = rows[thinned(times[rows], wanted[rows])]
             if len(rows) < 2:
                 continue
             duration = times[rows[-1]] - times[rows[0]]
@@ -149,6 +136,7 @@ def stretches_in(carry: Carry, run: int) -> Iterator[Stretch]:
                 run,
                 stood_s=times[first] - last_s,
                 held_s=held_s,
+                is_exact=is_exact,
                 is_short=bool(duration <= LEAST_S or way <= SLOWEST_M_S * duration),
             )
             last_s = math.nan if is_cut else times[rows[-1]]

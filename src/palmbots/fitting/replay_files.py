@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from palmbots._util.atomic_files import folder, write_whole
 from palmbots.fitting.fitted_values import Replay, Source
 from palmbots.fitting.motion_likelihood import Stretch
 from palmbots.fitting.recorded_packets import Packets
+from palmbots.fitting.straight_stretches import thinned
 
 Floats = NDArray[np.float64]
 
@@ -82,7 +84,7 @@ def error_replay(stretches: Sequence[Stretch], parameters: Floats, reason: str) 
     if reason:
         return Replay(key=key, reason=reason)
     lines = ["segment,time_s,error_m,gain"]
-    for number, one in enumerate(used):
+    for number, one in enumerate(map(_thinned, used)):
         errors, gain = smoothed(one, parameters)
         times = one.times_s - one.times_s[0]
         lines += [
@@ -90,6 +92,14 @@ def error_replay(stretches: Sequence[Stretch], parameters: Floats, reason: str) 
             for time, error in zip(times, errors, strict=True)
         ]
     return Replay("robot-errors.csv", key, "\n".join(lines))
+
+
+def _thinned(stretch: Stretch) -> Stretch:
+    rows = thinned(stretch.times_s)
+    times_s, positions_m, commanded_m = (
+        values[rows] for values in (stretch.times_s, stretch.positions_m, stretch.commanded_m)
+    )
+    return replace(stretch, times_s=times_s, positions_m=positions_m, commanded_m=commanded_m)
 
 
 def fate_replay(runs: Sequence[Packets]) -> Replay:

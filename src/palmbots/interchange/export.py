@@ -21,7 +21,7 @@ from palmbots.interchange.carry_tables import write_table
 from palmbots.interchange.lerobot_sets import frames_per_second, write_dataset
 from palmbots.interchange.ros_bags import write_bag
 from palmbots.logs.mcap_reader import read_log
-from palmbots.logs.run_log_reader import is_run_log
+from palmbots.logs.run_log_reader import log_of_carry
 from palmbots.mujoco.mjcf import mjcf as scene_mjcf
 from palmbots.mujoco.urdf import robot_urdf
 from palmbots.scene.scene import Scene, SceneLike, load_scene
@@ -195,7 +195,7 @@ def _check_of_log(scene: Scene, controller: ControllerLike) -> None:
 
 def _carry_in(log: Path) -> Carry:
     """The carry of a log, or the last one of the robots' logs in a folder."""
-    if not log.is_dir() and not is_run_log(log):
-        return read_log(log)
+    if (file := log_of_carry(log)) is not None:
+        return read_log(file)
     logs = read_run([log])
     return carry_of(logs, align(logs))

@@ -90,6 +90,25 @@ def is_run_log(path: str | os.PathLike[str]) -> bool:
         return False
 
 
+def log_of_carry(place: Path) -> Path | None:
+    """This file, or the only log in this folder, as `palmbots carry --out` wrote it; None: these
+    are logs of robots.
+
+    Raises:
+        PalmbotsError: the folder has the logs of several carries.
+    """
+    if not place.is_dir():
+        return None if is_run_log(place) else place
+    logs = sorted(place.glob("*.mcap"))
+    of_carries = [one for one in logs if not is_run_log(one)]
+    if len(of_carries) > 1:
+        raise PalmbotsError(
+            f"{place}: has {len(of_carries)} logs that are not of robots; expected the log of one "
+            f"carry, the logs of a pair of robots, or the files ({place / '*.mcap'})"
+        )
+    return of_carries[0] if len(logs) == len(of_carries) == 1 else None
+
+
 def read_run_log(path: str | os.PathLike[str]) -> RunLog:
     """Read the log of a program of a pair.
 

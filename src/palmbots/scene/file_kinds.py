@@ -60,7 +60,7 @@ CERTIFICATE = FileKind(
 )
 LOG = FileKind(
     "a log",
-    "palmbots replay and view",
+    "palmbots replay, view, fit and export --log",
     "palmbots carry --out, up and robot write them",
     mark=r"\x89MCAP0",
 )

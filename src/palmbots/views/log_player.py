@@ -12,7 +12,7 @@ from mcap.stream_reader import StreamReader
 
 from palmbots.errors import PalmbotsError
 from palmbots.logs.mcap_writer import write_log
-from palmbots.logs.run_log_reader import is_run_log
+from palmbots.logs.run_log_reader import log_of_carry
 from palmbots.scene.file_kinds import LOG, refuse_other_kind
 from palmbots.views.estimated_carry import drawn_contact
 from palmbots.views.foxglove_server import FoxgloveServer
@@ -35,8 +35,8 @@ def viewable(paths: Sequence[Path], folder: Path) -> Path:
     Raises:
         PalmbotsError: a log cannot be read, or the logs show no carry.
     """
-    if len(paths) == 1 and not paths[0].is_dir() and not is_run_log(paths[0]):
-        return paths[0]
+    if len(paths) == 1 and (file := log_of_carry(paths[0])) is not None:
+        return file
     logs = read_run(list(paths))
     carry = carry_of(logs, replay_run(logs).clocks)
     assert carry.trace is not None

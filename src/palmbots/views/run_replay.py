@@ -22,7 +22,7 @@ from palmbots.control.python_source import ControllerSource
 from palmbots.control.registry import recover
 from palmbots.errors import PalmbotsError
 from palmbots.logs.replaying import ReplayResult, replay
-from palmbots.logs.run_log_reader import RunLog, is_run_log, read_run_log
+from palmbots.logs.run_log_reader import RunLog, log_of_carry, read_run_log
 from palmbots.robot.logged_steps import READING
 from palmbots.scene.scene import load_scene
 from palmbots.scene.spec import to_spec
@@ -126,8 +126,8 @@ def replay_logs(logs: Sequence[str | PathLike[str]]) -> ReplayResult | RunReplay
         PalmbotsError: a log cannot be read or run again, or the logs are of different pairs.
     """
     paths = [user_path(log) for log in logs]
-    if len(paths) == 1 and not paths[0].is_dir() and not is_run_log(paths[0]):
-        return replay(paths[0])
+    if len(paths) == 1 and (file := log_of_carry(paths[0])) is not None:
+        return replay(file)
     return replay_run(read_run(paths))
 
 
