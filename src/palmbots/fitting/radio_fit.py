@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from palmbots._util.confidence_intervals import clopper_pearson
+from palmbots._util.confidence_intervals import Z95, clopper_pearson, student_t95
 from palmbots._util.plain_values import NOT_IN_JSON
 from palmbots._util.results import Result
 from palmbots._util.text import plural
@@ -175,9 +175,10 @@ def fit_packets(runs: Sequence[Packets], sources: Sequence[Source] = ()) -> Radi
 
 def _parts(runs: Sequence[Packets], of: Callable[[Packets], Floats]) -> list[Floats]:
     """What the bootstrap draws: runs, or pieces of them."""
-    if len(runs) >= LEAST_RUNS:
-        return [of(one) for one in runs]
-    return [part for one in runs for part in np.array_split(of(one), _PIECES) if part.size]
+    whole = [part for part in map(of, runs) if part.size]
+    if len(whole) >= LEAST_RUNS:
+        return whole
+    return [part for one in whole for part in np.array_split(one, _PIECES) if part.size]
 
 
 def _draws(parts: int) -> NDArray[np.int64]:
@@ -255,7 +256,7 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
     if why:
         rest = [Estimate("delay", reason=why)]
         return [*(Estimate(key, reason=why) for key in (latency, jitter)), *rest], None
-    parts = [part for part in _parts(runs, lambda one: one.delays_s) if part.size]
+    parts = _parts(runs, lambda one: one.delays_s)
     everything = np.concatenate(parts)
     ways = 2 if kind == "round trip" else 1
     least, middle = float(everything.min()), float(np.median(everything))
@@ -273,7 +274,11 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
         drawn.append(ordered[np.minimum(places, len(ordered) - 1)])
     spread = np.array(drawn)
     ends = np.quantile(spread, (0.025, 0.975), axis=0).T
+    # Quantiles of a bootstrap over few parts are as narrow as those of a normal distribution.
+    count = len(parts)
+    grown = student_t95(count - 1) / Z95 * math.sqrt(count / (count - 1))
     of_jitter = np.quantile(2 * (spread[:, 1] - spread[:, 0]), (0.025, 0.975))
+    of_jitter = ways * width + grown * (of_jitter - ways * width)
     # No packet has the least delay of the model, so the latency is below the least one that was
     # seen, with 95 % by at most this.
     share = -math.expm1(math.log(0.05) / len(everything))
@@ -299,8 +304,8 @@ def _delays(runs: Sequence[Packets]) -> tuple[list[Estimate], Callable[[Floats],
             reason = f"needs {need:,} packets; there are {len(everything):,}"
             found.append(Estimate(key, reason=reason))
         else:
-            low, high = ends[column]
             value = float(np.quantile(everything, q))
+            low, high = value + grown * (ends[column] - value)
             found.append(Estimate(key, value, min(value, low), max(value, high)))
 
     def model(shares: Floats) -> Floats:
