@@ -2,6 +2,7 @@
 """Random jobs on the floor in both worlds: do they end alike where the end is certain?
 
 .venv/bin/python tests/support/lift_agreement.py FROM TO     compares the jobs of these seeds
+.venv/bin/python tests/support/lift_agreement.py yaw         bisects the yaw with which jobs succeed
 
 A start has *margin* if in the quasistatic world the job ends alike (success, or what was not
 achieved) under each of these changes alone, in both directions, and under `NEARBY` random
@@ -181,7 +182,26 @@ def can_start(seed: int) -> bool:
         return False
 
 
+def largest_yaw_deg(left: float, right: float, seed: int) -> float:
+    """The angle, times these factors, by which robots may be askew, to 1° (MuJoCo)."""
+    low, high = 2.0, 60.0
+    while high - low > 1:
+        middle = 0.5 * (low + high)
+        end = mujoco_end({"task.distance_m": 0.1}, seed, (left * middle, right * middle))
+        low, high = (middle, high) if end == "delivered" else (low, middle)
+    return low
+
+
+def print_largest_yaws() -> None:
+    for left, right in ((1.0, 1.0), (1.0, -1.0), (1.0, 0.0)):
+        found = [largest_yaw_deg(left, right, seed) for seed in (1, 2, 3)]
+        print(f"left {left:g}, right {right:g}:", *(f"{yaw:.1f}°" for yaw in found))
+
+
 if __name__ == "__main__":
+    if sys.argv[1:] == ["yaw"]:
+        print_largest_yaws()
+        sys.exit()
     first, end = map(int, sys.argv[1:])
     pairs = [compare(seed) for seed in range(first, end) if can_start(seed)]
     certain = [one for one in pairs if one is not None]
