@@ -143,6 +143,29 @@ def test_a_robot_restarts_in_any_phase(at_s: float, robot: str) -> None:
     assert carry.outcome == "delivered", (job(carry).failure, carry.reason)
 
 
+def test_a_retreat_drags_the_object_no_farther_than_a_robot_drives() -> None:
+    """A robot waits below one corner for a partner that is off, and then retreats."""
+    rng = np.random.default_rng(20)
+    farthest = 0.0
+    for seed in range(20):
+        off = {"kind": "reboot", "robot": str(rng.choice(SIDES)), "at_s": float(rng.uniform(0, 6))}
+        keys: dict[str, Any] = {
+            "palm.friction": float(rng.uniform(0.29, 0.45)),
+            "floor.friction": float(rng.uniform(0.1, 0.6)),
+            "robot.noise_m_s": 0.0,
+            "faults.script": [off | {"duration_s": 60}],
+            "task.timeout_s": 70.0,
+        } | ({"object": "bottle"} if rng.random() < 0.5 else {})
+        drives = 1.5 * to_spec(load_scene("lift", keys)).palms[0].usable
+        phases = job(pb.carry("lift", "shared-sign", seed=seed, overrides=keys)).phases
+        for begun in (one for one in phases if one.phase == "back_off"):
+            ended = next(
+                one for one in phases if (one.robot, one.start_s) == (begun.robot, begun.end_s)
+            )
+            farthest = max(farthest, abs(ended.moved_m - begun.moved_m) / drives)
+    assert 0.2 < farthest < 1  # 0.44
+
+
 def test_a_robot_that_stays_off_leaves_the_object_in_the_air() -> None:
     """Its partner stops and holds; it does not lower alone."""
     fault = {"kind": "reboot", "robot": "left", "at_s": 9.0, "duration_s": 100}

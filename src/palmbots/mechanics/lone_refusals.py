@@ -134,6 +134,7 @@ def warnings_of(found: LoneLift) -> Iterator[str]:
     """What may end it."""
     if found.floor_friction < found.least_floor_friction:
         yield (
-            f"floor.friction is {found.floor_friction:g}: the palm pushes the object away as it "
-            f"leaves; it does not at {rounded_up(found.least_floor_friction, 3):g} or more"
+            f"floor.friction is {found.floor_friction:g}: the object slides by itself down the "
+            "palm that leaves, and may fall; it does not at "
+            f"{rounded_up(found.least_floor_friction, 3):g} or more"
         )
