@@ -44,6 +44,10 @@ test-slow: $(VENV)/strict.done  ## the tests that take long: C++ under sanitizer
 	$(BIN)/python tests/support/cxx.py
 	$(PYTEST) -m slow
 
+test-all: $(VENV)/strict.done lint  ## make test and make test-slow at once; the tests are collected once
+	$(BIN)/python tests/support/cxx.py
+	$(PYTEST) --durations=20
+
 test-robot: $(VENV)/strict.done $(VENV)/robot.done  ## world and robots as processes: the same carries as inside one program
 	$(BIN)/python -m pytest tests/processes --numprocesses 4 --dist worksteal
 
@@ -223,5 +227,5 @@ $(VENV)/strict.done: $(EXTENSION) $(VENV)/test.done
 # Targets share .venv and build/.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: wheels test-wheels coverage mutation docs book paper sbom help carry build quick site serve-site test test-robot test-site verify firmware emulate \
+.PHONY: test-all wheels test-wheels coverage mutation docs book paper sbom help carry build quick site serve-site test test-robot test-site verify firmware emulate \
 	test-firmware lint style format types soak fuzz bench lock clean
