@@ -2,6 +2,7 @@
 """The final place that is stated before the start: further jobs keep its interval. And
 ``task.dock = "one-first"``, with which it is narrow."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,8 @@ def test_parts_add_up_and_are_those_of_the_trace() -> None:
     found = carry.floor_job
     assert found is not None and carry.trace is not None
     parts = contributions(found, carry.scene.task.distance_m)
+    assert parts is not None
+    assert contributions(replace(found, phases=found.phases[:3]), 1.5) is None
     assert sum(parts) == pytest.approx(found.missed_m)
     times = carry.trace["time"].to_numpy()
     begin = [max(one.start_s for one in found.phases if one.phase == n) for n in ("carry", "down")]

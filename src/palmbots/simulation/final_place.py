@@ -50,7 +50,8 @@ class PlacePart:
     the rest."""
     mean_m: float
     interval_m: Interval
-    """Contains the contributions of 95 % of the jobs that succeed."""
+    """Contains the contributions of 95 % of the jobs that succeed and whose phases were all
+    recorded."""
     share: float
     """Share of the variance of the miss: cov(part, miss) / var(miss). The shares add up to 1."""
 
@@ -158,9 +159,11 @@ def final_place(
     succeeded = [one for one in found if one.failure is None]
     if len(succeeded) < 2:
         raise PalmbotsError(f"final-place: {count - len(succeeded)} of {count} jobs failed")
-    parts = np.array([contributions(one, chosen.task.distance_m) for one in succeeded])
-    miss = parts.sum(axis=1)
-    spread = float(miss.var())
+    miss = np.array([one.moved_m for one in succeeded]) - chosen.task.distance_m
+    recorded = [contributions(one, chosen.task.distance_m) for one in succeeded]
+    parts = np.array([one for one in recorded if one is not None]).reshape(-1, len(_PARTS))
+    together = parts.sum(axis=1)
+    spread = float(together.var()) if len(parts) > 1 else 0.0
     return FinalPlace(
         controller=entry.name,
         jobs=count,
@@ -172,26 +175,30 @@ def final_place(
                 name,
                 float(column.mean()),
                 _covered(column),
-                float(np.mean((column - column.mean()) * (miss - miss.mean()))) / spread
+                float(np.mean((column - column.mean()) * (together - together.mean()))) / spread
                 if spread > 0
                 else 0.0,
             )
             for name, column in zip(_PARTS, parts.T, strict=True)
+            if len(parts) > 1
         ),
         scene=chosen,
     )
 
 
-def contributions(job: FloorJob, distance_m: float) -> tuple[float, float, float]:
-    """What docking, travel and leaving contribute to the miss of a job that succeeded [m]."""
+def contributions(job: FloorJob, distance_m: float) -> tuple[float, float, float] | None:
+    """What docking, travel and leaving contribute to the miss of a job that succeeded [m]; None: it
+    had so many phases that not all were recorded."""
 
     def begun(by_one: str, by_both: str) -> list[float]:
         """Where the object was when a phase began; on one palm, for each robot that carries it."""
         places = [one.moved_m for one in job.phases if one.phase == by_one]
         both = [(one.start_s, one.moved_m) for one in job.phases if one.phase == by_both]
-        return places or [max(both)[1]]
+        return places or [place for _, place in sorted(both)[-1:]]
 
     held, down = begun("haul", "carry"), begun("tip_out", "down")
+    if not held or not down:
+        return None
     travel, leaving = sum(down) - sum(held) - distance_m, job.moved_m - down[-1]
     return job.moved_m - distance_m - travel - leaving, travel, leaving
 
