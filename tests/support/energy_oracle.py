@@ -29,6 +29,10 @@ MISSING = 3e-5  # of the forces times the ways of the palms: what curvature may 
 EITHER = 1e-9
 HALVINGS = 10  # of a period: motions with an event that are shorter have no forces of their own
 JUMP = 5.0  # by so many times the ways of the palms the object may rise or fall in these
+# Where it goes farther, they are halved so often again. Near the end of the poses in which two
+# sliding contacts balance, the object moves as the root of the ways: the motion then becomes
+# shorter than this [m]. A jump would not.
+FAST, SHORT = 9, 3e-6
 
 
 class Energy(NamedTuple):
@@ -154,7 +158,9 @@ class EnergyOracle:
         share = math.inf  # of what curvature may explain
         if energy is not None:
             share = abs(energy.missing) / (MISSING * energy.forces * ways + EITHER)
-        if share > 1.0 and halvings:
+        gained = potential(self.oracle, after.pose) - potential(self.oracle, before.pose)
+        is_far = abs(gained) > JUMP * ways
+        if share > 1.0 and halvings > (-FAST if is_far else 0):
             (lx, ly), (rx, ry) = by
             half = ((0.5 * lx, 0.5 * ly), (0.5 * rx, 0.5 * ry))
             left, right = (0.5 * (a + b) for a, b in zip(twin.palms, palms, strict=True))
@@ -165,9 +171,8 @@ class EnergyOracle:
             return twin, reason
         if energy is None and pieces > 1:
             into.events += 1
-            gained = potential(self.oracle, after.pose) - potential(self.oracle, before.pose)
             into.longest_jump = max(into.longest_jump, abs(gained) / ways)
-            if abs(gained) > JUMP * ways:
+            if is_far and abs(gained) > SHORT:
                 into.faults.append(f"rises by {gained:.2g} m where palms move by {ways:.2g} m")
             return world, ""
         into.motions += 1
