@@ -28,6 +28,7 @@ from rich.table import Table
 
 from _machine import processor
 from palmbots.links.local_connection import Connection, ConnectionLost, listen
+from palmbots.links.reading_frame import ReadingFrame
 from palmbots.pair.launcher import free_addresses
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.wire import Endpoint, Hello, Operate
@@ -74,7 +75,7 @@ def measured(seconds: float) -> tuple[dict[str, float], dict[str, Any]]:
             stream, _ = door.accept()
             world = Connection(stream, "robot")
             world.receive(60)
-            world.send([0, True, 0.0])
+            world.send(ReadingFrame(0, True, 0.0, 0))
             world.receive(60)
             figures = {
                 "to the first tick [s]": time.monotonic() - start_s,
@@ -86,7 +87,7 @@ def measured(seconds: float) -> tuple[dict[str, float], dict[str, Any]]:
                 if tick == 100:
                     before_s, since_s = cpu_s(process.pid), time.monotonic()
                 with contextlib.suppress(ConnectionLost):
-                    world.offer([(tick // 50) % 3 - 1, True, 0.0006 * tick % 1.0])
+                    world.offer(ReadingFrame((tick // 50) % 3 - 1, True, 0.0006 * tick % 1.0, 0))
                     while world.poll() is not None:
                         pass
                 with contextlib.suppress(BlockingIOError):

@@ -13,6 +13,7 @@ from json_output import records
 from palmbots.clocks.control_clock import ControlClock
 from palmbots.drivers.driver import Drive, Reading
 from palmbots.links.local_connection import Connection, listen
+from palmbots.links.reading_frame import ReadingFrame
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.robot import live_robot
 from palmbots.wire import Endpoint, Hello, Operate
@@ -147,7 +148,7 @@ sys.exit(run(["robot", {str(tmp_path / "pair.toml")!r}, "--side", "left"]))
             stream, _ = door.accept()
             with Connection(stream, "robot") as world:
                 world.receive(60)
-                world.send([0, True, 0.0, 0])
+                world.send(ReadingFrame(0, True, 0.0, 0))
                 world.receive(60)
             _, errors = process.communicate(timeout=60)
     assert process.returncode == 2 and "world" in errors, (process.returncode, errors)
