@@ -26,17 +26,6 @@ using SurfaceNumbers = std::array<std::size_t, max_supports>;
 
 namespace detail {
 
-// The supports with other friction angles, kept from 0° to 89°.
-inline Supports at_friction_angles(Supports supports,
-                                   const std::array<double, max_supports>& changes) {
-  constexpr double steepest = 89.0 * radians_per_degree<double>;
-  for (std::size_t i = 0; i < supports.size(); ++i) {
-    const double own = angle_of(supports[i].friction, 1.0);
-    supports[i].friction = tangent(clamp(own + changes[i], 0.0, larger(steepest, own)));
-  }
-  return supports;
-}
-
 // The first change [rad] up to `most` at which something no longer holds; infinite: none.
 template <class Holds>
 double first_end(Holds holds, double most) {
@@ -51,28 +40,38 @@ double first_end(Holds holds, double most) {
 
 }  // namespace detail
 
-// The margin of a contact mode.
+// The margin of a contact mode. Friction angles are kept from 0° to 89°.
 inline ModeMargin margin_of(const Supports& supports, const Motions& motions, double slope,
                             const SurfaceNumbers& surfaces) {
-  constexpr double most = 89.0 * radians_per_degree<double>;
+  constexpr double steepest = 89.0 * radians_per_degree<double>;
   // More friction permits all forces that less of it does, so where all contacts of a surface stick,
   // only less of it can end the mode.
   std::uint32_t stay = 0;    // bits of the surfaces with contacts that stay
   std::uint32_t slides = 0;  // those of them with a contact that slides
+  std::array<double, max_supports> angles{};
   for (std::size_t i = 0; i < supports.size(); ++i) {
     const std::uint32_t bit = std::uint32_t{1} << surfaces[i];
     if (motions[i] != Motion::leave) stay |= bit;
     if (motions[i] == Motion::up || motions[i] == Motion::down) slides |= bit;
+    angles[i] = angle_of(supports[i].friction, 1.0);
   }
   ModeMargin found{std::numeric_limits<double>::infinity(), supports};
   for (std::uint32_t grow = 0;;
        grow = (grow - slides) & slides) {  // each subset of those that slide
+    const auto is_in = [&](std::uint32_t bits, std::size_t i) {
+      return (bits >> surfaces[i] & 1) != 0;
+    };
+    double most = 0.0;  // larger changes have no further effect
+    for (std::size_t i = 0; i < supports.size(); ++i)
+      if (is_in(stay, i)) most = larger(most, is_in(grow, i) ? steepest - angles[i] : angles[i]);
     const auto changed = [&](double by) {
-      std::array<double, max_supports> changes{};
+      Supports other = supports;
       for (std::size_t i = 0; i < supports.size(); ++i) {
-        if ((stay >> surfaces[i] & 1) != 0) changes[i] = (grow >> surfaces[i] & 1) != 0 ? by : -by;
+        const double angle = angles[i] + (is_in(grow, i) ? by : -by);
+        if (is_in(stay, i))
+          other[i].friction = tangent(clamp(angle, 0.0, larger(steepest, angles[i])));
       }
-      return detail::at_friction_angles(supports, changes);
+      return other;
     };
     const auto holds = [&](double by) { return balances(changed(by), motions, slope); };
     const double end = detail::first_end(holds, smaller(found.angle, most));

@@ -329,9 +329,10 @@ void two_vertices(int scenes) {
       Regime regime{};
       Neighbourhood around;
       AmbiguousEvents ambiguous;
-      const Advance<double> done = ContactStep(problem, travel, pose, regime, around, ambiguous,
-                                               1e-13, [](const Instant&, double) {})
-                                       .run();
+      const Advance<double> done =
+          ContactStep(problem, travel, pose, regime, around, ambiguous, 1e-13,
+                      [](const Instant&, double, const ActivePairs&) {})
+              .run();
       CHECK(done.reason == DropReason::none && regime.active.size() == 2);
       for (const std::size_t side : {left, right}) {
         const double place =
