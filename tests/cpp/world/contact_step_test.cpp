@@ -169,9 +169,10 @@ Advance<double> step(Scene& s, Regime& regime, double slope, const PalmPose (&by
   const Travel travel = travel_of(s, by, share);
   AmbiguousEvents ambiguous;
   const double rounding = 1e-14 * s.shapes.size;
-  const Advance<double> done = ContactStep(problem, travel, s.pose, regime, s.around, ambiguous,
-                                           rounding, [](const Instant&, double) {})
-                                   .run();
+  const Advance<double> done =
+      ContactStep(problem, travel, s.pose, regime, s.around, ambiguous, rounding,
+                  [](const Instant&, double, const ActivePairs&) {})
+          .run();
   for (const std::size_t side : {left, right}) {
     s.palms[side].pivot.x += done.fraction * travel.palms[side].by.x;
     s.palms[side].pivot.y += done.fraction * travel.palms[side].by.y;
