@@ -34,6 +34,7 @@ void bind_runtime(nb::module_& m);
 void bind_mode_machine(nb::module_& m);
 void bind_multi_contact(nb::module_& m);
 void bind_optimum(nb::module_& m);
+void bind_displacement_filter(nb::module_& m);
 
 // The values of the tables of a scene, as Python gives them.
 SceneValues values_of(const nb::dict& table);

@@ -5,10 +5,6 @@
 #include "bindings.hpp"
 #include "palmbots/base/wilson.hpp"
 
-namespace palmbots::bindings {
-void bind_displacement_filter(nb::module_& m);
-}
-
 NB_MODULE(_core, m) {
   m.doc() = "The compiled core of palmbots: mechanics, world, controllers, carries.";
   m.attr("z95") = palmbots::z95;

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The filter's likelihood against the density of a normal distribution with the closed-form
-covariance, and the search and the intervals against SciPy and closed forms."""
+"""The likelihood of noise that is held, the search and the intervals, against SciPy and closed
+forms."""
 
 from dataclasses import replace
 
@@ -21,47 +21,6 @@ STEPS = np.array([0.003, 2e-4, 0.003, 4e-4, 0.1, 2e-4, 5e-5])
 def of(stretches: list[Stretch]) -> Function:
     arrays = Stretches(stretches)
     return lambda parameters: arrays.log_likelihood(parameters).sum(axis=1)
-
-
-def test_the_filter_gives_the_density_of_the_differences() -> None:
-    """With a flat prior of the first position, that of the others is that of their differences."""
-    random = np.random.default_rng(1)
-    other = np.array([0.9, -0.002, 0.0, 0.01, np.log(20.0), 0.0, 0.002])
-    for stretch in drawn(random, 6):
-        for parameters in (TRUTH, other):
-            size = len(stretch.times_s)
-            mean = (parameters[0] * stretch.command_m_s + parameters[1]) * stretch.times_s
-            apart = np.diff(np.eye(size), axis=0)
-            spread = apart @ covariance(stretch.times_s, stretch.command_m_s, parameters) @ apart.T
-            error = np.diff(stretch.positions_m - mean)
-            wanted = multivariate_normal(np.zeros(size - 1), spread).logpdf(error)
-            found = Stretches([stretch]).log_likelihood(parameters)[0, 0]
-            assert found == pytest.approx(wanted, abs=1e-4)
-
-
-def test_the_noise_goes_on_between_the_stretches_of_a_chain() -> None:
-    """The robot stands for one interval of a stretch: nothing else is known to be different."""
-    random = np.random.default_rng(4)
-    for whole in drawn(random, 5):
-        size = len(whole.times_s)
-        rows = np.split(np.arange(size), random.integers(3, size - 3, 1))
-        first, second = (
-            Stretch(whole.times_s[k], whole.positions_m[k], whole.commanded_m[k], 0) for k in rows
-        )
-        gap = len(first.times_s) - 1
-        stood_s = float(second.times_s[0] - first.times_s[-1])
-        chain = Stretches([first, replace(second, stood_s=stood_s)])
-        moves = np.delete(np.arange(size - 1), gap)
-        apart = np.diff(np.eye(size), axis=0)[moves]
-        for parameters in (TRUTH, TRUTH * 1.2):
-            mean = (parameters[0] * whole.command_m_s + parameters[1]) * whole.times_s
-            spread = apart @ covariance(whole.times_s, whole.command_m_s, parameters) @ apart.T
-            error = np.diff(whole.positions_m - mean)[moves]
-            wanted = multivariate_normal(np.zeros(len(moves)), spread).logpdf(error)
-            assert chain.log_likelihood(parameters)[0, 0] == pytest.approx(wanted, abs=1e-4)
-            assert len(chain.residuals(parameters)[0]) == len(moves)
-            apart_from = Stretches([first, second]).log_likelihood(parameters).sum()
-            assert abs(apart_from - wanted) > 1e-3
 
 
 def test_noise_that_is_held_has_the_covariance_of_its_sums() -> None:
