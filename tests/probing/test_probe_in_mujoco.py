@@ -44,12 +44,12 @@ class Departures:
         world: MujocoWorld = hands.stage.world
         for p, (low, high) in zip(world.contacts, run.bounds.contacts, strict=True):
             self.contact = max(self.contact, low - p, p - high)
-        separation, angles = hands.read()
+        changes, angles = hands.read()
         for palm, angle, error in zip(world._palms(), angles, hands.stage.errors, strict=True):
             if is_stroke:
                 self.angle = max(self.angle, abs(palm - angle - error))
         left, right = world._distances()
-        self.yields.append(right - left - separation)
+        self.yields.append(right - left - sum(changes))
 
 
 @pytest.fixture
@@ -59,9 +59,9 @@ def departures(monkeypatch: pytest.MonkeyPatch) -> Departures:
 
     class Watched(ProbeRun):
         def _step(
-            self, change: float, angles: Pair, way: int, free: tuple[bool, bool] = (True, True)
+            self, changes: Pair, angles: Pair, way: int, free: tuple[bool, bool] = (True, True)
         ) -> list[int]:
-            changed = super()._step(change, angles, way, free)
+            changed = super()._step(changes, angles, way, free)
             if not self.stop:
                 seen.observe(self, way != 0)
             return changed

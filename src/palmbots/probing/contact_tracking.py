@@ -26,8 +26,7 @@ from palmbots.scene.robot_section import Zone
 Pair = tuple[float, float]
 
 _NARROWINGS = 3
-_BEHIND = 3  # control periods
-_LATE_M, _DELAY_S = 0.001, 0.1
+_LATE_M, _UNSEEN_M, _RESTS = 0.001, 0.0001, 5  # in real time: docs/theory/probing.md
 
 
 class Impossible(Exception):
@@ -59,23 +58,13 @@ class Give:
     late: float = 0.0005
     """How far a contact slides before the robots have stopped [m]."""
 
-    def in_real_time(self, most: float) -> Give:
-        """With robots whose readings are of different instants, and which obey late.
+    rests: int = 0
+    """How many more readings a robot needs to show all commands of its wheels; 0: every reading is
+    of the present instant."""
 
-        A command holds for one control period, so a robot whose program is late stands. A command
-        can wait in the program of the robot, in its motor board and for the next reading, so the
-        newest reading is behind by no more than what a robot moves in three control periods.
-
-        Args:
-            most: how far a robot moves in a control period [m].
-        """
-        return replace(
-            self,
-            loop=self.loop + _BEHIND * most,
-            turn=self.turn + _BEHIND * most,
-            settling_s=self.settling_s + _DELAY_S,
-            late=self.late + _LATE_M,
-        )
+    def in_real_time(self) -> Give:
+        """With robots whose readings are of different instants, and which obey late."""
+        return replace(self, turn=self.turn + _UNSEEN_M, late=self.late + _LATE_M, rests=_RESTS)
 
 
 @dataclass(frozen=True)

@@ -118,6 +118,7 @@ class Probe(Result):
                 (f"  friction, {side} palm", _ends(own, 1, ""), _ends(before, 1, ""))
                 for (side, own), before in zip(self.friction.items(), prior.friction, strict=True)
             ),
+            ("  level of friction", "needs steep palms and an off-centre COM", ""),
             ("  COM height", "as in the prior", _ends(self.com_y_m, 1000, "mm")),
             ("  mass", "no observation depends on it", ""),
         ]
@@ -259,9 +260,7 @@ def probe(
         if hands.end:
             raise PalmbotsError(f"probe: the object is not held at the start: {hands.end}")
         if not hands.is_in_lockstep:
-            # The robots compensate for palms that turn: each for half of both.
-            farthest = limits.reach + max(abs(palm.pivot_offset_m) for palm in palms)
-            give = give.in_real_time(hands.period_s * max(rate * farthest, 0.5 * _SPEED_M_S))
+            give = give.in_real_time()
         geometry = PairGeometry(
             frame.width,
             (palms[0].pivot_offset_m, palms[1].pivot_offset_m),

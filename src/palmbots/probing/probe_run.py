@@ -9,7 +9,8 @@ is the observation. If both switches change in one reading, it is a tie, which g
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -27,9 +28,15 @@ from palmbots.probing.object_set import ObjectSet, Observation
 from palmbots.probing.slip_comparison import Pose
 
 _ROUNDING = 1e-9
+_STANDS = (0.0, 0.0)
 _ANYWHERE = (-math.inf, math.inf)
 _LEAST_DRIFT = 0.001
 """How far contacts slide while the palms turn and the robots compensate for it [m]."""
+_STRIDE = 5
+"""Control periods after which robots in real time stand, if no switch may show how far they are."""
+_OLDER = 6
+"""Of so many readings in real time, the last one of a robot is newer than the first one of the
+other robot (docs/theory/probing.md)."""
 _PATIENCE, _WASTED = 20, 60
 """Probes in a row that do not cut the set, after which smaller cuts count, too, and after which
 nothing more is to be learned."""
@@ -53,12 +60,13 @@ class Hands(Protocol):
         """Which switches of each palm are closed."""
         ...
 
-    def step(self, change: float, angles: Pair) -> None:
-        """Change the separation [m], and turn the palms to these angles [rad]."""
+    def step(self, changes: Pair, angles: Pair) -> None:
+        """Each robot changes the separation [m] and turns its palm to this angle [rad]."""
         ...
 
-    def read(self) -> tuple[float, Pair]:
-        """What the encoders show: the separation from any start [m], and the palm angles [rad]."""
+    def read(self) -> tuple[Pair, Pair]:
+        """What the encoders show: by how much each robot has changed the separation [m], from any
+        start, and the palm angles [rad]."""
         ...
 
 
@@ -120,7 +128,7 @@ class ProbeRun:
         self._at_edge: set[int] = set()
         """The contacts that may lie at the edge that they passed last; they can creep over it."""
         self._switches = hands.switches()
-        self._separation, angles = hands.read()
+        self._rolled, angles = hands.read()
         self._commanded = angles
         anywhere = (-limits.reach, limits.reach)
         self.bounds = ContactBounds.at_start(geometry, angles, (anywhere, anywhere)).seen(
@@ -196,12 +204,25 @@ class ProbeRun:
         self.bounds = self._sure if is_sure else self.bounds.loosened(self._give.turn)
         while self._commanded != target and self._may_go_on():
             angles = turned_towards(self._commanded, target, most)
-            change = _compensation(self.bounds, self._commanded, angles)
-            self._at_edge.update(self._step(change, angles, 0))
+            changes = self._compensation(angles)
+            self._at_edge.update(self._step(changes, angles, 0))
         for _ in range(round(self._give.settling_s / self.hands.period_s)):
             if self._may_go_on():
-                self._at_edge.update(self._step(0.0, target, 0))
+                self._at_edge.update(self._step(_STANDS, target, 0))
+        self._at_edge.update(self._rest(0))
         self.bounds = self.bounds.narrowed()
+
+    def _compensation(self, angles: Pair) -> Pair:
+        """What the robots change of the separation while the palms turn to these angles: each a
+        half, or in real time, where one may be late, what its own palm needs."""
+        before = self._commanded
+        if not self._give.rests:
+            half = 0.5 * _compensation(self.bounds, before, angles)
+            return half, half
+        return (
+            _compensation(self.bounds, before, (angles[0], before[1])),
+            _compensation(self.bounds, before, (before[0], angles[1])),
+        )
 
     def _slide(self, way: int) -> tuple[int | None, Pose | None]:
         """Close or open until it is known which contact slides; returns which, and the pose.
@@ -209,24 +230,34 @@ class ProbeRun:
         A contact that is beyond the last edge that way changes no switch. It has slid if the other
         one would have reached its edge.
         """
-        change = -way * self.pace.speed * self.hands.period_s
-        before, start, start_s = self.bounds.contacts, self._separation, self.time_s
+        half = -0.5 * way * self.pace.speed * self.hands.period_s
+        changes = half, half
+        before, start, start_s = self.bounds.contacts, sum(self._rolled), self.time_s
         is_seen = all(way * sign <= 0 for sign in self._signs())
         reach = self.limits.reach - SPARE_M
         free = self._may_slide(way)
+        steps, rolled = 0, deque[Pair](maxlen=_OLDER)
         while self._may_go_on():
-            changed = self._step(change, self._commanded, way, free)
+            rolled.append(self._rolled)
+            changed = self._step(changes, self._commanded, way, free)
+            has_slid = abs(sum(self._rolled) - start) >= self._give.clearance
+            if self._give.rests:
+                steps += 1
+                if not changed and (is_seen or steps % _STRIDE):
+                    continue
+                changed = sorted({*changed, *self._rest(way, free)})
             crept = self._give.creep * (self.time_s - start_s)
             if changed:
-                has_slid = abs(self._separation - start) >= self._give.clearance
                 side = changed[0] if has_slid and len(changed) == 1 else None
                 if self._give.creep and side in self._at_edge:
                     side = None
                 self._at_edge.difference_update(changed)
-                pose = self.bounds.pose()
-                for _ in range(round(self._give.overshoot / abs(change))):
+                pose = self._pose_since_change(changed[0], rolled, way, free)
+                for _ in range(round(self._give.overshoot / abs(2 * half))):
                     if self._may_go_on():
-                        self._at_edge.update(self._step(change, self._commanded, way))
+                        self._at_edge.update(self._step(changes, self._commanded, way))
+                if self._give.overshoot:
+                    self._at_edge.update(self._rest(way))
                 return side, pose
             if self.bounds is self._sure:  # where they were is not known either
                 free, before = (True, True), (_ANYWHERE, _ANYWHERE)
@@ -250,32 +281,79 @@ class ProbeRun:
         left, right = found.may_slide(found.boxes, pose, way)
         return bool(left.any()), bool(right.any())
 
+    def _pose_since_change(
+        self, side: int, before: Sequence[Pair], way: int, free: tuple[bool, bool]
+    ) -> Pose:
+        """All poses from the change of a switch to now; robots in real time have gone on.
+
+        Args:
+            side: of the switch.
+            before: how far the robots had rolled before. The last reading of this robot is older
+                than the change, and so is the first one of the other robot.
+            way: in which contacts have slid.
+            free: which contacts may slide.
+        """
+        if not self._give.rests:
+            return self.bounds.pose()
+        other = 1 - side
+        own = abs(self._rolled[side] - before[-1][side])
+        most = own + abs(self._rolled[other] - before[0][other])
+        return self.bounds.moved(most, self.bounds.angles, -way, free).pose()
+
+    def _rest(self, way: int, free: tuple[bool, bool] = (True, True)) -> list[int]:
+        """Wait until both robots stand; only then do the readings of robots in real time describe
+        one instant. Returns the palms whose switches have changed."""
+        changed: list[int] = []
+        for _ in range(self._give.rests):
+            if not self.stop:
+                changed += self._step(_STANDS, self._commanded, way, free)
+        if self._give.rests and not self.stop:
+            self._follow(lambda bounds, _: bounds.seen(self._switches), free)
+        return changed
+
     def _step(
-        self, change: float, angles: Pair, way: int, free: tuple[bool, bool] = (True, True)
+        self, changes: Pair, angles: Pair, way: int, free: tuple[bool, bool] = (True, True)
     ) -> list[int]:
         """One control period; returns the palms whose switches have changed."""
-        self.hands.step(change, angles)
+        self.hands.step(changes, angles)
         self._commanded = angles
         passed_s, self.time_s = self.hands.time_s - self.time_s, self.hands.time_s
         if self.hands.end:
             self.stop = f"the object was lost: {self.hands.end}"
             return []
         before, self._switches = self._switches, self.hands.switches()
-        last, (self._separation, angles) = self._separation, self.hands.read()
-        change, crept = self._separation - last, self._give.creep * passed_s
-        way = way if change * way <= 0 else 0
+        last, (self._rolled, angles) = self._rolled, self.hands.read()
+        moves = [(sum(self._rolled) - sum(last), angles)]
+        if self._give.rests:  # either robot may have moved first
+            (left, right), (old_left, old_right) = self._rolled, last
+            halfway = angles[0], self.bounds.angles[1]
+            moves = [(left - old_left, halfway), (right - old_right, angles)]
+        crept = self._give.creep * passed_s
+
+        def moved(bounds: ContactBounds, free: tuple[bool, bool]) -> ContactBounds:
+            for change, turned in moves:
+                bounds = bounds.moved(change, turned, way if change * way <= 0 else 0, free)
+            bounds = bounds.loosened(crept)
+            return bounds if self._give.rests else bounds.seen(self._switches)
+
+        self._follow(moved, free)
+        return [i for i in (0, 1) if before[i] != self._switches[i]]
+
+    def _follow(
+        self,
+        of: Callable[[ContactBounds, tuple[bool, bool]], ContactBounds],
+        free: tuple[bool, bool],
+    ) -> None:
+        """Change the bounds."""
         try:
-            moved = self._sure.moved(change, angles, way).loosened(crept)
-            self._sure = moved.seen(self._switches)
+            self._sure = of(self._sure, (True, True))
         except Impossible:
             self.stop, self.is_possible = "the switches contradict the wheels", False
-            return []
+            return
         try:
-            moved = self.bounds.moved(change, angles, way, free).loosened(crept)
-            self.bounds = moved.seen(self._switches)
+            self.bounds = of(self.bounds, free)
         except Impossible:  # the object is not in the set: an earlier observation is false
             self.bounds = self._sure
-        return [i for i in (0, 1) if before[i] != self._switches[i]]
 
 
 def _slid(

@@ -74,14 +74,13 @@ class RobotHands:
         left, right = self._seen
         return left.closed, right.closed
 
-    def step(self, change: float, angles: Pair) -> None:
-        """One control period: change the separation [m], and turn the palms to these angles."""
-        forward = -0.5 * change / self.period_s
-        self._driven_s = self._driven_s + self.period_s if change else 0.0
+    def step(self, changes: Pair, angles: Pair) -> None:
+        """One control period: each robot changes the separation [m] and turns its palm."""
+        self._driven_s = self._driven_s + self.period_s if any(changes) else 0.0
         self._commanded = angles
         left, right = (
-            self._command(one, forward, angle)
-            for one, angle in zip(self._hardware, angles, strict=True)
+            self._command(one, -change / self.period_s, angle)
+            for one, change, angle in zip(self._hardware, changes, angles, strict=True)
         )
         seen = self._exchange((left, right))
         if seen is None:
@@ -100,20 +99,21 @@ class RobotHands:
         )
         return RawCommand((left, right), servo_angle(hardware, angle))
 
-    def read(self) -> tuple[float, Pair]:
-        """What the encoders show: the separation from any start [m], and the palm angles [rad].
+    def read(self) -> tuple[Pair, Pair]:
+        """What the encoders show: by how much each robot has changed the separation [m], from any
+        start, and the palm angles [rad].
 
         A servo that does not report its angle counts as where it was commanded to be.
         """
-        separation, angles = 0.0, [0.0, 0.0]
+        changes, angles = [0.0, 0.0], [0.0, 0.0]
         for i, (hardware, seen) in enumerate(zip(self._hardware, self._seen, strict=True)):
             assert seen.wheel_counts is not None
-            separation -= forward_distance(hardware, seen.wheel_counts)
+            changes[i] = -forward_distance(hardware, seen.wheel_counts)
             if seen.servo_rad is not None:
                 angles[i] = palm_angle(hardware, seen.servo_rad)
             elif self._commanded is not None:
                 angles[i] = self._commanded[i]
-        return separation, (angles[0], angles[1])
+        return (changes[0], changes[1]), (angles[0], angles[1])
 
 
 @contextlib.contextmanager
