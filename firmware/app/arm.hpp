@@ -75,9 +75,10 @@ class Arm {
   // top.
   StoredArm stored() const {
     const bool is_below = rises_ && height_ != top();
-    const bool is_low = is_below || height_ <= zero();
+    const std::int32_t above = height_ - zero();
+    const bool is_at_edge = is_below || above <= 0 || above % step() == 0;
     const bool has_stand = is_job(settings_, Job::from_stand) || is_job(settings_, Job::onto_stand);
-    return {static_cast<std::uint8_t>(steps() + (is_low ? 0 : 1)),
+    return {static_cast<std::uint8_t>(steps() + (is_at_edge ? 0 : 1)),
             static_cast<std::uint8_t>(touched_), has_stand && ends_};
   }
   // [µs]

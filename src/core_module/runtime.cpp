@@ -111,6 +111,7 @@ class RobotHandle {
     robot_->step(reading, out);
     mode_ = out.mode;
     arm_ = out.arm;
+    arm_ends_ = out.arm_ends;
     holds_ = out.holds;
     std::vector<PacketTuple> sent;
     stamps_.clear();
@@ -153,6 +154,7 @@ class RobotHandle {
 
   const runtime::ModeOutputs& mode() const { return mode_; }
   ArmMove arm() const { return arm_; }
+  bool arm_ends() const { return arm_ends_; }
   bool holds() const { return holds_; }
   int phase() const { return robot_->phase(); }
   const char* phase_name() const { return robot_->phase_name(); }
@@ -188,6 +190,7 @@ class RobotHandle {
 
   runtime::ModeOutputs mode_{};
   ArmMove arm_ = ArmMove::hold;
+  bool arm_ends_ = false;
   bool holds_ = false;
   std::vector<wire::Decoded> judged_;
   std::vector<StampTuple> stamps_;
@@ -316,6 +319,8 @@ void bind_runtime(nb::module_& core) {
       .def_prop_ro(
           "arm", [](const RobotHandle& r) { return static_cast<int>(r.arm()); },
           "What the arm does: 0 follows the floor, 1 reaches, 2 holds, 3 rises, 4 sinks.")
+      .def_prop_ro("arm_ends", &RobotHandle::arm_ends,
+                   "The lowest height of the arm is that at the end of the job.")
       .def_prop_ro("phase", &RobotHandle::phase_name,
                    "The phase of a job on the floor; empty: it is none.")
       .def_prop_ro("phase_state", &RobotHandle::phase, "The number of this phase in its table.")

@@ -244,6 +244,15 @@ void bind_world(nb::module_& m) {
       "Heights of the pivot of a steep palm below an object on a stand of this height: at which it "
       "touches the object nowhere, and at which it touches it with its inner end at the latest "
       "[m].");
+  m.def(
+      "way_below",
+      [](const Spec& spec, std::size_t side) {
+        return StandingStart::of(spec).way_below(spec, side);
+      },
+      nb::arg("spec"), nb::arg("side"),
+      "How far a robot drives from the start of a job until its steep palm is below the object on "
+      "a "
+      "stand, where it touches at the contact coordinate of the scene's start [m].");
   m.def("first_angle", &first_angle, nb::arg("spec"), nb::arg("side"),
         "The angle of a palm where a job begins [rad].");
   m.def("standing_level", &standing_level, nb::arg("spec"), nb::arg("moved") = 0.0,

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """When the guard stops the wheels, to the instant, on a clock of the test."""
 
+from dataclasses import asdict
 from typing import Any
 
 import pytest
@@ -134,17 +135,16 @@ def test_only_the_newest_of_several_commands_is_carried_out(
 def test_a_reading_is_sent_in_every_period(monkeypatch: pytest.MonkeyPatch) -> None:
     _, program = run(monkeypatch, [], 1.0)
     assert len(program.readings) == pytest.approx(100, abs=2)
-    no_arm = [False, 0, 0, False, False]
-    reading = [0, True, 0.0, None, True, *no_arm]
+    reading = asdict(Reading(0, True, 0.0))
     assert program.readings[0] == ["reading", [reading, None, True, [0, 0], None]]
 
 
 def test_a_reading_names_the_command_to_which_it_refers(monkeypatch: pytest.MonkeyPatch) -> None:
     _, program = run(monkeypatch, [(0.1, ("drive", 0.1, TURN))], 0.2)
-    palm_rad, arm = TURN[4], HOLDS
+    palm_rad = TURN[4]
     named = [content[-1] for _, content in program.readings]
     assert named[0] is None
-    assert named[-1] == [palm_rad, arm]
+    assert named[-1] == [palm_rad, HOLDS, False]
 
 
 def test_hardware_is_read_once_for_a_reading(monkeypatch: pytest.MonkeyPatch) -> None:

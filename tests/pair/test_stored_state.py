@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import palmbots as pb
+from palmbots.drivers.arm import StoredArm
 from palmbots.pair import stored_state
 from palmbots.pair.pair_file import init_pair, load_pair
 from palmbots.pair.stored_state import (
@@ -26,6 +27,8 @@ from palmbots.pair.stored_state import (
 from palmbots.robot import storage_thread
 from palmbots.wire import MAX_EPOCH
 
+UP = StoredState(3, carries=True, holds=True, arm=StoredArm(0.15, 0.1), approached_m=0.12)
+
 
 def left_in(folder: Path) -> StateFile:
     return StateFile(folder / "left.json", 7, "left")
@@ -33,7 +36,8 @@ def left_in(folder: Path) -> StateFile:
 
 def test_what_is_written_is_read(tmp_path: Path) -> None:
     file = left_in(tmp_path)
-    for state in (StoredState(), StoredState(7, True, True, False, 0.42), StoredState(MAX_EPOCH)):
+    carrying, most = StoredState(7, True, True, False, 0.42), StoredState(MAX_EPOCH)
+    for state in (StoredState(), carrying, UP, most):
         write_state(file, state)
         assert read_state(file) == state
 
@@ -77,7 +81,8 @@ def test_a_second_program_of_the_same_end_is_refused_and_counts_no_boot(tmp_path
     [
         ("covered_m", "x"), ("covered_m", math.nan), ("covered_m", True), ("stop", "no"),
         ("stop", 1), ("epoch", True), ("epoch", -5), ("epoch", 1.5), ("epoch", MAX_EPOCH + 1),
-        ("pair", True), ("carries", None),
+        ("pair", True), ("carries", None), ("approached_m", math.inf), ("arm", 0.0), ("arm", [0.1]),
+        ("arm", [0.1, "x"]), ("arm", [0.1, math.nan]),
     ],
 )  # fmt: skip
 def test_values_of_other_types_are_refused(field: str, value: Any, tmp_path: Path) -> None:
@@ -154,10 +159,11 @@ def test_a_boot_is_written_after_what_a_slow_disk_still_had_to_write(
     ("change", "is_done"),
     [
         ({"assists": True}, False), ({"carries": False}, False), ({"stop": True}, False),
-        ({"covered_m": 0.5}, True),
+        ({"covered_m": 0.5}, True), ({"approached_m": 0.02}, True),
+        ({"arm": StoredArm(0.1, 0.1)}, False),
     ],
 )  # fmt: skip
-def test_the_partner_waits_for_all_but_the_distance(
+def test_the_partner_waits_for_all_but_distances(
     tmp_path: Path, change: dict[str, Any], is_done: bool
 ) -> None:
     before = StoredState(1, carries=True)

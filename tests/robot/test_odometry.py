@@ -3,7 +3,7 @@
 
 import pytest
 
-from palmbots.robot.odometry import Odometry
+from palmbots.robot.odometry import Approach, Odometry
 
 
 def test_each_carry_counts_from_its_start() -> None:
@@ -53,3 +53,30 @@ def test_little_is_stored() -> None:
         odometry.take(0.0006 * step, step > 0)
         stored.add(odometry.to_store_m)
     assert 40 < len(stored) <= 52
+
+
+def test_a_robot_stays_below_the_object_until_it_drives_back() -> None:
+    approach = Approach(0.1, 0.0)
+    for distance_m, carries, backs_off, is_there in (
+        (5.0, False, False, False), (5.08, True, False, False), (5.11, True, False, True),
+        (5.07, True, False, True), (5.05, True, True, False), (5.0, True, False, False),
+        (5.12, True, False, True), (5.1, False, False, False), (5.15, True, False, False),
+    ):  # fmt: skip
+        approach.drive(distance_m, carries, backs_off)
+        assert approach.is_there == is_there
+
+
+@pytest.mark.parametrize(("driven_m", "stored_m"), [(0.05, 0.04), (0.11, 0.1)])
+def test_after_a_boot_a_robot_goes_on_below_the_object(driven_m: float, stored_m: float) -> None:
+    before = Approach(0.1, 0.0)
+    before.drive(3.0, False, False)
+    before.drive(3.0 + driven_m, True, False)
+    assert before.to_store_m == stored_m
+    after = Approach(0.1, before.to_store_m)
+    after.drive(0.0, True, False)
+    assert after.is_there == (driven_m > 0.1)
+    after.drive(0.07, True, False)
+    assert after.is_there
+    anew = Approach(0.1, before.to_store_m)  # a carry that does not go on
+    anew.drive(0.0, False, False)
+    assert not anew.is_there

@@ -3,11 +3,14 @@
 
 import math
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import palmbots._core as _core
+from palmbots._types import SIDES
 from palmbots.drivers.driver import Drive, Reading
 from palmbots.errors import PalmbotsError
 from palmbots.pair.pair_file import Pair, init_pair, load_pair
@@ -17,6 +20,7 @@ from palmbots.robot.live_robot import core_settings
 from palmbots.robot.reading_gauge import ReadingGauge
 from palmbots.robot.robot_loop import RobotLoop
 from palmbots.scene.scene import Scene, load_scene
+from palmbots.scene.spec import to_spec
 
 SEEN = Reading(0, True, 0.5)
 WATCHDOG = 5.0
@@ -116,7 +120,7 @@ def loop_of(
         return Program(wheels), Log()
 
     both: Any = hardware
-    gauge = ReadingGauge(pair, "left", Scene(), SEEN, 0.0)
+    gauge = ReadingGauge(pair, "left", Scene(), SEEN, StoredState())
     loop = RobotLoop(
         "left", Scene(), start, both, both, both, both, gauge,
         watchdog=WATCHDOG, last_ticks=last_ticks, on_line=lambda _: None,
@@ -188,7 +192,7 @@ def test_the_driver_is_stopped_at_the_end(pair: Pair, ended: bool) -> None:
 def test_a_low_battery_is_reported(tmp_path: Path, battery_v: float | None, is_ok: bool) -> None:
     values = {"hardware.battery_low_v": 7.2}
     pair = load_pair(init_pair(tmp_path / "pair.toml", values=values)[0])
-    gauge = ReadingGauge(pair, "left", Scene(), Reading(0, True, math.nan, 8.0), 0.0)
+    gauge = ReadingGauge(pair, "left", Scene(), Reading(0, True, math.nan, 8.0), StoredState())
     found = gauge.take(Reading(0, True, math.nan, battery_v), carries=False)
     assert found["battery_ok"] is is_ok
 
@@ -250,7 +254,7 @@ def test_a_measured_stopping_time_is_never_rounded_down(
     values = {"hardware.stopping_s": stopping_s}
     pair = load_pair(init_pair(tmp_path / "pair.toml", values=values)[0])
     scene = load_scene("paper", {"control.period_s": 0.01})
-    gauge = ReadingGauge(pair, "left", scene, SEEN, 0.0)
+    gauge = ReadingGauge(pair, "left", scene, SEEN, StoredState())
     assert gauge.take(SEEN, carries=False)["stopping"] == ticks
 
 
@@ -261,6 +265,41 @@ def test_a_voltage_fits_into_the_status(
     pair: Pair, battery_v: float | None, battery_mv: int
 ) -> None:
     """The largest number says that it is not measured."""
-    gauge = ReadingGauge(pair, "left", Scene(), SEEN, 0.0)
+    gauge = ReadingGauge(pair, "left", Scene(), SEEN, StoredState())
     seen = Reading(0, True, 0.5, battery_v)
     assert gauge.take(seen, carries=False)["battery_mv"] == battery_mv
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_robot_knows_by_its_distance_when_it_is_below_an_object_on_a_stand(
+    pair: Pair, side: Any
+) -> None:
+    scene = load_scene("stand")
+    sense = 1 if side == "left" else -1  # the right robot leads: towards its partner is back
+    gauge = ReadingGauge(pair, side, scene, SEEN, StoredState())
+    way_m = _core.way_below(to_spec(scene), SIDES.index(side))
+    assert 0.1 < way_m < 0.11
+
+    def is_beneath(driven_m: float, beneath: bool | None = None) -> bool:
+        seen = Reading(0, True, 2.0 + sense * driven_m, beneath=beneath)
+        return gauge.take(seen, carries=driven_m != 0)["beneath"]
+
+    found = [is_beneath(driven_m) for driven_m in (0.0, -0.2, 0.1, 0.11)]
+    assert found == [False, False, False, True]
+    gauge = ReadingGauge(pair, side, scene, Reading(0, True, 0.5, beneath=False), StoredState())
+    assert [is_beneath(0.3, knows) for knows in (False, True)] == [False, True]
+
+
+def test_a_robot_that_cannot_know_when_it_is_below_the_object_is_refused(pair: Pair) -> None:
+    line = (
+        r'^task\.from: value is "stand", and the left robot does not know when it is below the '
+        r"object: it has no wheel encoders \(hardware\.encoder_ticks_per_turn\), and its driver "
+        r"does not state it \(Reading\.beneath\); allowed: floor, palms$"
+    )
+    scene, blind = load_scene("stand"), Reading(0, True, math.nan)
+    with pytest.raises(PalmbotsError, match=line):
+        ReadingGauge(pair, "left", scene, blind, StoredState())
+    # Where the object begins elsewhere, or the driver states it, nothing is missing.
+    ends = {"task.from": "palms"}
+    ReadingGauge(pair, "left", load_scene("stand", ends), blind, StoredState())
+    ReadingGauge(pair, "left", scene, replace(blind, beneath=False), StoredState())

@@ -23,6 +23,7 @@ from palmbots.drivers.arm import ArmShape, arm_shape
 from palmbots.drivers.hardware import (
     HardwareParameters,
     arm_servo_angle,
+    check_arm_hardware,
     motor_command,
     motor_power,
     oriented,
@@ -170,7 +171,7 @@ def job_settings(
     spec = to_spec(scene)
     if not spec.uses_floor:
         return {}
-    shape = arm_shape(scene, side, at_stands=True)
+    shape = arm_shape(scene, side)
     pulses = partial(pulse_us, shape)
     per_m = abs(pulses(shape.top_m) - pulses(shape.floors_m[0]))
     per_m *= 256 / (shape.top_m - shape.floors_m[0])
@@ -289,21 +290,8 @@ def _check_switches(board: BoardTable, scene: Scene) -> None:
 
 
 def _check_arm(hardware: HardwareParameters, side: Side, scene: Scene) -> None:
-    if hardware.arm_floor_deg == hardware.arm_top_deg:
-        raise PalmbotsError(
-            f"hardware.arm_top_deg: value is {hardware.arm_top_deg:g}, as arm_floor_deg: the {side}"
-            " robot has no arm, which a job on the floor needs; allowed: two different angles"
-        )
-    least, most = sorted((hardware.servo_min_deg, hardware.servo_max_deg))
-    shape = arm_shape(scene, side, at_stands=True)
-    for key, height in (("arm_floor_deg", min(shape.floors_m)), ("arm_top_deg", shape.top_m)):
-        wanted = math.degrees(arm_servo_angle(hardware, shape, height))
-        if not least <= wanted <= most:
-            raise PalmbotsError(
-                f"hardware.{key}: the arm's servo of the {side} robot would have to turn to "
-                f"{wanted:g} degrees; allowed: hardware.servo_min_deg to servo_max_deg, "
-                f"{least:g} to {most:g}"
-            )
+    shape = arm_shape(scene, side)
+    check_arm_hardware(hardware, side, shape)
     steps = (shape.top_m - min(shape.lows_m)) / shape.step_m
     if steps >= MOST_ARM_STEPS:
         raise PalmbotsError(

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The arm of a real robot, in a job on the floor: a servo that raises the pivot of the palm.
+"""The arm of a real robot, in a job on the floor or at a stand: a servo that raises the pivot of
+the palm.
 
 The arm is where it was commanded; nothing measures it. `firmware/app/arm.hpp` is the same for
 boards.
@@ -7,10 +8,10 @@ boards.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import palmbots._core as _core
 from palmbots._types import SIDES, Side
-from palmbots.errors import SceneError
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 
@@ -21,6 +22,21 @@ ARM_WORDS = ("on the floor", "reaches", "holds", "rises", "sinks")
 LONGEST_MOVE_S = 0.05
 """After a longer time without a command an arm moves by as much as in this time, because it must
 not be faster than its rate."""
+_ROUNDING = 1e-9
+
+
+class StoredArm(NamedTuple):
+    """What a robot remembers of its arm over a boot: heights of the pivot over the floor [m]."""
+
+    pivot_m: float = 0.0
+    """Where the arm goes on: at the end of its present step from which it has come. The partner's
+    arm is at most a step from there."""
+    touched_m: float = 0.0
+    """At which the palm touched an object on a stand; otherwise where the job begins below it."""
+
+
+NEW_ARM = StoredArm()
+"""Of an arm that was never commanded: it is where the job begins."""
 
 
 @dataclass(frozen=True)
@@ -36,31 +52,17 @@ class ArmShape:
     """Speed of the pivot."""
     step_m: float
     """A step of the table (`control/lifting.hpp`)."""
-    lows_m: tuple[float, float] = (0.0, 0.0)
+    ends: tuple[str, str]
+    """What the object is on before and after the job: palms, floor or stand."""
+    lows_m: tuple[float, float]
     """Lowest heights at the beginning and at the end of the job, from which the table counts steps:
     with the nose on the floor at the first angle of the palm, or below an object on a stand."""
     clear_m: float = 0.0
     """At which the palm touches an object on the first stand at the latest."""
 
-    @property
-    def top_edge(self) -> int:
-        """`ArmMotion.edge` of an arm that is up."""
-        return math.ceil((self.top_m - self.floors_m[0]) / self.step_m)
 
-
-def arm_shape(scene: Scene, side: Side, *, at_stands: bool = False) -> ArmShape:
-    """What the job of a scene asks of the arm of one side.
-
-    Args:
-        scene: the scene.
-        side: of the robot.
-        at_stands: the job may begin or end on a stand.
-
-    Raises:
-        SceneError: it does although it may not.
-    """
-    if not at_stands:
-        refuse_stands(scene)
+def arm_shape(scene: Scene, side: Side) -> ArmShape:
+    """What the job of a scene asks of the arm of one side."""
     spec = to_spec(scene, unrolled=True)
     k = SIDES.index(side)
     palm, arm = spec.palms[k], scene.arm.of(side)
@@ -79,20 +81,10 @@ def arm_shape(scene: Scene, side: Side, *, at_stands: bool = False) -> ArmShape:
         arm.carry_height_m,
         arm.rate_m_per_s,
         _core.runtime.arm_step_m(spec),
+        scene.task.ends,
         (first_m, last_m),
         clear_m,
     )
-
-
-def refuse_stands(scene: Scene) -> None:
-    """Raise `SceneError` for a job that begins or ends on a stand: no driver of real robots knows
-    its heights and how far the robot has driven below it."""
-    for key in ("from", "to"):
-        if getattr(scene.task, key) == "stand":
-            raise SceneError(
-                f'task.{key}: "stand" is for simulated robots and boards; allowed for others: '
-                "floor or palms"
-            )
 
 
 class ArmMotion:
@@ -100,48 +92,88 @@ class ArmMotion:
 
     Args:
         shape: of the job.
-        edge: `ArmMotion.edge` before the boot; 0: the arm is low.
+        stored: before the boot.
     """
 
-    def __init__(self, shape: ArmShape, edge: int = 0) -> None:
+    def __init__(self, shape: ArmShape, stored: StoredArm = NEW_ARM) -> None:
         self._shape = shape
-        self._top_m = shape.top_m - shape.floors_m[0]
-        self._height_m = min(edge * shape.step_m, self._top_m)
-        self.rises = self._height_m == self._top_m
-        """The arm has moved upward last."""
-        self.is_there = False
-        """The arm has reached the height last commanded; down, once the palm has turned."""
-
-    def move(self, arm: int, palm: int, elapsed_s: float) -> None:
-        """What the arm does from now on, with the palm at its steep (0) or shallow angle (1)."""
-        floor = self._shape.floors_m[palm] - self._shape.floors_m[0]
-        most = self._shape.rate_m_s * elapsed_s
-        self.is_there = True
-        if arm == FOLLOWS:
-            self._height_m = floor
-        elif arm == RISES:
-            self._height_m = min(self._height_m + most, self._top_m)
-            self.is_there = self._height_m == self._top_m
-            self.rises = True
-        elif arm == SINKS:
-            self._height_m = max(self._height_m - most, floor)
-            self.is_there = self._height_m == floor
-            self.rises = False
-        self._height_m = max(self._height_m, floor)
-
-    @property
-    def pivot_m(self) -> float:
+        if stored == NEW_ARM:
+            begin_m = shape.top_m if shape.ends[0] == "palms" else shape.lows_m[0]
+            stored = StoredArm(begin_m, shape.lows_m[0])
+        self.pivot_m = min(stored.pivot_m, shape.top_m)
         """Height of the pivot over the floor."""
-        return self._height_m + self._shape.floors_m[0]
+        # At which the palm touched the object. One that changes in every tick is not stored. What
+        # was stored may be of another job.
+        low_m, high_m = shape.lows_m[0], max(shape.lows_m[0], shape.clear_m)
+        self._lifted_from_m = self._touched_m = min(max(stored.touched_m, low_m), high_m)
+        self._ends = self._is_there = False
+        self._rises = self.pivot_m == shape.top_m  # it has moved upward last
+
+    def move(
+        self, arm: int, palm: int, elapsed_s: float, *, ends: bool = False, touches: bool = False
+    ) -> None:
+        """What the arm does from now on.
+
+        Args:
+            arm: as `palmbots.drivers.driver.Drive.arm`.
+            palm: at its steep (0) or shallow angle (1).
+            elapsed_s: since the last command.
+            ends: the lowest height is that at the end of the job.
+            touches: something presses the palm, so an arm that reaches for the object stops.
+        """
+        shape = self._shape
+        floor = shape.floors_m[palm]
+        most = shape.rate_m_s * elapsed_s
+        self._ends, self._is_there = ends, True
+        bottom = max(shape.lows_m[ends], floor) if self._is_at_stand else floor
+        if arm == FOLLOWS:
+            nearer = max(self.pivot_m - most, min(self.pivot_m + most, bottom))
+            self.pivot_m = nearer if self._is_at_stand else floor
+        elif arm == REACHES:
+            if not touches:
+                self.pivot_m = max(self.pivot_m, min(self.pivot_m + most, shape.clear_m))
+            self._lifted_from_m = self.pivot_m
+        elif arm == RISES:
+            self.pivot_m = min(self.pivot_m + most, shape.top_m)
+            self._is_there = self.pivot_m == shape.top_m
+            self._rises = True
+        elif arm == SINKS:
+            self.pivot_m = min(self.pivot_m, max(self.pivot_m - most, bottom))
+            self._is_there = self.pivot_m <= bottom
+            self._rises = False
+        self.pivot_m = max(self.pivot_m, floor)
+        if arm != REACHES:
+            self._touched_m = self._lifted_from_m
+
+    def is_there(self, has_turned: bool) -> bool:
+        """The arm has reached the height last commanded. The floor is at the height for the angle
+        to which the palm turns, so an arm that sinks is down once the palm has turned."""
+        return self._is_there and (has_turned or self._rises or self._is_at_stand)
 
     @property
     def steps(self) -> int:
-        """How many steps the arm is above its height on the floor."""
-        return math.floor(max(self._height_m, 0.0) / self._shape.step_m)
+        """How many steps the arm is above its height on the floor, at which its palm touched the
+        object, or to which it sinks."""
+        return math.floor(self._above + _ROUNDING)
 
     @property
-    def edge(self) -> int:
-        """The end of the present step from which the arm has come: there it goes on after a boot.
-        The partner's arm is at most a step from there. An arm that is up goes on at the top."""
-        is_below = self.rises and self._height_m != self._top_m
-        return self.steps + (0 if is_below or self._height_m <= 0 else 1)
+    def stored(self) -> StoredArm:
+        """To be stored."""
+        shape = self._shape
+        is_below = self._rises and self.pivot_m != shape.top_m
+        edge = self.steps if is_below else math.ceil(self._above - _ROUNDING)
+        return StoredArm(min(self._zero_m + edge * shape.step_m, shape.top_m), self._touched_m)
+
+    @property
+    def _zero_m(self) -> float:
+        """From where steps count."""
+        return self._shape.lows_m[1] if self._ends else self._lifted_from_m
+
+    @property
+    def _above(self) -> float:
+        """How far it is above that height [steps]."""
+        return max(self.pivot_m - self._zero_m, 0.0) / self._shape.step_m
+
+    @property
+    def _is_at_stand(self) -> bool:
+        return self._shape.ends[self._ends] == "stand"

@@ -6,11 +6,11 @@ driver is opened with `DriverSettings`.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Protocol, runtime_checkable
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol, Self, runtime_checkable
 
 from palmbots._types import Side
-from palmbots.drivers.arm import HOLDS, ArmShape
+from palmbots.drivers.arm import HOLDS, NEW_ARM, ArmMotion, ArmShape, StoredArm
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import to_stderr
@@ -38,14 +38,22 @@ class Reading:
     arm_there: bool = False
     """The arm has reached the height last commanded."""
     arm_steps: int = 0
-    """How many steps of a job on the floor the arm is above its height on the floor
-    (`palmbots.drivers.arm`)."""
-    arm_edge: int = 0
-    """Where the arm goes on after a boot (`palmbots.drivers.arm.ArmMotion.edge`)."""
-    beneath: bool = False
-    """The robot has reached its place below an object on a stand; of a simulated world."""
+    """How many steps of a job the arm is above the height from which they count
+    (`palmbots.drivers.arm.ArmMotion.steps`)."""
+    stored_arm: StoredArm = NEW_ARM
+    """What the robot remembers of its arm over a boot."""
+    beneath: bool | None = None
+    """The robot has reached its place below an object on a stand. None: the driver does not say so,
+    and the distance decides."""
     far_enough: bool = False
     """The distance is covered, whatever the odometry counts; of a simulated world in lockstep."""
+
+    def with_arm(self, arm: ArmMotion) -> Self:
+        """The same with what is known of the arm."""
+        return replace(
+            self, arm_there=arm.is_there(self.palm_at_target), arm_steps=arm.steps,
+            stored_arm=arm.stored,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -65,9 +73,13 @@ class Drive:
     speed_m_s: float
     """Speed in the direction of travel, 0 if the wheels may not turn."""
     arm: int = HOLDS
-    """What the arm does in a job on the floor (`palmbots.drivers.arm`): the nose of the palm rests
-    on the floor, also while the palm turns; or the arm holds its height, rises to the height at
-    which the pair carries, or sinks until the nose is on the floor."""
+    """What the arm does in a job on the floor or at a stand (`palmbots.drivers.arm`): the nose of
+    the palm rests on the floor, also while the palm turns, or the palm is below the object on a
+    stand; the arm reaches up until something presses the palm; it holds its height, rises to the
+    height at which the pair carries, or sinks until the nose is on the floor, or the palm below the
+    object."""
+    arm_ends: bool = False
+    """The lowest height of the arm is that at the end of the job."""
     phase: int = 0
     """The phase of a job on the floor, as its table numbers it; for simulated worlds."""
 
@@ -171,9 +183,9 @@ class DriverSettings:
     scene: int = 0
     """A number that is equal for programs with the same scene, for simulated robots."""
     arm: ArmShape | None = None
-    """What the job of the scene asks of the arm; None: it is not on the floor."""
-    arm_edge: int = 0
-    """`Reading.arm_edge` before the boot."""
+    """What the job of the scene asks of the arm; None: it begins and ends on the palms."""
+    stored_arm: StoredArm = NEW_ARM
+    """`Reading.stored_arm` before the boot."""
     table: Any = None
     """The table of this kind of driver in the ``pair.toml``, where there is one."""
     on_line: Callable[[str], None] = to_stderr
@@ -209,4 +221,4 @@ def works(driver: Driver) -> bool:
 def targets(drive: Drive) -> list[float]:
     """Where a command sends palm and arm. A reading that refers to other targets does not say
     whether they have arrived."""
-    return [drive.palm_rad, drive.arm]
+    return [drive.palm_rad, drive.arm, drive.arm_ends]

@@ -29,7 +29,7 @@ class DryRunDriver:
     has_arm = True
 
     def __init__(self, settings: DriverSettings) -> None:
-        self._arm = None if settings.arm is None else ArmMotion(settings.arm, settings.arm_edge)
+        self._arm = None if settings.arm is None else ArmMotion(settings.arm, settings.stored_arm)
         options = dict(settings.options)
         self._script = _script_in(options.pop("script", []))
         for name in options:
@@ -45,11 +45,8 @@ class DryRunDriver:
         for from_s, value in self._script:
             if now_s >= from_s:
                 sign = value
-        if (arm := self._arm) is None:
-            return Reading(sign, True, math.nan)
-        return Reading(
-            sign, True, math.nan, arm_there=arm.is_there, arm_steps=arm.steps, arm_edge=arm.edge
-        )
+        seen = Reading(sign, True, math.nan, beneath=True)
+        return seen if self._arm is None else seen.with_arm(self._arm)
 
     def write(self, drive: Drive) -> None:
         """State the command, if it is another one than before."""
@@ -58,7 +55,8 @@ class DryRunDriver:
         arm = ""
         if self._arm is not None:
             now_s = time.monotonic()
-            self._arm.move(drive.arm, drive.palm, min(now_s - self._moved_s, LONGEST_MOVE_S))
+            elapsed_s = min(now_s - self._moved_s, LONGEST_MOVE_S)
+            self._arm.move(drive.arm, drive.palm, elapsed_s, ends=drive.arm_ends)
             self._moved_s = now_s
             arm = f", arm {ARM_WORDS[drive.arm]}"
         palm = f"palm at {math.degrees(drive.palm_rad):.1f} degrees"

@@ -19,6 +19,7 @@ import time
 from dataclasses import asdict, replace
 from typing import Any
 
+from palmbots.drivers.arm import StoredArm
 from palmbots.drivers.driver import (
     Drive,
     DriverFailed,
@@ -86,8 +87,9 @@ class GuardedDriver:
         self._guard = Connection(near, "driver")
         assert self._process.stdin is not None
         with contextlib.suppress(OSError), self._process.stdin as stream:
-            edge = self._settings.arm_edge if self._newest is None else self._newest[0].arm_edge
-            plain = replace(self._settings, on_line=to_stderr, arm_edge=edge)
+            plain = replace(self._settings, on_line=to_stderr)
+            if self._newest is not None:  # the arm is where it was
+                plain = replace(plain, stored_arm=self._newest[0].stored_arm)
             stream.write(pickle.dumps((self._kind, plain)))
 
     def read(self) -> Reading | None:
@@ -160,8 +162,9 @@ class GuardedDriver:
             raise PalmbotsError(content)
         shape, raw, works, (read_s, write_s), self._obeyed = content
         self.call_s = (read_s, write_s)
-        sign, at_target, distance_m, *others = shape
-        reading = Reading(sign, at_target, math.nan if distance_m is None else distance_m, *others)
+        distance_m = math.nan if shape["distance_m"] is None else shape["distance_m"]
+        stored_arm = StoredArm(*shape["stored_arm"])
+        reading = Reading(**shape | {"distance_m": distance_m, "stored_arm": stored_arm})
         if self._newest is not None and not self._works and works:
             self._settings.on_line(f"driver.kind: {self._kind} is back")
         self._newest, self._works = (reading, _raw_in(raw)), works

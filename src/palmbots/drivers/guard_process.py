@@ -128,8 +128,7 @@ class _Guard:
             self._program.send("end")
             return False
         distance_m = None if math.isnan(seen.distance_m) else seen.distance_m
-        shape = [*asdict(seen).values()]
-        shape[2] = distance_m
+        shape = asdict(seen) | {"distance_m": distance_m}
         raw = getattr(self._driver, "newest_raw", None)  # to read twice takes twice as long
         if raw is None and isinstance(self._driver, RawAccess):
             raw = self._driver.read_raw()

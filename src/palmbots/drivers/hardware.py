@@ -17,6 +17,7 @@ from pydantic import BeforeValidator, model_validator
 
 from palmbots._types import Side
 from palmbots.drivers.arm import ArmShape
+from palmbots.errors import PalmbotsError
 from palmbots.scene.fields import Range, Switch, field_error, from_list
 from palmbots.scene.robot_section import Zone
 from palmbots.scene.section import Section, check_sides, override_of, values_of_side
@@ -247,6 +248,35 @@ def arm_servo_angle(hardware: HardwareParameters, shape: ArmShape, pivot_m: floa
     share = (pivot_m - shape.floors_m[0]) / (shape.top_m - shape.floors_m[0])
     low, high = math.radians(hardware.arm_floor_deg), math.radians(hardware.arm_top_deg)
     return low + share * (high - low)
+
+
+def check_arm_hardware(hardware: HardwareParameters, side: Side, shape: ArmShape) -> None:
+    """Refuse hardware that cannot do the job of a scene.
+
+    Raises:
+        PalmbotsError: it has no arm, its servo does not turn far enough, or its switches do not
+            state whether anything lies on the palm.
+    """
+    if hardware.arm_floor_deg == hardware.arm_top_deg:
+        raise PalmbotsError(
+            f"hardware.arm_top_deg: value is {hardware.arm_top_deg:g}, as arm_floor_deg: the {side}"
+            " robot has no arm, which a job on the floor needs; allowed: two different angles"
+        )
+    least, most = hardware.servo_min_deg, hardware.servo_max_deg
+    for key, height_m in (("arm_floor_deg", min(shape.floors_m)), ("arm_top_deg", shape.top_m)):
+        wanted = math.degrees(arm_servo_angle(hardware, shape, height_m))
+        if not least <= wanted <= most:
+            raise PalmbotsError(
+                f"hardware.{key}: the arm's servo of the {side} robot would have to turn to "
+                f"{wanted:g} degrees; allowed: hardware.servo_min_deg to servo_max_deg, "
+                f"{least:g} to {most:g}"
+            )
+    if not any(zone.sign == "0" for zone in hardware.switches):
+        raise PalmbotsError(
+            f"hardware.switches: the {side} palm has no switch of sign 0, so an object between - "
+            "and + closes none; a job on the floor or at a stand has to know whether anything lies "
+            'on the palm; allowed: at least one with sign = "0"'
+        )
 
 
 # --- from what is read to meanings ---------------------------------------------------------------

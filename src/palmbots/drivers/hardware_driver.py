@@ -9,6 +9,7 @@ import time
 from abc import ABC, abstractmethod
 
 from palmbots.drivers.driver import Drive, DriverSettings, RawCommand, RawReading, Reading
+from palmbots.drivers.hardware import check_arm_hardware
 from palmbots.drivers.hardware_io import HardwareIo
 from palmbots.errors import PalmbotsError
 
@@ -18,15 +19,21 @@ class HardwareDriver(ABC):
 
     Args:
         settings: of the driver.
+
+    Raises:
+        PalmbotsError: the job of the scene needs an arm or switches that ``[hardware]`` lacks.
     """
 
     def __init__(self, settings: DriverSettings) -> None:
         self.settings = settings
         self.newest_raw: RawReading | None = None
         """Of the newest `read`."""
+        if settings.arm is not None:
+            check_arm_hardware(settings.hardware, settings.side, settings.arm)
         self._io = HardwareIo(
-            settings.hardware, leads=settings.leads, arm=settings.arm, arm_edge=settings.arm_edge
-        )
+            settings.hardware, leads=settings.leads, arm=settings.arm,
+            stored_arm=settings.stored_arm,
+        )  # fmt: skip
 
     @abstractmethod
     def read_raw(self) -> RawReading | None:

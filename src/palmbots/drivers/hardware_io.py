@@ -7,7 +7,7 @@
 
 import math
 
-from palmbots.drivers.arm import LONGEST_MOVE_S, ArmMotion, ArmShape
+from palmbots.drivers.arm import LONGEST_MOVE_S, NEW_ARM, ArmMotion, ArmShape, StoredArm
 from palmbots.drivers.driver import Drive, RawCommand, RawReading, Reading
 from palmbots.drivers.hardware import (
     HardwareParameters,
@@ -33,8 +33,8 @@ class HardwareIo:
     Args:
         hardware: of the robot.
         leads: the robot travels away from its partner, which is behind it.
-        arm: what the job asks of the arm; None: it is not on the floor.
-        arm_edge: where the arm was before the boot.
+        arm: what the job asks of the arm; None: it begins and ends on the palms.
+        stored_arm: before the boot.
     """
 
     def __init__(
@@ -43,12 +43,13 @@ class HardwareIo:
         *,
         leads: bool,
         arm: ArmShape | None = None,
-        arm_edge: int = 0,
+        stored_arm: StoredArm = NEW_ARM,
     ) -> None:
         self._hardware = hardware
         self._arm_shape = arm
-        self._arm = None if arm is None else ArmMotion(arm, arm_edge)
+        self._arm = None if arm is None else ArmMotion(arm, stored_arm)
         self._sense = -1.0 if leads else 1.0
+        self._touches = False  # a switch was closed at the newest reading
         self._speed_m_s = 0.0  # commanded last, forward
         self._time_s: float | None = None
         self._palm_rad: float | None = None
@@ -82,7 +83,10 @@ class HardwareIo:
             self._turned_s = now_s + self._turning_s(turn)
         arm_rad = None
         if self._arm is not None and self._arm_shape is not None:
-            self._arm.move(drive.arm, drive.palm, min(elapsed_s, LONGEST_MOVE_S))
+            self._arm.move(
+                drive.arm, drive.palm, min(elapsed_s, LONGEST_MOVE_S),
+                ends=drive.arm_ends, touches=self._touches,
+            )  # fmt: skip
             arm_rad = arm_servo_angle(hardware, self._arm_shape, self._arm.pivot_m)
         turned = servo_angle(hardware, drive.palm_rad)
         return RawCommand((commands[0], commands[1]), turned, arm_rad)
@@ -100,22 +104,15 @@ class HardwareIo:
                         self._counted_s[wheel] = now_s
             self._counts = counts
         has_middle = any(zone.sign == "0" for zone in hardware.switches)
-        is_turned = self._is_turned(raw.servo_rad, now_s)
-        return Reading(
+        self._touches = any(raw.closed)
+        seen = Reading(
             pressed_sign(hardware, raw.closed),
-            is_turned,
+            self._is_turned(raw.servo_rad, now_s),
             distance_m,
             raw.battery_v,
-            any(raw.closed) or not has_middle,
-            *self._arm_reading(is_turned),
+            self._touches or not has_middle,
         )
-
-    def _arm_reading(self, is_turned: bool) -> tuple[bool, int, int]:
-        arm = self._arm
-        if arm is None:
-            return False, 0, 0
-        # The height of the floor is that of the angle to which the palm turns.
-        return arm.is_there and (is_turned or arm.rises), arm.steps, arm.edge
+        return seen if self._arm is None else seen.with_arm(self._arm)
 
     def _turns(self, wheel: int, rate: float, now_s: float) -> bool:
         """Whether a wheel turns already, as far as can be said."""

@@ -95,7 +95,7 @@ class OwnDriver:
     def _open(self) -> tuple[Driver, Reading | None]:
         settings = self._settings
         if self._newest is not None:  # opened again: the arm is where it was
-            settings = replace(settings, arm_edge=self._newest.arm_edge)
+            settings = replace(settings, stored_arm=self._newest.stored_arm)
         driver = self._make(settings)
         try:
             return driver, checked(driver.read())

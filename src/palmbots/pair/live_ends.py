@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from palmbots._types import Side
 from palmbots._util.arguments import show
-from palmbots.drivers.arm import arm_shape
+from palmbots.drivers.arm import NEW_ARM, StoredArm, arm_shape
 from palmbots.drivers.driver import Driver, DriverFailed, DriverSettings, NoAnswer
 from palmbots.drivers.driver_registry import check_arm, open_driver
 from palmbots.errors import PalmbotsError
@@ -84,7 +84,7 @@ def open_pair_driver(
     rate: float = 1.0,
     within_s: float = 20.0,
     on_line: Callable[[str], None] = to_stderr,
-    arm_edge: int | None = None,
+    stored_arm: StoredArm | None = None,
 ) -> Driver:
     """Open the driver of a robot, with the speed limit of the pair.
 
@@ -96,7 +96,7 @@ def open_pair_driver(
         rate: multiple of real time at which a simulated robot runs.
         within_s: time within which the world of a simulated robot has to answer.
         on_line: called with a line for the operator.
-        arm_edge: where the arm was before the boot; None: the robot does not do its job.
+        stored_arm: before the boot; None: the robot does not do its job.
 
     Raises:
         PalmbotsError: the scene needs a higher speed than the limit, there is no such kind of
@@ -104,13 +104,7 @@ def open_pair_driver(
     """
     check_speed(pair, side, scene)
     table, limit_m_s = pair.settings.driver, pair.settings.limits.max_speed_m_s
-    # The world of simulated robots moves their arms itself, also at a stand.
-    is_moved = "stand" in scene.task.ends and table.kind == "simulated"
-    shape = None
-    if to_spec(scene).uses_floor and arm_edge is not None and not is_moved:
-        shape = arm_shape(scene, side)
-    if shape is not None and epoch == 1 and getattr(scene.task, "from") == "palms":
-        arm_edge = shape.top_edge
+    does_job = to_spec(scene).uses_floor and stored_arm is not None
     settings = DriverSettings(
         side=side,
         leads=(side == "right") == (scene.task.direction == "forward"),
@@ -124,8 +118,8 @@ def open_pair_driver(
         epoch=epoch,
         within_s=within_s,
         scene=scene_number(scene),
-        arm=shape,
-        arm_edge=arm_edge or 0,
+        arm=arm_shape(scene, side) if does_job else None,
+        stored_arm=stored_arm or NEW_ARM,
         table=getattr(pair.settings, table.kind, None),
         on_line=on_line,
     )

@@ -16,9 +16,10 @@ import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from palmbots._util.atomic_files import read_regular, write_whole
+from palmbots.drivers.arm import NEW_ARM, StoredArm
 from palmbots.errors import PalmbotsError
 from palmbots.wire import MAX_EPOCH, Role
 
@@ -52,8 +53,10 @@ class StoredState:
     """What the carry had covered when this was last written [m]; behind by up to a step."""
     holds: bool = False
     """In a job on the floor: the arms may be up, so the robot holds everything after a boot."""
-    arm_edge: int = 0
-    """Where the arm goes on after a boot (`palmbots.drivers.arm.ArmMotion.edge`)."""
+    arm: StoredArm = NEW_ARM
+    """Where the arm is."""
+    approached_m: float = 0.0
+    """How far the robot has driven towards an object on a stand [m]; as `covered_m`."""
 
     def booted(self) -> Self:
         """The state to store at a boot.
@@ -75,14 +78,21 @@ def _check(content: dict[str, object]) -> str:
 
 def _is_state(content: dict[str, object]) -> bool:
     """The content has the fields of a state, of their types and within their limits."""
-    usual = {"pair": 0, "end": ""} | asdict(StoredState())
+    usual = _plain({"pair": 0, "end": ""} | asdict(StoredState()))
     if {name: type(value) for name, value in content.items()} != {
         name: type(value) for name, value in usual.items()
     }:
         return False
-    epoch, covered_m = content["epoch"], content["covered_m"]
-    assert isinstance(epoch, int) and isinstance(covered_m, float)
-    return 0 <= epoch <= MAX_EPOCH and math.isfinite(covered_m)
+    epoch, arm = content["epoch"], content["arm"]
+    assert isinstance(epoch, int) and isinstance(arm, list)
+    lengths = [*arm, content["covered_m"], content["approached_m"]]
+    are_finite = all(type(one) is float and math.isfinite(one) for one in lengths)
+    return 0 <= epoch <= MAX_EPOCH and len(arm) == len(NEW_ARM) and are_finite
+
+
+def _plain(content: dict[str, Any]) -> dict[str, Any]:
+    """As it is read from a file."""
+    return json.loads(json.dumps(content))
 
 
 def write_state(file: StateFile, state: StoredState, *, new: bool = False) -> None:
@@ -120,7 +130,7 @@ def read_state(file: StateFile) -> StoredState:
             f"{path}: the boot counter is that of end {owner[1]} of pair {owner[0]}; "
             f"allowed: that of end {file.end} of pair {file.pair}"
         )
-    return StoredState(**content)
+    return StoredState(**content | {"arm": StoredArm(*content["arm"])})
 
 
 class CounterInUse(PalmbotsError):

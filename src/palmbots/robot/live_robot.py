@@ -82,7 +82,7 @@ def run_live_robot(
         stack.callback(waits.end)
         waits.begin(hardware_text(pair, side))
         driver = open_pair_driver(
-            pair, side, scene, epoch=state.epoch, rate=rate, arm_edge=state.arm_edge
+            pair, side, scene, epoch=state.epoch, rate=rate, stored_arm=state.arm
         )
         stack.enter_context(contextlib.closing(driver))
         stride = to_spec(scene).robots[SIDES.index(side)].stride
@@ -91,7 +91,7 @@ def run_live_robot(
         first = driver.read()  # waits until the hardware or the world starts: no tick counts before
         waits.end()
         clock.run_at(getattr(driver, "clock_rate", 1.0))
-        gauge = ReadingGauge(pair, side, scene, first, state.covered_m)
+        gauge = ReadingGauge(pair, side, scene, first, state)
 
         def start(state: StoredState) -> tuple[Any, RobotLog]:
             has_encoders = gauge.has_encoders

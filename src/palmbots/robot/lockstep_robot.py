@@ -29,7 +29,7 @@ from palmbots.robot.storage_thread import StateWriter
 from palmbots.wire import Role
 
 _ALIKE = {"after_reboot": "rejoin", "partner_lost": "controller"}  # as robots in lockstep do
-_NOTHING_YET = Reading(0, True, math.nan)
+_NOTHING_YET = Reading(0, True, math.nan, beneath=False)
 
 
 class LockstepWorld:
@@ -145,7 +145,7 @@ def run_lockstep_robot(pair: Pair, side: Side, on_line: Callable[[str], None] = 
         keeper = stack.enter_context(StateWriter(file, state))
         line = LockstepLine(pair.settings.driver.address, side, state.epoch, scene_number(scene))
         world = stack.enter_context(contextlib.closing(LockstepWorld(line)))
-        gauge = ReadingGauge(pair, side, scene, _NOTHING_YET, 0.0)
+        gauge = ReadingGauge(pair, side, scene, _NOTHING_YET, StoredState())
         loop = RobotLoop(
             side, scene, start, world, world, world, keeper, gauge,
             watchdog=math.inf, watch=world.take,

@@ -50,3 +50,30 @@ class Odometry:
     def to_store_m(self) -> float:
         """The covered distance in steps so coarse that it need not be stored often."""
         return round(max(0.0, self.covered_m) // self._step_m * self._step_m, 3)
+
+
+class Approach(Odometry):
+    """Whether a robot has reached its place below an object on a stand.
+
+    It counts from where the job begins. A robot that has been there stays there, whatever its
+    corrections, until it drives back to try again.
+
+    Args:
+        goal_m: how far that place is away.
+        resumed_m: how far the robot had driven before a boot.
+    """
+
+    def __init__(self, goal_m: float, resumed_m: float) -> None:
+        super().__init__(goal_m, resumed_m)
+        self.is_there = resumed_m >= goal_m
+        """The robot is there."""
+
+    def drive(self, distance_m: float, carries: bool, backs_off: bool) -> None:
+        """As `take`, towards the object; `backs_off`: the robot drives back."""
+        self.take(distance_m, carries)
+        self.is_there = carries and not backs_off and (self.is_there or self.is_covered())
+
+    @property
+    def to_store_m(self) -> float:
+        """As for any distance; the whole of it if the robot is there."""
+        return self._goal_m if self.is_there else super().to_store_m

@@ -17,6 +17,7 @@ import palmbots._core as _core
 from palmbots._types import Side
 from palmbots.clocks.clock import Clock
 from palmbots.clocks.control_clock import jitter_table
+from palmbots.drivers.arm import NEW_ARM
 from palmbots.drivers.driver import Drive, Driver, Reading, works
 from palmbots.errors import PalmbotsError
 from palmbots.links.link import Link
@@ -130,14 +131,14 @@ class RobotLoop:
         self._ticks = self._epoch = 0
         self._statistics = PacketStatistics(side)
         self._may_resume = False
-        self._arm_edge = 0
+        self._arm = NEW_ARM
         self.robot: Any = None
         """The core's program."""
         self._log: RobotLog | None = None
 
     def start(self, state: StoredState, *, may_resume: bool = True) -> None:
         """Start the program, with a log of its own; `may_resume`: a stored carry goes on."""
-        self._epoch, self._may_resume, self._arm_edge = state.epoch, may_resume, state.arm_edge
+        self._epoch, self._may_resume, self._arm = state.epoch, may_resume, state.arm
         self._carries = state.carries and may_resume
         self.close()
         self.robot, self._log = self._start(state)
@@ -165,12 +166,13 @@ class RobotLoop:
         seen = self._read()
         if seen is None:
             return False
-        self._arm_edge = seen.arm_edge
+        self._arm = seen.stored_arm
         values = self._gauge.take(
             seen,
             carries=self._carries,
             counts=self.robot.counts,
             share_of_way=self.robot.share_of_way,
+            backs_off=self.robot.phase == "back_off",
             driver_ok=works(self._driver),
             storage_ok=self._keeper.works,
             overruns=min(self.clock.recent_overruns, 0xFFFF),
@@ -235,15 +237,16 @@ class RobotLoop:
                 lost = {"sign": 0, "palm_at_target": False, "driver_ok": False}
                 for receiver, data, _ in self._decide(1, lost, [])[3]:
                     self._link.send(ROLES[receiver], data)
-            self._keeper.keep(self._stored(False, 0.0))
+            self._keeper.keep(self._stored(False))
             raise
 
-    def _stored(self, assists: bool, covered_m: float) -> StoredState:
+    def _stored(self, assists: bool) -> StoredState:
         """What the robot has to remember over a boot."""
         carries, is_stopped = self.robot.to_store
+        covered_m, approached_m = self._gauge.to_store_m if carries else (0.0, 0.0)
         return StoredState(
-            self._epoch, assists, carries, is_stopped, covered_m if carries else 0.0,
-            self.robot.holds, self._arm_edge,
+            self._epoch, assists, carries, is_stopped, covered_m, self.robot.holds, self._arm,
+            approached_m,
         )  # fmt: skip
 
     def _decide(self, elapsed: int, values: dict[str, Any], packets: list[bytes]) -> Any:
@@ -257,10 +260,13 @@ class RobotLoop:
         """Store, drive and send what the core has decided."""
         assert self._log is not None
         palm, move, stop, packets, *_, assists = answer
-        self._keeper.keep(self._stored(assists, self._gauge.to_store_m))
+        self._keeper.keep(self._stored(assists))
         drive = self._drives[palm, move, stop, self.robot.wheels]
         if self._has_arms:
-            drive = replace(drive, arm=self.robot.arm, phase=self.robot.phase_state)
+            drive = replace(
+                drive, arm=self.robot.arm, arm_ends=self.robot.arm_ends,
+                phase=self.robot.phase_state,
+            )  # fmt: skip
         self._driver.write(drive)
         if self.clock.is_stepped:
             self._keeper.settle()

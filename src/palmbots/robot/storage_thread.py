@@ -35,7 +35,9 @@ class StateWriter:
     @property
     def is_done(self) -> bool:
         """All that the partner relies on after a boot is on the disk."""
-        return replace(self._stored, covered_m=self._wanted.covered_m) == self._wanted
+        wanted = self._wanted
+        distances = {"covered_m": wanted.covered_m, "approached_m": wanted.approached_m}
+        return replace(self._stored, **distances) == wanted
 
     def keep(self, state: StoredState) -> None:
         """Write the state, if it has changed; returns at once."""

@@ -6,7 +6,7 @@ motor board, and the station. Only radio, clocks, sockets and disks are replaced
 """
 
 from collections import defaultdict, deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,12 +14,13 @@ from typing import Any, get_args
 
 from palmbots._types import SIDES, Side
 from palmbots.clocks.control_clock import JITTER_LIMITS_MS
+from palmbots.drivers.driver import Driver
 from palmbots.drivers.hardware import HardwareParameters
 from palmbots.drivers.simulated import SimulatedDriver
 from palmbots.links.impairment import ImpairedPackets, Impairment
 from palmbots.links.link import Link
 from palmbots.links.local_connection import ConnectionLost
-from palmbots.pair.pair_file import init_pair, load_pair
+from palmbots.pair.pair_file import Pair, init_pair, load_pair
 from palmbots.pair.stored_state import StoredState
 from palmbots.robot.live_robot import logged_program, ticks_in
 from palmbots.robot.logged_steps import RobotLog
@@ -150,6 +151,9 @@ class SimulatedPair:
         hardware: what each robot's program takes its hardware for, if it is imperfect.
         logs: whether robots and station log.
         scene: of the carry.
+        stage: to which the motor boards are connected; None: the simulated world.
+        open_driver: opens the driver of a robot in a scene, after what it has stored; None: one of
+            the simulated world.
     """
 
     def __init__(
@@ -166,6 +170,8 @@ class SimulatedPair:
         hardware: Mapping[Side, HardwareParameters] | None = None,
         logs: bool = False,
         scene: str = "paper",
+        stage: Stage | None = None,
+        open_driver: Callable[[Pair, Side, Scene, StoredState], Driver] | None = None,
     ) -> None:
         self.scene = load_scene(scene, {"task.distance_m": 0.3, **(overrides or {})})
         (folder / "scene.toml").write_text(self.scene.to_toml())
@@ -174,8 +180,11 @@ class SimulatedPair:
         self.pair, self.air = load_pair(file).with_logs(None, is_off=not logs), air
         self.period_s = air.period_s = self.scene.control.period_s
         watchdog = round(self.scene.control.watchdog_s / self.period_s)
+        self._open_driver = open_driver
         self.stage: Stage
-        if imperfections is None:
+        if stage is not None:
+            self.stage = stage
+        elif imperfections is None:
             self.stage = perfect_stage(self.scene, world, seed)
         else:
             self.stage = ImperfectStage(self.scene, world, seed, imperfections)
@@ -235,19 +244,13 @@ class SimulatedPair:
     def boot(self, side: Side, scene: Scene | None = None) -> None:
         """Start the program of a robot; `scene`: another one than the pair's."""
         self.power_off(side)
-        pair, chosen, board = self.pair, scene or self.scene, self._boards[side]
-        line = _Line()
-        leads = (side == "right") == (chosen.task.direction == "forward")
-        driver = SimulatedDriver(
-            line, side, 1, self.period_s,
-            hardware=self._hardware.get(side), leads=leads, time=self.now_s,
-        )  # fmt: skip
-        line.peer.poll()  # the greeting, which an entrance takes
-        board.plug(line.peer)  # ty: ignore[invalid-argument-type]  # has all that a board uses
-        board.send(self.stage.frames()[SIDES.index(side)])
-        memory = self.keepers[side]
+        pair, chosen, memory = self.pair, scene or self.scene, self.keepers[side]
         state = memory.boot()
-        gauge = ReadingGauge(pair, side, chosen, driver.read(), state.covered_m)
+        if self._open_driver is None:
+            driver = self._simulated_driver(side, chosen)
+        else:
+            driver = self._open_driver(pair, side, chosen, state)
+        gauge = ReadingGauge(pair, side, chosen, driver.read(), state)
 
         def start(state: StoredState) -> tuple[Any, RobotLog]:
             return logged_program(
@@ -262,6 +265,19 @@ class SimulatedPair:
         loop.start(state, may_resume=pair.settings.limits.after_reboot == "rejoin")
         self._loops[side] = loop
         self._loops = {one: self._loops[one] for one in SIDES if one in self._loops}
+
+    def _simulated_driver(self, side: Side, scene: Scene) -> Driver:
+        """A driver that is connected to the motor board of a robot."""
+        line, board = _Line(), self._boards[side]
+        leads = (side == "right") == (scene.task.direction == "forward")
+        driver = SimulatedDriver(
+            line, side, 1, self.period_s,
+            hardware=self._hardware.get(side), leads=leads, time=self.now_s,
+        )  # fmt: skip
+        line.peer.poll()  # the greeting, which an entrance takes
+        board.plug(line.peer)  # ty: ignore[invalid-argument-type]  # has all that a board uses
+        board.send(self.stage.frames()[SIDES.index(side)])
+        return driver
 
     def press(self, side: Side, operation: Operation) -> None:
         """The operator presses a button of a robot."""
