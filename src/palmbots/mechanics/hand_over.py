@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Line, bold, verdict
 from palmbots.mechanics.lone import LoneLift, check_standing, lift_with
 from palmbots.mechanics.lone_refusals import refusals_of_palm, refusals_of_task, warnings_of
-from palmbots.scene.scene import Scene
+from palmbots.scene.scene import Scene, load_scene
 from palmbots.scene.spec import to_spec
 
 
@@ -58,6 +59,12 @@ class HandOver:
             yield from robot.lines()
 
 
+def _may_be(scene: Scene, key: str, value: float) -> bool:
+    """The job can begin with this value of a key."""
+    changed = hand_over(load_scene(scene, {key: value}))
+    return changed is not None and changed.works
+
+
 def hand_over(scene: Scene) -> HandOver | None:
     """The analysis of a scene; None: its robots do not hand the object over.
 
@@ -72,8 +79,9 @@ def hand_over(scene: Scene) -> HandOver | None:
     refusals = [*refusals_of_task(scene, spec)]
     warnings: list[str] = []
     for robot in (giver, taker):
+        key = f"palm.{robot.robot}.steep_deg"
         refusals += refusals_of_palm(scene, robot)
-        warnings += warnings_of(robot)
+        warnings += warnings_of(robot, partial(_may_be, scene, key))
     return HandOver(
         giver=giver,
         taker=taker,

@@ -93,6 +93,8 @@ class LoneLift:
     floor_friction: float
     least_floor_friction: MaybeNaN
     """From which on the object is not pushed away while the palm leaves."""
+    most_steep_deg: float
+    """Up to which the object does not slide by itself down the palm that leaves."""
     pivot_m: float
     """Height of the pivot with the nose on the floor, palm shallow."""
     refusals: tuple[str, ...]
@@ -278,10 +280,21 @@ def lift_with(scene: Scene, spec: _core.Spec, side: int) -> LoneLift:
         fall_m=along * math.sin(low.friction),
         floor_friction=scene.floor.friction,
         least_floor_friction=floor_friction_to_stay(body, (high, high), side),
+        most_steep_deg=_most_steep_deg(body, palm, side, scene.floor.friction),
         pivot_m=low.pivot,
         refusals=(),
         warnings=(),
     )
+
+
+def _most_steep_deg(body: Standing, palm: _core.PalmSpec, side: int, floor: float) -> float:
+    low, high = math.atan(palm.friction), _STEEP
+    for _ in range(40):
+        angle = 0.5 * (low + high)
+        plate = plate_on_floor(palm, angle)
+        stays = floor_friction_to_stay(body, (plate, plate), side) <= floor
+        low, high = (angle, high) if stays else (low, angle)
+    return math.degrees(low)
 
 
 def _least_lean(body: Standing, low: Plate, spec: _core.Spec, side: int) -> float:
