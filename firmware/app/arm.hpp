@@ -24,7 +24,8 @@ class Arm {
       ends_ = stored.ends;
     }
     lifted_from_ = low(false) + touched_ * share();
-    height_ = is_new ? low(false) : zero() + std::int32_t{stored.edge} * step();
+    moved_at_end_ = ends_;
+    height_ = is_new ? low(false) : zero(ends_) + std::int32_t{stored.edge} * step();
     const bool is_up = is_new && !is_job(settings, Job::begins_low);
     if (is_up || height_ > top()) height_ = top();
     rises_ = height_ == top();
@@ -36,6 +37,7 @@ class Arm {
     const std::int32_t floor = height_of(settings_.arm_floor_us[static_cast<std::size_t>(palm)]);
     const std::int32_t most = std::int32_t{settings_.arm_slew} * elapsed;
     ends_ = ends;
+    if (arm != ArmMove::hold) moved_at_end_ = ends;
     const std::int32_t bottom = is_at_stand() && low(ends) > floor ? low(ends) : floor;
     is_there_ = true;
     switch (arm) {
@@ -67,19 +69,19 @@ class Arm {
     return is_there_ && (has_turned || rises_ || is_at_stand());
   }
   std::uint8_t steps() const {
-    const std::int32_t above = height_ - zero();
+    const std::int32_t above = height_ - zero(ends_);
     return static_cast<std::uint8_t>(above > 0 ? above / step() : 0);
   }
   // What is stored. Its `edge` is the end of the present step from which the arm has come: there it goes
   // on after a boot. The partner's arm is at most a step from there. An arm that is up goes on at the
-  // top.
+  // top. It does not change while the arm holds, so boots do not move an arm that holds.
   StoredArm stored() const {
     const bool is_below = rises_ && height_ != top();
-    const std::int32_t above = height_ - zero();
-    const bool is_at_edge = is_below || above <= 0 || above % step() == 0;
+    const std::int32_t way = height_ - zero(moved_at_end_), above = way > 0 ? way : 0;
+    const bool is_at_edge = is_below || above % step() == 0;
     const bool has_stand = is_job(settings_, Job::from_stand) || is_job(settings_, Job::onto_stand);
-    return {static_cast<std::uint8_t>(steps() + (is_at_edge ? 0 : 1)),
-            static_cast<std::uint8_t>(touched_), has_stand && ends_};
+    return {static_cast<std::uint8_t>(above / step() + (is_at_edge ? 0 : 1)),
+            static_cast<std::uint8_t>(touched_), has_stand && moved_at_end_};
   }
   // [µs]
   std::uint16_t pulse() const {
@@ -94,7 +96,7 @@ class Arm {
   std::int32_t low(bool ends) const { return height_of(settings_.arm_low_us[ends ? 1 : 0]); }
   std::int32_t clear() const { return height_of(settings_.arm_clear_us); }
   // From where steps count.
-  std::int32_t zero() const { return ends_ ? low(true) : lifted_from_; }
+  std::int32_t zero(bool ends) const { return ends ? low(true) : lifted_from_; }
   bool is_at_stand() const { return is_job(settings_, ends_ ? Job::onto_stand : Job::from_stand); }
   std::int32_t step() const {
     const auto step = static_cast<std::int32_t>(settings_.arm_step);
@@ -114,6 +116,7 @@ class Arm {
   std::int32_t lifted_from_;  // at which the palm touched the object
   std::int32_t touched_ = 0;  // the same above the lowest height, in shares
   bool ends_ = false;
+  bool moved_at_end_ = false;  // the same when the arm moved last: it then holds, also over boots
   bool is_there_ = false;
   bool rises_;  // it has moved upward last
 };

@@ -105,7 +105,7 @@ def test_at_a_stand_an_arm_stops_where_its_palm_touches_and_counts_from_there() 
     for _ in range(10):
         arm.move(REACHES, 0, PERIOD_S)
     assert arm.pivot_m == pytest.approx(0.065)
-    assert arm.stored == StoredArm(arm.pivot_m, 0.06)  # little is stored while it moves
+    assert arm.stored == StoredArm(0.06, 0.06)  # little is stored while it moves
     for _ in range(3):  # a command that is late no longer lifts the object
         arm.move(REACHES, 0, PERIOD_S, touches=True)
         assert arm.pivot_m == pytest.approx(0.065)
@@ -116,6 +116,35 @@ def test_at_a_stand_an_arm_stops_where_its_palm_touches_and_counts_from_there() 
     assert arm.pivot_m == pytest.approx(0.095)
     assert arm.steps == 1
     assert arm.stored == pytest.approx(StoredArm(0.065 + 0.027, 0.065))
+
+
+def test_boots_do_not_move_an_arm_that_holds() -> None:
+    """Also at the end of the job, where a robot that has restarted does not know that yet."""
+    for ticks in range(0, 220, 7):
+        arm = ArmMotion(AT_STANDS, StoredArm(0.15, 0.065))
+        for _ in range(ticks):
+            arm.move(SINKS, 0, PERIOD_S, ends=True)
+        first = ArmMotion(AT_STANDS, arm.stored)
+        again = first
+        for _ in range(4):
+            again = ArmMotion(AT_STANDS, again.stored)
+            again.move(HOLDS, 0, PERIOD_S)
+        assert arm.pivot_m - 1e-12 <= first.pivot_m <= arm.pivot_m + AT_STANDS.step_m
+        assert again.pivot_m == first.pivot_m
+
+
+def test_little_is_stored_in_a_whole_job() -> None:
+    arm = ArmMotion(AT_STANDS)
+    stored = {arm.stored}
+    for motion, ends, ticks in (
+        (FOLLOWS, False, 5), (REACHES, False, 50), (HOLDS, False, 5), (RISES, False, 200),
+        (HOLDS, False, 5), (HOLDS, True, 5), (SINKS, True, 250), (FOLLOWS, True, 5),
+        (FOLLOWS, False, 50),
+    ):  # fmt: skip
+        for _ in range(ticks):
+            arm.move(motion, 0, PERIOD_S, ends=ends)
+            stored.add(arm.stored)
+    assert len(stored) <= 10
 
 
 def test_an_arm_that_feels_nothing_reaches_no_higher_than_the_object_can_be() -> None:

@@ -102,10 +102,11 @@ class ArmMotion:
             stored = StoredArm(begin_m, shape.lows_m[0])
         self.pivot_m = min(stored.pivot_m, shape.top_m)
         """Height of the pivot over the floor."""
-        # At which the palm touched the object. One that changes in every tick is not stored. What
-        # was stored may be of another job.
+        # Where the palm touched the object. What was stored may be of another job.
         low_m, high_m = shape.lows_m[0], max(shape.lows_m[0], shape.clear_m)
-        self._lifted_from_m = self._touched_m = min(max(stored.touched_m, low_m), high_m)
+        self._lifted_from_m = min(max(stored.touched_m, low_m), high_m)
+        self.stored = StoredArm(self.pivot_m, self._lifted_from_m)
+        """To be stored. It seldom changes while the arm moves, and never while the arm holds."""
         self._ends = self._is_there = False
         self._rises = self.pivot_m == shape.top_m  # it has moved upward last
 
@@ -143,7 +144,7 @@ class ArmMotion:
             self._rises = False
         self.pivot_m = max(self.pivot_m, floor)
         if arm != REACHES:
-            self._touched_m = self._lifted_from_m
+            self._store(arm, bottom)
 
     def is_there(self, has_turned: bool) -> bool:
         """The arm has reached the height last commanded. The floor is at the height for the angle
@@ -156,13 +157,22 @@ class ArmMotion:
         object, or to which it sinks."""
         return math.floor(self._above + _ROUNDING)
 
-    @property
-    def stored(self) -> StoredArm:
-        """To be stored."""
-        shape = self._shape
-        is_below = self._rises and self.pivot_m != shape.top_m
-        edge = self.steps if is_below else math.ceil(self._above - _ROUNDING)
-        return StoredArm(min(self._zero_m + edge * shape.step_m, shape.top_m), self._touched_m)
+    def _store(self, arm: int, bottom: float) -> None:
+        before_m, touched_m = self.stored
+        if arm == FOLLOWS:
+            at_m = bottom
+        elif arm == HOLDS:
+            at_m = before_m if touched_m == self._lifted_from_m else self.pivot_m
+        elif not self._rises:
+            at_m = self._edge_m(math.ceil(self._above - _ROUNDING))
+        elif self.pivot_m == self._shape.top_m:
+            at_m = self.pivot_m
+        else:
+            at_m = before_m if self.pivot_m < self._zero_m else self._edge_m(self.steps)
+        self.stored = StoredArm(at_m, self._lifted_from_m)
+
+    def _edge_m(self, steps: int) -> float:
+        return min(self._zero_m + steps * self._shape.step_m, self._shape.top_m)
 
     @property
     def _zero_m(self) -> float:

@@ -22,7 +22,8 @@ app::Settings settings() {
   made.arm_slew = 2 * 256;
   made.arm_step = 100 * 256;
   made.job = static_cast<std::uint8_t>(Job::lifts) | static_cast<std::uint8_t>(Job::begins_low) |
-             static_cast<std::uint8_t>(Job::from_stand);
+             static_cast<std::uint8_t>(Job::from_stand) |
+             static_cast<std::uint8_t>(Job::onto_stand);
   return made;
 }
 
@@ -56,8 +57,28 @@ void check_boots(int count) {
   }
 }
 
+// At the end of the job, steps count from below the object there. A robot that has restarted does not
+// know at once that it is there, and holds.
+void check_end() {
+  const app::Settings made = settings();
+  for (int ticks = 1; ticks < 400; ++ticks) {
+    Arm arm(made, {7, 64, false}, false);
+    for (int i = 0; i < ticks; ++i) arm.move(ArmMove::sink, Palm::steep, true, 1);
+    app::StoredArm stored = arm.stored();
+    const std::uint16_t first = Arm(made, stored, false).pulse();
+    for (int i = 0; i < 3; ++i) {
+      Arm again(made, stored, false);
+      again.move(ArmMove::hold, Palm::steep, false, 1);
+      CHECK(again.pulse() == first);
+      stored = again.stored();
+    }
+    CHECK(first >= arm.pulse() && first <= arm.pulse() + 100);
+  }
+}
+
 }  // namespace
 
 int main() {
   for (const int count : {1, 2, 5}) check_boots(count);
+  check_end();
 }
