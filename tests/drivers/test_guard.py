@@ -15,6 +15,7 @@ import pytest
 
 import palmbots as pb
 from distributions import installed
+from palmbots.drivers.arm import StoredArm
 from palmbots.drivers.driver import Drive, DriverSettings, RawAccess, RawCommand, works
 from palmbots.drivers.driver_registry import open_driver
 from waiting import wait_until
@@ -115,6 +116,7 @@ def test_a_silent_program_is_stopped_within_the_watchdog(note: Path) -> None:
 NODE = """
 import sys, time
 from pathlib import Path
+from palmbots.drivers.arm import StoredArm
 from palmbots.drivers.driver import Drive, DriverSettings
 from palmbots.drivers.driver_registry import open_driver
 driver = open_driver("noted", DriverSettings(
@@ -178,11 +180,15 @@ def test_a_stopped_program_leaves_no_old_commands(note: Path) -> None:
 
 
 def test_a_killed_guard_is_a_lost_driver_and_starts_again(note: Path) -> None:
-    driver = open_driver("noted", settings(note))
+    driver = open_driver("noted", settings(note, stored_arm=StoredArm(0.1, 0.05)))
     guard = int(notes(note)[0][2])
     os.kill(guard, signal.SIGKILL)
     wait_until(lambda: (driver.read(), not works(driver))[1])
     wait_until(lambda: (driver.read(), works(driver))[1])
+    # The arm is where the first one said: this driver adds 1 cm each time that it is opened.
+    seen = driver.read()
+    assert seen is not None
+    assert seen.stored_arm == pytest.approx(StoredArm(0.12, 0.05))
     assert int(notes(note)[-1][2]) != guard
     driver.write(TURN)
     wait_until(lambda: words(note)[-1] == "write")

@@ -148,7 +148,7 @@ def test_at_the_angle_that_a_warning_names_jobs_succeed() -> None:
             steeper = pb.carry("handover", "shared-sign", overrides=keys)
         except SceneError:
             continue
-        named = re.search(r"it does not with an angle of (\S+) or less", "".join(warnings))
+        named = re.search(r"it does not with palm\.steep_deg at most ([\d.]+)", "".join(warnings))
         if named is None:
             continue
         scene = load_scene("handover", keys | {"palm.steep_deg": float(named[1])})

@@ -159,3 +159,9 @@ def test_stall_for_another_reason_prints_no_hint(
 ) -> None:
     """The leader feels the start; both start together; the controller has no start by touch."""
     assert carried(capsys, *words, outcome="STALLED") == []
+
+
+@pytest.mark.parametrize("scene", ["handover", "lone"])
+def test_no_property_is_missing_where_one_palm_holds_the_object(scene: str) -> None:
+    """Two palms at this angle would not hold it."""
+    assert missing_properties(pb.load_scene(scene, {"palm.steep_deg": 60}), "shared-sign") == ()

@@ -20,6 +20,7 @@ class Noted:
         self._file = Path(settings.address)
         self._options = settings.options
         self._reads = 0
+        self._arm = settings.stored_arm._replace(pivot_m=settings.stored_arm.pivot_m + 0.01)
         self._note("open", os.getpid())
         if "refuse" in self._options:
             raise PalmbotsError(f"driver.options.refuse: {self._options['refuse']}")
@@ -36,7 +37,7 @@ class Noted:
             return None
         if self._reads == self._options.get("fail_after"):
             raise OSError(5, "Input/output error")
-        return Reading(1, True, float("nan"), 7.5, True)
+        return Reading(1, True, float("nan"), 7.5, True, stored_arm=self._arm)
 
     def write(self, drive: Drive) -> None:
         print("a driver that prints disturbs nobody")

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
+from palmbots._types import SIDES
 from palmbots._util.plain_values import derived
 from palmbots._util.report import Item, Line, bold, verdict
 from palmbots.mechanics.lone import LoneLift, check_standing, lift_with
@@ -59,9 +60,9 @@ class HandOver:
             yield from robot.lines()
 
 
-def _may_be(scene: Scene, key: str, value: float) -> bool:
-    """The job can begin with this value of a key."""
-    changed = hand_over(load_scene(scene, {key: value}))
+def _may_be(scene: Scene, sides: tuple[str, ...], angle: float) -> bool:
+    """The job can begin with the steep palms of these robots at this angle."""
+    changed = hand_over(load_scene(scene, {f"palm.{side}.steep_deg": angle for side in sides}))
     return changed is not None and changed.works
 
 
@@ -79,9 +80,10 @@ def hand_over(scene: Scene) -> HandOver | None:
     refusals = [*refusals_of_task(scene, spec)]
     warnings: list[str] = []
     for robot in (giver, taker):
-        key = f"palm.{robot.robot}.steep_deg"
+        sides = SIDES if giver.steep_deg == taker.steep_deg else (robot.robot,)
+        key = "palm.steep_deg" if sides == SIDES else f"palm.{robot.robot}.steep_deg"
         refusals += refusals_of_palm(scene, robot)
-        warnings += warnings_of(robot, partial(_may_be, scene, key))
+        warnings += warnings_of(robot, key, partial(_may_be, scene, sides))
     return HandOver(
         giver=giver,
         taker=taker,

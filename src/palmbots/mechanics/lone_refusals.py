@@ -132,21 +132,23 @@ def refusals_of_palm(scene: Scene, found: LoneLift) -> Iterator[str]:
 
 
 def warnings_of(
-    found: LoneLift, may_be: Callable[[float], bool] = lambda _: False
+    found: LoneLift,
+    key: str = "palm.steep_deg",
+    may_be: Callable[[float], bool] = lambda _: False,
 ) -> Iterator[str]:
-    """What may end it; `may_be`: the job works with the steep palm at this angle [degrees]. One
-    robot alone may not get away from the object at an angle from which it does not slide down."""
+    """What may end it; `may_be`: the job works with this value of the key. One robot alone may not
+    get away from the object at an angle from which it does not slide down."""
     if found.floor_friction >= found.least_floor_friction:
         return
     remedies = []
     angle = rounded_down(found.most_steep_deg, 3)
     if angle > found.friction_deg and may_be(angle):
-        remedies.append(f"with an angle of {angle:g} or less")
+        remedies.append(f"with {key} at most {angle:g}")
     if math.isfinite(found.least_floor_friction):
         friction = rounded_up(found.least_floor_friction, 3)
-        remedies.append(f"with a friction of {friction:g} or more")
-    remedy = f"; it does not {' or '.join(remedies)}" if remedies else ""
+        remedies.append(f"with floor.friction at least {friction:g}")
+    remedy = f"; it does not {', or '.join(remedies)}" if remedies else ""
     yield (
-        f"palm.steep_deg is {found.steep_deg:g}, and floor.friction is {found.floor_friction:g}: "
+        f"{key} is {found.steep_deg:g}, and floor.friction is {found.floor_friction:g}: "
         f"the object slides by itself down the palm that leaves, and may fall{remedy}"
     )

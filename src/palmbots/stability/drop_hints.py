@@ -13,6 +13,7 @@ from palmbots.control.table_timing import transition_table
 from palmbots.errors import PalmbotsError
 from palmbots.scene.command_text import command_text
 from palmbots.scene.scene import Scene
+from palmbots.scene.spec import to_spec
 from palmbots.stability.problem import Pair, permitted, stability_problem
 
 
@@ -21,8 +22,11 @@ def missing_properties(scene: Scene, controller: str) -> tuple[int, ...]:
 
     The controller ``none`` turns no palm, so for it only one condition counts, reported as 0: two
     steep palms hold the object. Empty for a scene to which planar mechanics do not apply, such as
-    one with a curved path.
+    one with a curved path, and for a job in which one palm holds the object: no controller corrects
+    it there.
     """
+    if to_spec(scene, unrolled=True).on_one_palm:
+        return ()
     try:
         problem = stability_problem(scene, _zero_zone(scene))
     except PalmbotsError:
