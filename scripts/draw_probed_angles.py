@@ -48,6 +48,9 @@ def figure() -> Figure:
             axes.set_ylim(-3, 103)
         panels[0].set_ylabel(axis_label("dropped", "%"))
         drawn.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
-        least = min(len(objects) for objects in of.values())
+        least = min(
+            len(of[(*kind, *choice, noise)])
+            for kind in KINDS for choice in CHOICES for noise in NOISES
+        )  # fmt: skip
         footnote(drawn, f"friction of the palms; means of at least {least} objects, 95 % intervals")
     return drawn

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from palmbots._util.confidence_intervals import wilson_bounds
+
 RESULT = Path(__file__).parents[2] / "benchmarks" / "results" / "probes.csv"
 CHOICES = {
     ("nothing", "default"): "none (default)",
@@ -42,10 +44,8 @@ def rates(world: str) -> dict[Key, dict[int, float | None]]:
 
 def carried(of: dict[Key, dict[int, float | None]], *key: str) -> np.ndarray:
     """The drop rate of each object; without angles for it, the robots keep the default ones."""
-    kind, noise = key[:2], key[-1]
-    default = of[(*kind, "nothing", "default", noise)]
-    own = of[key]
-    return np.array([default[k] if own[k] is None else own[k] for k in sorted(default)], float)
+    default, own = of[(*key[:2], "nothing", "default", key[-1])], of[key]
+    return np.array([default[k] if own[k] is None else own[k] for k in sorted(own)], float)
 
 
 def mean_interval(values: np.ndarray) -> tuple[float, float, float]:
@@ -63,22 +63,30 @@ def _text(values: np.ndarray) -> str:
     return f"{mean:.1f} ({low:.1f} to {high:.1f})".replace("-", "−")
 
 
+def often(of: dict[Key, dict[int, float | None]], *key: str) -> tuple[int, int]:
+    """How many objects are dropped often, and how many there are."""
+    rates = carried(of, *key)
+    return int((rates > OFTEN).sum()), len(rates)
+
+
 def _lines(world: str, noises: tuple[str, ...]) -> list[list[str]]:
     of = rates(world)
     lines = []
     for kind, friction in KINDS.items():
         for choice, angles in CHOICES.items():
-            if (*kind, *choice, noises[0]) not in of:
+            key = (*kind, *choice)
+            if (*key, noises[0]) not in of:
                 continue
-            every = of[(*kind, *choice, noises[0])]
+            every = of[(*key, noises[0])]
+            default = of[(*kind, "nothing", "default", noises[0])]
             has = sum(one is not None for one in every.values())
-            cells = [_text(carried(of, *kind, *choice, noise)) for noise in noises]
-            worth = carried(of, *kind, *choice, noises[0]) - carried(
-                of, *kind, "nothing", "default", noises[0]
-            )
+            cells = [_text(carried(of, *key, noise)) for noise in noises]
+            worth = carried(of, *key, noises[0]) - [default[k] for k in sorted(every)]
             less = "" if choice[0] == "nothing" else _text(worth)
-            often = int((carried(of, *kind, *choice, noises[0]) > OFTEN).sum())
-            lines.append([friction, angles, f"{has} of {len(every)}", f"{often}", *cells, less])
+            number, count = often(of, *key, noises[0])
+            low, high = (100 * one for one in wilson_bounds(number, count))
+            share = f"{number} of {count} ({low:.0f} to {high:.0f} %)"
+            lines.append([friction, angles, f"{has} of {count}", share, *cells, less])
     return lines
 
 
