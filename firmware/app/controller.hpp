@@ -43,8 +43,13 @@ runtime::PhaseSettings<Table> phase_settings(const Settings& s) {
   TableTimes<Table> times{s.phase_times[0], s.phase_times[1], {}};
   static_assert(2 + Table::limits == sizeof s.phase_times / sizeof s.phase_times[0]);
   for (std::size_t i = 0; i < Table::limits; ++i) times.limits[i] = s.phase_times[2 + i];
-  return {is_job(s, Job::lifts), is_job(s, Job::begins_low), is_job(s, Job::ends_low),
-          s.leads != 0,          is_job(s, Job::stands_by),  times};
+  return {is_job(s, Job::lifts),
+          is_job(s, Job::begins_low),
+          is_job(s, Job::ends_low),
+          s.leads != 0,
+          is_job(s, Job::stands_by),
+          is_job(s, Job::level_only),
+          times};
 }
 
 namespace detail {

@@ -33,6 +33,7 @@ enum class Job : std::uint8_t {
   stands_by = 8,  // the robot docks after its partner
   from_stand = 16,
   onto_stand = 32,
+  level_only = 64,  // the pair corrects its contacts at level pivots only
 };
 
 inline constexpr std::size_t most_times = 16;

@@ -38,7 +38,8 @@ struct Start {
 template <class Table>
 runtime::PhaseProgram<Table> phases_of(const Spec& spec, const Start& s) {
   return {{uses_floor(spec), spec.begins_on != StandsOn::palms, spec.ends_on != StandsOn::palms,
-           leader_of(spec) == s.side, stands_by(spec, s.side), table_times_of<Table>(spec)},
+           leader_of(spec) == s.side, stands_by(spec, s.side), corrects_level_only(spec),
+           table_times_of<Table>(spec)},
           s.epoch,
           s.holds};
 }

@@ -2,6 +2,7 @@
 // The quasistatic world, step by step.
 #include "palmbots/base/gravity.hpp"
 #include "palmbots/sim/palm_way.hpp"
+#include "palmbots/sim/pivot_rises.hpp"
 #include "palmbots/sim/standing_start.hpp"
 #include "palmbots/world/quasistatic_world.hpp"
 
@@ -253,6 +254,54 @@ void bind_world(nb::module_& m) {
       "How far a robot drives from the start of a job until its steep palm is below the object on "
       "a "
       "stand, where it touches at the contact coordinate of the scene's start [m].");
+  const auto bits_of = [](const std::vector<int>& numbers) {
+    unsigned bits = 0;
+    for (const int number : numbers) bits |= property_bit(number);
+    return bits;
+  };
+  nb::class_<PivotRises>(m, "PivotRises",
+                         "The properties of a scene's palms for a rise of the right pivot over the "
+                         "left one, with contacts on an inner share of the usable palms.")
+      .def(nb::init<Spec, double>(), nb::arg("spec"), nb::arg("share") = 1.0)
+      .def(
+          "holding",
+          [](const PivotRises& self, double rise, bool on_floor, bool clear) {
+            const unsigned hold = self.holding({rise, rise}, on_floor, clear);
+            std::vector<int> numbers;
+            for (const int number : {0, 1, 2}) {
+              if ((hold & property_bit(number)) != 0) numbers.push_back(number);
+            }
+            return nb::tuple(nb::cast(numbers));
+          },
+          nb::arg("rise") = 0.0, nb::arg("on_floor") = false, nb::arg("clear") = true,
+          "The properties that hold with the right pivot this much higher [m], or with both inner "
+          "ends on the floor and the right pivot higher by a further length. `clear`: they demand "
+          "clearance.")
+      .def(
+          "permitted_m",
+          [bits_of](const PivotRises& self, const std::vector<int>& wanted, bool on_floor,
+                    bool clear) { return self.permitted(bits_of(wanted), on_floor, clear); },
+          nb::arg("properties"), nb::arg("on_floor") = false, nb::arg("clear") = true,
+          "The largest height difference with which these properties hold, as with all smaller "
+          "ones "
+          "of either sign; 0: they do not hold without one.");
+  m.def(
+      "arms_differ",
+      [](const Spec& spec, bool level_only) {
+        const ArmsDiffer found = ArmsDiffer::of(spec, level_only);
+        return std::tuple(found.at_rest, found.late, found.moving);
+      },
+      nb::arg("spec"), nb::arg("level_only"),
+      "The largest height difference of two arms that begin to move [m], how long one may move "
+      "while "
+      "the other one stands [s], and the largest difference while they move [m].");
+  m.def("corrects_level_only", &corrects_level_only, nb::arg("spec"),
+        "Whether a pair may correct its contacts at level pivots only.");
+  m.attr("centred_share") = centred_share;
+  m.def(
+      "rise_clear_of_noses", &rise_clear_of_noses, nb::arg("spec"),
+      "The height difference of the pivots up to which an object that has just been docked touches "
+      "steep palms at its contact vertices only [m].");
   m.def("first_angle", &first_angle, nb::arg("spec"), nb::arg("side"),
         "The angle of a palm where a job begins [rad].");
   m.def("standing_level", &standing_level, nb::arg("spec"), nb::arg("moved") = 0.0,

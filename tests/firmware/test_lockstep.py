@@ -89,6 +89,7 @@ REBOOTS_EARLY = REBOOTS | {
 JOBS: dict[str, dict[str, Any]] = {
     "as it is": {},
     "reboots and losses": REBOOTS,
+    "at level pivots only, reboots and losses": REBOOTS | {"object": "bottle"},
     "from the palms, reboots and losses": REBOOTS_EARLY | {"task.from": "palms"},
     "onto the palms, reboots and losses": REBOOTS | {"task.to": "palms"},
 }

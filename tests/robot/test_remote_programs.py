@@ -140,6 +140,7 @@ JOBS: dict[str, dict[str, Any]] = {
     "from the palms": {"task.from": "palms"},
     "onto the palms, one first": {"task.to": "palms", "task.dock": "one-first"},
     "everything": EVERYTHING,
+    "everything, at level pivots only": EVERYTHING | {"object": "bottle"},
     "lost and clocks": {
         "faults.script": [
             {"kind": "reboot", "robot": "left", "at_s": 1.0, "duration_s": 0.5},

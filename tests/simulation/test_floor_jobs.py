@@ -115,15 +115,33 @@ def test_arms_keep_rate_height_and_company(lifted: Carry) -> None:
 
 @pytest.mark.parametrize("controller", ["shared-sign", "resilient"])
 def test_arms_that_differ_while_they_move_lose_nothing(controller: str) -> None:
-    """Property 1 fails meanwhile; properties 0 and 2 hold."""
+    """Property 1 fails meanwhile; property 0 holds."""
     keys: dict[str, Any] = {"object": "bottle", "radio.loss": 0.4, "task.distance_m": 0.1}
     found = lifting(load_scene("lift", keys))
-    carry = pb.carry("lift", controller, overrides=keys | {"task.timeout_s": 300})
-    begin, end = min(starts(carry, "raise")), max(starts(carry, "down"))
-    height = rows(carry, "pivot_height", begin, end)
-    apart = np.abs(height[:, 0] - height[:, 1]).max()
+    apart = 0.0
+    for seed in range(12):
+        carry = pb.carry("lift", controller, seed=seed, overrides=keys | {"task.timeout_s": 300})
+        assert carry.outcome == "delivered"
+        height = rows(
+            carry, "pivot_height", min(starts(carry, "raise")), max(starts(carry, "down"))
+        )
+        apart = max(apart, float(np.abs(height[:, 0] - height[:, 1]).max()))
     assert found is not None and found.permitted_rise_m < apart <= found.arms_differ_m
+
+
+@pytest.mark.parametrize(
+    "keys", [{"object": "bottle"}, {"arm.rate_m_per_s": 0.2}, {"arm.left.rate_m_per_s": 0.15}]
+)
+def test_a_pair_that_corrects_at_level_pivots_only(keys: dict[str, Any]) -> None:
+    """It raises the object before it centres the contacts, and its wheels stand while its arms
+    move."""
+    carry = pb.carry("lift", "shared-sign", overrides=keys)
     assert carry.outcome == "delivered"
+    assert not {"centre", "ready", "recentre"} & {one.phase for one in job(carry).phases}
+    for first, last in (("poised", "up"), ("arrived", "down")):
+        since, until = max(starts(carry, first)) + 0.02, min(starts(carry, last)) - 0.02
+        assert until - since > 0.5
+        assert np.abs(rows(carry, "commanded", since, until)).max() == 0
 
 
 def test_no_arm_rises_without_the_partners_word() -> None:
@@ -191,18 +209,12 @@ def test_noses_of_any_thickness_lift(nose_m: float) -> None:
     assert (carry.outcome, job(carry).failure) == ("delivered", None)
 
 
-@pytest.mark.parametrize(("seed", "delivers"), [(42, False), (284, False), (838, True)])
-def test_an_attempt_that_cannot_centre_ends(seed: int, delivers: bool) -> None:
-    """One robot centres again and again, and its partner cannot; another attempt may succeed."""
-    keys = random_lift(seed) | {"arm.rate_m_per_s": 0.007}  # all that 838 permits
-    carry = pb.carry("lift", "shared-sign", overrides=keys)
-    names = [phase.phase for phase in job(carry).phases if phase.robot == "right"]
-    assert "recentre" in names and carry.time_s < 100  # the task has 130 s
-    if delivers:
-        assert (carry.outcome, names.count("dock")) == ("delivered", 2)
-    else:
-        assert carry.outcome == "stalled"
-        assert job(carry).failure == "did not centre the contacts on the floor"
+@pytest.mark.parametrize("seed", [42, 284, 838])
+def test_contacts_that_cannot_be_centred_on_the_floor_are_centred_in_the_air(seed: int) -> None:
+    """There one robot would centre again and again, and its partner could not."""
+    carry = pb.carry("lift", "shared-sign", overrides=random_lift(seed))
+    assert "centre" not in {phase.phase for phase in job(carry).phases}
+    assert (carry.outcome, job(carry).failure) == ("delivered", None)
 
 
 @pytest.mark.parametrize("floor", [0.3, 0.5])

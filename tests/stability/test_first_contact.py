@@ -59,6 +59,13 @@ def balance(scene: dict, touch: FirstTouch) -> float:
     return float(nnls(np.array(wrenches).T, push)[1])
 
 
+def test_an_object_may_lie_flush_on_a_palm_of_real_thickness() -> None:
+    """Its foot ends beyond the nose, so it is beside the end face of the plate, and not in it."""
+    touch = pb.analyze("lift", overrides={"object": "bottle"}).touch
+    assert touch is not None
+    assert [contact.kind for contact in touch.contacts].count("flush") == 2
+
+
 @pytest.mark.parametrize("scene", SCENES, ids=lambda s: str(s["object"])[:9])
 def test_first_touch_is_the_boundary_of_touching(scene: dict) -> None:
     touch = found(scene)

@@ -20,6 +20,7 @@ TableTimes<Lifting> times{};
 int top = 0;
 int step_height = 1;
 bool on_stand = false;
+bool level_only = false;
 constexpr int kinds = 32;  // of messages; a word is one, and the steps of an arm
 static_assert(palmbots::all_message_kinds <= kinds);
 
@@ -55,8 +56,12 @@ std::uint8_t steps(int side) { return static_cast<std::uint8_t>(pair.height[side
 mind stepped(int side, int heard, int reading) {
   TableRobot<Lifting> robot = awake(side);
   const bool is_beneath = reading == BENEATH || reading == FAR_THERE;
-  robot.clock().own.senses = {reading != NOTHING && reading != BENEATH, is_there(side),
-                              reading == FAR_THERE, steps(side), on_stand && is_beneath};
+  robot.clock().own.senses = {reading != NOTHING && reading != BENEATH,
+                              is_there(side),
+                              reading == FAR_THERE,
+                              steps(side),
+                              on_stand && is_beneath,
+                              level_only};
   const Sign sign = reading == OUTWARD                           ? Sign::positive
                     : reading == CENTRED || reading == FAR_THERE ? Sign::zero
                                                                  : Sign::negative;
@@ -89,13 +94,21 @@ extern "C" {
 
 struct pair pair;
 
-void set_program(int cycles, int reach, int height, int step, int from_stand) {
+void set_program(int cycles, int reach, int height, int step, int from_stand, int level) {
   set_lease(cycles);
   on_stand = from_stand != 0;
+  level_only = level != 0;
   // Ages are counted here; a controller gets a fresh message or none.
   times = {1, 1, palmbots::table_limits<Lifting>({0, 0, 0.1 * reach, 0}, 1)};
   top = height;
   step_height = step;
+}
+
+void begin(int side) {
+  TableRobot<Lifting> robot = awake(side).booted();
+  robot.enter(Lifting::initial);
+  pair.mind[side] = packed(robot);
+  forget(side);
 }
 
 void one_first(void) {
@@ -150,6 +163,11 @@ int arm_may_move(int side) {
 int arm_follows_floor(int side) { return role(side).arm == ArmMove::follow; }
 int leaves(int side) {
   return role(side).driver == Driver::table && output(side).command.move == Move::away;
+}
+int corrects(int side) {
+  palmbots::LiftSenses senses{.touches = true};
+  senses.level_only = level_only;
+  return Lifting::driver(state(side), senses) != Driver::table;
 }
 int is_over(int side) {
   return state(side) == Lifting::State::done || state(side) == Lifting::State::failed;

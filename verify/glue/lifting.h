@@ -32,10 +32,12 @@ extern struct pair pair;
 
 /* The limits of the table follow from `reach` (palmbots::TableTiming); arms carry at the height `top`,
  * and a step of the table is so high. All times in cycles, `reach` in tenths of one. The right robot
- * leads. `from_stand`: the object is on a stand at first. */
-void set_program(int lease, int reach, int top, int step, int from_stand);
+ * leads. `from_stand`: the object is on a stand at first. `level`: the pair corrects its contacts at level
+ * pivots only. */
+void set_program(int lease, int reach, int top, int step, int from_stand, int level);
 /* The left robot stands by until the right one is under the object. */
 void one_first(void);
+void begin(int side);
 void robot_boot(int side);
 
 /* What an adversary may let a robot feel in its next step, in which it hears what `choice` says: one of
@@ -50,6 +52,8 @@ int arm_may_move(int side);
 int arm_follows_floor(int side);
 /* Whether a robot takes its palm away from under the object. */
 int leaves(int side);
+/* Whether its controller commands its wheels, if something presses its palm. */
+int corrects(int side);
 int is_over(int side);
 int is_held(int side);
 

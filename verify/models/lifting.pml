@@ -38,11 +38,13 @@ c_code {
 #define LEAVE 4 /* no robot takes its palm away while its partner's arm is up */
 #define DROP 8  /* no arm that is up is commanded to follow the floor */
 #define ALONE 16 /* a robot travels for NOTICE cycles at most while its partner does not */
+#define STILL 32 /* where LEVEL holds, wheels move under the object only while both arms are up */
 #define claim(kind, condition) assert(!(ARMED & kind) || (condition))
 
 byte ARMED;  /* sum of the above */
 byte FIRST;  /* 1: one robot docks first */
 byte STAND;  /* 1: the object is on a stand at first */
+byte LEVEL;  /* 1: the pair corrects its contacts at level pivots only */
 byte LEASE;  /* cycles for which a message counts */
 byte DELAY;  /* cycles that a message takes at most when the radio is calm */
 byte REACH;  /* tenths of a cycle, from which the limits of the table follow */
@@ -147,6 +149,14 @@ inline check()
       now.bad |= !now.down[side] && arm_follows_floor(side) && pair.height[side] > 0;
   };
   claim(DROP, !bad);
+  c_code {
+    int side;
+    now.bad = 0;
+    for (side = 0; side < 2; ++side)
+      now.bad |= now.LEVEL && !now.down[side] && corrects(side) &&
+                 (pair.height[LEFT] < now.TOP || pair.height[RIGHT] < now.TOP);
+  };
+  claim(STILL, !bad);
   bad = false;
   alone[LEFT] = (travels_alone(LEFT) -> alone[LEFT] + 1 : 0);
   alone[RIGHT] = (travels_alone(RIGHT) -> alone[RIGHT] + 1 : 0);
@@ -161,6 +171,7 @@ active proctype cycle()
       now.ARMED = parameter("ARMED");
       now.FIRST = parameter("FIRST");
       now.STAND = parameter("STAND");
+      now.LEVEL = parameter("LEVEL");
       now.LEASE = parameter("LEASE");
       now.DELAY = parameter("DELAY");
       now.REACH = parameter("REACH");
@@ -171,9 +182,9 @@ active proctype cycle()
       now.NOTICE = parameter("NOTICE");
       now.CALMS = parameter("CALMS");
       now.reboots = parameter("REBOOTS");
-      set_program(now.LEASE, now.REACH, now.TOP, now.STEP, now.STAND);
-      robot_boot(LEFT);
-      robot_boot(RIGHT);
+      set_program(now.LEASE, now.REACH, now.TOP, now.STEP, now.STAND, now.LEVEL);
+      begin(LEFT);
+      begin(RIGHT);
       if (now.FIRST) one_first();
     }
   };

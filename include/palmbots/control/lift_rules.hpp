@@ -25,7 +25,8 @@ enum class ArmMove : std::uint8_t {
 enum class Driver : std::uint8_t {
   table,
   controller_in_place,  // which does not travel
-  while_pressed,        // the same while something presses the palm; otherwise the wheels stand
+  while_level,    // the same; in a pair that corrects contacts at level pivots only, the table
+  while_pressed,  // the same while something presses the palm; otherwise the wheels stand
   controller,
 };
 
@@ -40,6 +41,9 @@ struct LiftSenses {
   std::uint8_t steps = 0;
   // By its odometry, it has reached its place below an object on a stand in this attempt.
   bool beneath = false;
+  // A setting: the pair corrects its contacts at level pivots only. It raises the object before it
+  // centres them, and its wheels stand while its arms move (sim/pivot_rises.hpp).
+  bool level_only = false;
 
   constexpr bool operator==(const LiftSenses&) const = default;
 };
@@ -74,6 +78,7 @@ struct LiftMemory {
   constexpr void meet(TableConditions<B>& met, const auto&, const auto& robot,
                       const auto&...) const {
     met.touches = senses.touches;
+    met.level_only = senses.level_only;
     switch (robot.now().message) {
       case MessageKind::carrying: met.reached = senses.far_enough; break;
       case MessageKind::docking:
@@ -144,11 +149,12 @@ struct LiftRules {
     const ArmMove arm = role(state).arm;
     return runs || arm == ArmMove::follow ? arm : ArmMove::hold;
   }
-  // Who commands a robot that knows this: never `while_pressed`.
+  // Who commands a robot that knows this: never `while_level` or `while_pressed`.
   static constexpr Driver driver(auto state, const LiftSenses& senses) {
     const Driver driver = role(state).driver;
-    if (driver != Driver::while_pressed) return driver;
-    return senses.touches ? Driver::controller_in_place : Driver::table;
+    if (driver != Driver::while_level && driver != Driver::while_pressed) return driver;
+    const bool stands = driver == Driver::while_pressed && !senses.touches;
+    return stands || senses.level_only ? Driver::table : Driver::controller_in_place;
   }
   // What a robot does whose table commands `own` and whose controller commands `given`.
   static constexpr Command command(auto state, const LiftSenses& senses, Command own,

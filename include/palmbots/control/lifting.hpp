@@ -13,7 +13,8 @@
 //   touch     from a stand: when the robot has reached its place below the object by its odometry,
 //             its arm rises until a switch closes, and holds (`meet`, `poised`) until its partner's
 //             does. Contacts are not centred there: a palm that moved outward would only lose its own
-//   centre    both are under it: the ordinary corrections, still on the floor
+//   centre    both are under it: the ordinary corrections, still on the floor. A pair that corrects its
+//             contacts at level pivots only is `poised` instead, and centres them in the air
 //   raise     an arm moves only while a message younger than the lease says that the partner is
 //             ready, or moves as well, and never more than a step ahead of its partner's: a robot
 //             that loses messages again and again would fall behind. So do both arms that lower
@@ -27,8 +28,9 @@
 // centres. In `recentre` the partner may be raising, unless it says otherwise. In the air everything
 // holds.
 //
-// After a boot a robot whose palm may be under the object holds everything until it hears what its
-// partner does. Arms and palms are assumed to hold while a program does not run.
+// After a boot a robot whose partner may have raised its arm holds everything until it hears what the
+// partner does; any other robot backs off and tries again. Arms and palms are assumed to hold while a
+// program does not run.
 //
 // docs/guide/lifting.md describes the phases in prose.
 #pragma once
@@ -103,7 +105,9 @@ struct Lifting : LiftRules<Lifting> {
        "stands beside the object with its brakes on, until its partner's palm is under it"},
       {"touch", "is below an object on a stand; raises its arm until its palm touches the object"},
       {"meet", "its palm touches an object on a stand; waits for its partner's"},
-      {"poised", "both palms touch the object on the stand; waits for its partner to be ready"},
+      {"poised",
+       "both palms are under the object; waits for its partner, to raise it before contacts are "
+       "centred"},
   };
 
   enum class Limit : std::uint8_t { dock, wait, centre, leave, back };
@@ -144,11 +148,11 @@ struct Lifting : LiftRules<Lifting> {
       /* centre        */ {stands,         M::centring, ArmMove::follow, Driver::controller_in_place, centre_limit},
       /* ready         */ {stands,         M::ready,    ArmMove::follow, Driver::controller_in_place},
       /* recentre      */ {stands,         M::centring, ArmMove::follow, Driver::controller_in_place, centre_limit},
-      /* raise         */ {stands,         M::raising,  ArmMove::rise,   Driver::controller_in_place},
-      /* raise_hold    */ {stands,         M::raising,  ArmMove::hold,   Driver::controller_in_place},
-      /* up            */ {stands,         M::lifted,   ArmMove::hold,   Driver::controller_in_place},
+      /* raise         */ {stands,         M::raising,  ArmMove::rise,   Driver::while_level},
+      /* raise_hold    */ {stands,         M::raising,  ArmMove::hold,   Driver::while_level},
+      /* up            */ {stands,         M::lifted,   ArmMove::hold,   Driver::while_level},
       /* carry         */ {stands,         M::carrying, ArmMove::hold,   Driver::controller},
-      /* arrived       */ {stands,         M::arrived,  ArmMove::hold,   Driver::controller_in_place},
+      /* arrived       */ {stands,         M::arrived,  ArmMove::hold,   Driver::while_level},
       /* lower         */ {stands,         M::lowering, ArmMove::sink,   Driver::while_pressed},
       /* lower_hold    */ {stands,         M::lowering, ArmMove::hold,   Driver::while_pressed},
       /* down          */ {stands,         M::down,     ArmMove::follow, Driver::table},
@@ -158,9 +162,9 @@ struct Lifting : LiftRules<Lifting> {
       /* retreat       */ {away,           M::empty,    ArmMove::follow, Driver::table,               back},
       /* done          */ {stands,         M::empty,    ArmMove::follow, Driver::table},
       /* back_off      */ {away,           M::backing,  ArmMove::follow, Driver::table,               back},
-      /* stand_back    */ {stands,         M::empty,    ArmMove::follow, Driver::table,               wait},
+      /* stand_back    */ {stands,         M::empty,    ArmMove::follow, Driver::table,               back},
       /* failed        */ {stands,         M::backing,  ArmMove::follow, Driver::table},
-      /* held          */ {stands,         M::holding,  ArmMove::hold,   Driver::controller_in_place},
+      /* held          */ {stands,         M::holding,  ArmMove::hold,   Driver::while_level},
       /* stand_by      */ {stands_shallow, M::docking,  ArmMove::follow, Driver::table,               wait},
       /* touch         */ {stands,         M::docking,  ArmMove::reach,  Driver::table,               wait},
       /* meet          */ {stands,         M::under,    ArmMove::hold,   Driver::table,               wait},
@@ -184,6 +188,9 @@ struct Lifting : LiftRules<Lifting> {
                        S::back_off, S::stand_back, S::failed, S::touch,
                        S::meet};
   static constexpr State initial_assisting = S::held;
+  // After a boot any other robot drives back before it docks again: its partner may still hear what it
+  // said before, and would leave while this robot raises its arm.
+  static constexpr State rebooted = S::back_off;
   static constexpr MessageSet raised = {M::raising, M::lifted};
   static constexpr MessageSet is_under = {M::under,   M::centring, M::ready,
                                           M::raising, M::lifted,   M::holding};
@@ -208,6 +215,8 @@ struct Lifting : LiftRules<Lifting> {
       {S::meet,        P::any,          is_under,                              {},              S::poised},
       {S::meet,        P::any,          any_message,                           If::timed_out,   S::back_off},
       {S::poised,      P::any,          rises,                                 {},              S::raise},
+      {S::poised,      P::any,          M::lowering,                           {},              S::back_off},
+      {S::under,       P::any,          is_under,                              If::level_only,  S::poised},
       {S::under,       P::any,          is_under,                              {},              S::centre},
       {S::under,       P::any,          any_message,                           If::timed_out,   S::back_off},
       {S::centre,      P::zero,         joins,                     {If::turned, If::touches},   S::ready},
@@ -221,6 +230,7 @@ struct Lifting : LiftRules<Lifting> {
       {S::raise,       P::any,          any_message - rises,                   {},              S::raise_hold},
       {S::raise,       P::any,          any_message,                           If::ahead,       S::raise_hold},
       {S::raise_hold,  P::any,          rises,                                 If::abreast,     S::raise},
+      {S::raise_hold,  P::any,          {M::arrived, M::lowering},             {},              S::arrived},
       {S::up,          P::any,          {M::lifted, M::carrying, M::arrived},  {},              S::carry},
       // carry
       {S::carry,       P::any,          {M::arrived, M::lowering},             {},              S::arrived},
@@ -245,13 +255,13 @@ struct Lifting : LiftRules<Lifting> {
       // try again
       {S::back_off,    P::any,          any_message,                           If::timed_out,   S::stand_back},
       {S::stand_back,  P::any,          any_message,                           If::gave_up,     S::failed},
-      {S::stand_back,  P::any,          {M::empty, M::docking},                {},              S::dock},
       {S::stand_back,  P::any,          any_message,                           If::timed_out,   S::dock},
       // after a boot
       {S::held,        P::any,          M::backing,                            {},              S::back_off},
       {S::held,        P::zero,         {M::ready, M::raising},    {If::turned, If::touches},   S::raise_hold},
       {S::held,        P::any,          {M::ready, M::raising},                If::reached,     S::raise_hold},
-      {S::held,        P::any,          {M::lifted, M::carrying},              {},              S::carry},
+      {S::held,        P::any,          {M::ready, M::raising},                If::level_only,  S::raise_hold},
+      {S::held,        P::any,          M::lifted,                             {},              S::raise_hold},
       {S::held,        P::any,          sinks,                                 {},              S::lower_hold},
   };
   // clang-format on

@@ -89,20 +89,21 @@ enum class If : std::uint8_t {
   settled,   // the palm has turned and the wheels have braked
   released,  // the partner knew, when it sent its newest message, that this robot no longer asks
   // Of the table that lifts (control/lifting.hpp):
-  touches,   // something presses the palm
-  is_empty,  // nothing does
-  reached,   // the arm has its height; or, in a state that carries, the robot its distance
-  gave_up,   // it has tried as often as it may
-  abreast,   // its arm is no step ahead of its partner's
-  ahead,     // it is
+  touches,     // something presses the palm
+  is_empty,    // nothing does
+  reached,     // the arm has its height; or, in a state that carries, the robot its distance
+  gave_up,     // it has tried as often as it may
+  abreast,     // its arm is no step ahead of its partner's
+  ahead,       // it is
+  level_only,  // the pair corrects contacts at level pivots only
 };
 using IfSet = EnumSet<If>;
-inline constexpr int if_count = 13;
+inline constexpr int if_count = 14;
 
 constexpr const char* name_of(If condition) {
-  constexpr const char* names[] = {"turned",  "timed_out", "leads",   "follows",  "may_stop",
-                                   "settled", "released",  "touches", "is_empty", "reached",
-                                   "gave_up", "abreast",   "ahead"};
+  constexpr const char* names[] = {"turned",  "timed_out", "leads",   "follows",   "may_stop",
+                                   "settled", "released",  "touches", "is_empty",  "reached",
+                                   "gave_up", "abreast",   "ahead",   "level_only"};
   return names[static_cast<int>(condition)];
 }
 
@@ -216,6 +217,7 @@ struct TableConditions {
   B reached{};
   B gave_up{};
   B abreast{};
+  B level_only{};
 
   // Calls visit(conditions, member) for each value, with the conditions that depend on it.
   template <class Visit>
@@ -234,6 +236,7 @@ struct TableConditions {
     visit(IfSet(If::reached), &C::reached);
     visit(IfSet(If::gave_up), &C::gave_up);
     visit(keeping, &C::abreast);
+    visit(IfSet(If::level_only), &C::level_only);
   }
 };
 
@@ -254,6 +257,7 @@ template <class B>
   if (wanted.has(If::gave_up)) all &= met.gave_up;
   if (wanted.has(If::abreast)) all &= met.abreast;
   if (wanted.has(If::ahead)) all &= opposite(met.abreast);
+  if (wanted.has(If::level_only)) all &= met.level_only;
   return all;
 }
 

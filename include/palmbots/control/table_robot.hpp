@@ -190,7 +190,11 @@ class TableRobot {
   constexpr TableRobot booted(bool assisted) const {
     if constexpr (has_clock) {
       const Role& role = clock_.role;
-      return TableRobot(clock_.times, {role.leads, role.may_stop}, assisted);
+      TableRobot made(clock_.times, {role.leads, role.may_stop}, assisted);
+      if constexpr (requires { Table::rebooted; }) {
+        if (!assisted) made.enter(Table::rebooted);
+      }
+      return made;
     } else {
       return {};
     }

@@ -21,6 +21,7 @@ struct PhaseSettings {
   bool ends_low = false;    // the same
   bool leads = false;       // the robot is the front one in the direction of travel
   bool stands_by = false;   // it docks after its partner
+  bool level_only = false;  // see LiftSenses
   TableTimes<Table> times{};
 };
 
@@ -52,6 +53,7 @@ class PhaseProgram {
   Decision step(const Observation& seen, const LiftSenses& senses) {
     LiftSenses& known = program_.controller().clock().own.senses;
     known = senses;
+    known.level_only = settings_.level_only;
     if (!has_stepped_) known.arm_there = false;  // as in LiftRobot::booted
     has_stepped_ = true;
     return program_.step(seen);

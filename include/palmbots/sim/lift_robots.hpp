@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "palmbots/sim/lift_team.hpp"
+#include "palmbots/sim/pivot_rises.hpp"
 #include "palmbots/sim/random_streams.hpp"
 #include "palmbots/sim/recorder.hpp"
 #include "palmbots/sim/robot_pair.hpp"
@@ -60,7 +61,8 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
       : Base(spec, seed, LiftTeam<Inner, Table>(spec, seed, std::move(inner))),
         recorder_(records),
         records_(records),
-        step_height_(lift_step_of(spec)) {
+        step_height_(lift_step_of(spec)),
+        level_only_(corrects_level_only(spec)) {
     const Words words = draw(seed, 0, Stream::arm_height);
     for (const std::size_t side : {left, right}) {
       constexpr double whole = 4294967296.0;
@@ -127,6 +129,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
       if (team_.state(side) == State::back_off) is_beneath_[side] = false;
       is_beneath_[side] |= is_stand(false) && mirrored(side, rolled_[side]) >= way_below_[side];
       senses[side].beneath = is_beneath_[side];
+      senses[side].level_only = level_only_;
       // Nothing presses: no false reading either.
       felt_[side] = pressed[side] ? places[side] : 0.0;
       if (!pressed[side]) places[side] = -half;
@@ -235,6 +238,7 @@ class LiftRobots : public RobotPair<double, LiftTeam<Inner, Table>> {
 
   bool records_;
   double step_height_;              // of the table's steps [m]
+  bool level_only_;                 // see LiftSenses
   PerSide<double> floor_{};         // the pivot of a steep palm on the floor [m]
   PerSide<double> lowest_[2]{};     // to which an arm sinks at either end of the job [m]
   PerSide<double> clear_{};         // above it, the object touches no stand [m]

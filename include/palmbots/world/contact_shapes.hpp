@@ -92,9 +92,11 @@ ContactShapes shapes_of(const Model<Real>& model) {
   return shapes;
 }
 
-// Whether a surface that is a face, moved by `deep` into its carrier, lies in the body anywhere.
+// Whether a surface that is a face, moved by `deep` into its carrier, lies in the body anywhere. Its
+// ends move by as much: otherwise a body that only touches the next face would count.
 inline bool is_pierced(const Instant& at, const Surface& face, double deep) {
   const Frame& frame = at.frames[static_cast<std::size_t>(face.carrier)];
+  const double low = face.low + deep, high = face.high - deep;
   std::optional<Vec> before;  // the last point of the outline, seen from the face
   Vec first{};
   bool pierced = false;
@@ -102,8 +104,8 @@ inline bool is_pierced(const Instant& at, const Surface& face, double deep) {
   const auto cross_over = [&](Vec a, Vec b) {
     if ((a.y > -deep) == (b.y > -deep)) return;
     const double x = a.x + (b.x - a.x) * ((-deep - a.y) / (b.y - a.y));
-    pierced = pierced || (x > face.low && x < face.high);
-    if (x >= face.high) is_inside = !is_inside;
+    pierced = pierced || (x > low && x < high);
+    if (x >= high) is_inside = !is_inside;
   };
   each_drawn_point(at.problem.shapes.body, [&](std::size_t, Vec point) {
     const Vec seen =

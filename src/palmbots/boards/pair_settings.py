@@ -194,8 +194,9 @@ def _job_bits(scene: Scene, side: Side) -> int:
     """The bits of a job on the floor or at a stand (`BoardSettings.job`)."""
     begins, ends = scene.task.ends
     leads = (side == "right") == (scene.task.direction == "forward")
+    level_only = _core.corrects_level_only(to_spec(scene))
     bits = (True, begins != "palms", ends != "palms", scene.task.dock == "one-first" and not leads,
-            begins == "stand", ends == "stand")  # fmt: skip
+            begins == "stand", ends == "stand", level_only)  # fmt: skip
     return sum(bit << place for place, bit in enumerate(bits))
 
 

@@ -15,7 +15,8 @@ from palmbots._util.plain_values import NOT_IN_JSON, derived
 from palmbots._util.report import Item, Line, Table, bold, verdict, warning
 from palmbots._util.text import millimetres, rounded_down, rounded_up
 from palmbots.mechanics.lifting_bodies import Plate, Standing
-from palmbots.mechanics.unlevel_pivots import PROPERTIES
+
+PROPERTIES = (0, 1, 2)
 
 
 @dataclass(frozen=True)
@@ -95,19 +96,28 @@ class Lifting:
     palms."""
     in_air: tuple[int, ...]
     """The same with level pivots."""
-    held_rise_m: float
-    """The height difference of the pivots up to which properties 0 and 2 hold for contacts on the
-    inner half of the usable palms, where they are while the arms move."""
+    level_only: bool
+    """Whether the pair corrects its contacts at level pivots only, because the properties do not
+    hold otherwise: it raises the object before it centres them, and its wheels stand while its arms
+    move."""
     permitted_rise_m: float
-    """The same for all properties."""
+    """The height difference of the pivots up to which all properties hold for contacts on the inner
+    half of the usable palms, where they are once they have been centred."""
+    kept_rise_m: float
+    """The same for property 0 and contacts anywhere on the palms: enough while the wheels stand."""
     clear_rise_m: float
-    """The same if the object also has to touch the palms nowhere else."""
+    """That of all properties if the object also has to touch the palms nowhere else."""
     arms_differ_m: float
     """The largest height difference of two arms that move together: that of the pivots on the
     floor or at a stand + rate × (lease + delay + tick) + the errors of both."""
     most_rate_m_per_s: float
-    """The greatest rate of the arms with which they differ by at most `permitted_rise_m`; or, up to
-    the default rate, by at most `held_rise_m`."""
+    """The greatest rate of the arms with which their difference is permitted."""
+    clear_of_noses_m: float
+    """The height difference of the pivots up to which an object that has just been docked touches
+    steep palms at its contact vertices only. Beyond it, it may lie on a nose and lift off its
+    contact."""
+    clear_rate_m_per_s: float
+    """The greatest rate of the arms with which their difference is at most that."""
     raised_differ_m: float
     """The largest height difference of the pivots while the pair carries."""
     refusals: tuple[str, ...]
@@ -127,7 +137,7 @@ class Lifting:
     def where_centred(self) -> tuple[int, ...]:
         """The properties that hold where both contacts are centred first: on the floor, or in the
         air."""
-        return self.on_floor if self.picks_up else self.in_air
+        return self.on_floor if self.picks_up and not self.level_only else self.in_air
 
     @derived
     def works(self) -> bool:
@@ -141,12 +151,6 @@ class Lifting:
             max(palm.squeeze_n, palm.second_n) if palm.may_get_under else math.inf
             for palm in self.palms.values()
         )
-
-    @derived
-    def raises_first(self) -> bool:
-        """Whether properties hold with level pivots only: then the pair must not correct contacts
-        on the floor."""
-        return len(self.on_floor) < len(PROPERTIES) == len(self.in_air)
 
     def verdict_lines(self) -> Iterator[Item]:
         """Whether the job can begin, and why not."""
@@ -174,13 +178,18 @@ class Lifting:
             f"properties {on_floor if self.is_on_floor else 'with '}pivots level: "
             f"{numbers_of(self.in_air)}"
         )
-        held, permitted = map(millimetres, (self.held_rise_m, self.permitted_rise_m))
         yield (
             f"while both arms move, they differ by up to {millimetres(self.arms_differ_m)}; with "
-            f"contacts on the inner half of the palms, properties 0 and 2 permit {held}, all "
-            f"three {permitted}, and from {millimetres(self.clear_rise_m)} on the object may touch "
-            "a palm elsewhere"
+            "contacts on the inner half of the palms, all properties hold up to "
+            f"{millimetres(self.permitted_rise_m)}, and from {millimetres(self.clear_rise_m)} on "
+            "the object may touch a palm elsewhere; with contacts anywhere, property 0 holds up to "
+            f"{millimetres(self.kept_rise_m)}"
         )
+        if self.level_only:
+            yield (
+                "contacts are corrected at level pivots only: the pair raises the object before it "
+                "centres them, and its wheels stand while its arms move"
+            )
         yield from map(warning, self.warnings)
 
     def _rows(self) -> Iterator[tuple[str, ...]]:

@@ -106,18 +106,20 @@ def _refusals_of_tops(scene: Scene, found: Lifting) -> Iterator[str]:
 
 def _refusals_of_moving_arms(scene: Scene, found: Lifting) -> Iterator[str]:
     most, rates = found.most_rate_m_per_s, [scene.arm.of(side).rate_m_per_s for side in SIDES]
-    if found.held_rise_m > 0 and max(rates) > most:
+    if found.kept_rise_m > 0 and max(rates) > most:
         allowed = (
             f"at most {rounded_down(most, 3):g}"
             if most >= ROWS["arm.rate_m_per_s"]["least"]
             else "smaller arm.height_error_m, or palm angles nearer to each other"
         )
-        which, limit = "the properties", found.permitted_rise_m
-        if found.arms_differ_m > found.held_rise_m:
-            which, limit = "properties 0 and 2", found.held_rise_m
+        which, limit = max(
+            ("property 0 holds", found.kept_rise_m),
+            ("the properties hold", found.permitted_rise_m),
+            key=lambda one: one[1],
+        )
         yield (
             f"arm.rate_m_per_s: value is {max(rates):g}, so the heights of the arms may differ by "
-            f"{millimetres(found.arms_differ_m)} while they move, and {which} hold only up to "
+            f"{millimetres(found.arms_differ_m)} while they move, and {which} only up to "
             f"{millimetres(limit)}; allowed: {allowed}"
         )
 
@@ -216,12 +218,16 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
                 "palm that leaves last and is steeper than the friction angle, and may fall; it "
                 f"does not at {rounded_up(needed, 3):g} or more"
             )
-    if found.held_rise_m == 0:
+    if found.level_only and found.arms_differ_m > found.clear_of_noses_m:
+        least = ROWS["arm.rate_m_per_s"]["least"]
+        rate = found.clear_rate_m_per_s
+        slower = f": at {rounded_down(rate, 3):g} m/s it cannot" if rate >= least else ""
         yield (
-            "in the air properties 0 and 2 do not hold, not even with contacts on the inner half "
-            "of the palms: a correction may lose the object"
+            f"the heights of the arms may differ by {millimetres(found.arms_differ_m)} while they "
+            f"move, and from {millimetres(found.clear_of_noses_m)} on the object may lie on a nose "
+            f"and lift off its contact{slower} (arm.rate_m_per_s)"
         )
-    elif found.raised_differ_m > found.permitted_rise_m:
+    if found.raised_differ_m > found.permitted_rise_m > 0:
         yield (
             f"the heights of the arms may differ by {millimetres(found.raised_differ_m)} while the "
             "pair carries, but property 1 holds only up to "

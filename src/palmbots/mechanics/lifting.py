@@ -19,7 +19,7 @@ from palmbots._types import SIDES, BySide
 from palmbots.errors import SceneError
 from palmbots.mechanics import lift_refusals
 from palmbots.mechanics.hand_over import hand_over
-from palmbots.mechanics.lift_margins import Lifting, PalmLift
+from palmbots.mechanics.lift_margins import PROPERTIES, Lifting, PalmLift
 from palmbots.mechanics.lifting_bodies import Plate, Standing, plate_on_floor, standing
 from palmbots.mechanics.lifting_forces import (
     Docking,
@@ -29,8 +29,6 @@ from palmbots.mechanics.lifting_forces import (
 )
 from palmbots.mechanics.lone import on_one_palm
 from palmbots.mechanics.lone_refusals import lone_lift
-from palmbots.mechanics.unlevel_pivots import PivotRises
-from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene
 from palmbots.scene.section import as_given
 from palmbots.scene.spec import to_spec
@@ -39,8 +37,6 @@ _G = _core.standard_gravity
 _STEEPEST = math.radians(80)
 _HALVINGS = 50
 _LOWEST_HEEL_M = 1e-4  # any height stops a sharp edge
-_RATE_M_PER_S: float = ROWS["arm.rate_m_per_s"]["default"]
-_CENTRED = 0.5  # of the usable palm: where contacts are while the arms move
 
 
 @lru_cache(maxsize=64)  # of one scene many jobs may be done
@@ -61,12 +57,17 @@ def lifting(scene: Scene) -> Lifting | None:
     steep = tuple(plate_on_floor(palm, palm.steep) for palm in spec.palms)
     plates = (shallow[0], shallow[1]), (steep[0], steep[1])
     docks = tuple(docking(body, plates[1], side) for side in (0, 1))
-    rises, centred = PivotRises(spec), PivotRises(spec, _CENTRED)
-    permitted = centred.permitted_m(clear=False)
-    held = centred.permitted_m(clear=False, properties=(0, 2))
+    rises, centred = _core.PivotRises(spec), _core.PivotRises(spec, _core.centred_share)
+    permitted = centred.permitted_m(PROPERTIES, clear=False)
+    kept = rises.permitted_m((0,), clear=False)
+    on_floor, level_only = rises.holding(on_floor=True), _core.corrects_level_only(spec)
+    may_centre_low = scene.task.ends[0] != "floor" or on_floor == PROPERTIES
     arms = [scene.arm.of(side) for side in SIDES]
-    errors, rate = sum(arm.height_error_m for arm in arms), max(arm.rate_m_per_s for arm in arms)
-    base, late = _start_rise(scene, spec, plates) + errors, _longest_alone_s(scene, spec)
+    at_rest, late, differ = _core.arms_differ(spec, level_only)
+    permitted_rates = [(kept - _core.arms_differ(spec, True)[0]) / late]
+    if may_centre_low:
+        permitted_rates.append((permitted - _core.arms_differ(spec, False)[0]) / late)
+    noses = _core.rise_clear_of_noses(spec)
     result = Lifting(
         picks_up=scene.task.ends[0] == "floor",
         puts_down=scene.task.ends[1] == "floor",
@@ -79,14 +80,18 @@ def lifting(scene: Scene) -> Lifting | None:
         held_gap_m=_held_gap(
             body, plates[1], [dock.needs_heel and scene.task.ends[0] == "floor" for dock in docks]
         ),
-        on_floor=tuple(sorted(rises.on_floor())),
-        in_air=tuple(sorted(rises.in_air())),
-        held_rise_m=held,
+        on_floor=on_floor,
+        in_air=rises.holding(clear=False),
+        level_only=level_only,
         permitted_rise_m=permitted,
-        clear_rise_m=centred.permitted_m(),
-        arms_differ_m=base + rate * late,
-        most_rate_m_per_s=max((permitted - base) / late, min(_RATE_M_PER_S, (held - base) / late)),
-        raised_differ_m=abs(arms[0].carry_height_m - arms[1].carry_height_m) + errors,
+        kept_rise_m=kept,
+        clear_rise_m=centred.permitted_m(PROPERTIES),
+        arms_differ_m=differ,
+        most_rate_m_per_s=max(permitted_rates),
+        clear_of_noses_m=noses,
+        clear_rate_m_per_s=(noses - at_rest) / late,
+        raised_differ_m=abs(arms[0].carry_height_m - arms[1].carry_height_m)
+        + sum(arm.height_error_m for arm in arms),
         refusals=(),
         warnings=(),
         plates=plates,
@@ -230,31 +235,3 @@ def _least_angle(palm: _core.PalmSpec, lowest: float) -> float:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if palm.lowest_pivot(middle) >= lowest else (middle, high)
     return high
-
-
-def _longest_alone_s(scene: Scene, spec: _core.Spec) -> float:
-    """For how long one arm may move while the other one stands [s]."""
-    table = _core.transition_table("shared-sign", spec)
-    assert table is not None
-    lease: float = table["lease_s"]
-    return lease + spec.longest_delay + scene.control.period_s
-
-
-def _start_rise(
-    scene: Scene, spec: _core.Spec, plates: tuple[tuple[Plate, Plate], tuple[Plate, Plate]]
-) -> float:
-    """The largest height difference of the pivots with which both arms begin to rise; later either
-    palm may turn. On the floor noses are level; on a stand contacts are."""
-    rises = [0.0]
-    if "floor" in scene.task.ends:
-        left, right = ([pair[k].pivot for pair in plates] for k in (0, 1))
-        rises += [max(left) - min(right), max(right) - min(left)]
-    for top in _tops(scene, spec):
-        if top is not None:
-            low = [_core.stand_heights(spec, k, top)[0] for k in (0, 1)]
-            touching = [
-                sum(_core.stand_heights(spec, k, top)) / 2 - spec.start[k] * math.sin(palm.steep)
-                for k, palm in enumerate(spec.palms)
-            ]
-            rises += [abs(low[1] - low[0]), abs(touching[1] - touching[0])]
-    return max(rises)

@@ -25,11 +25,11 @@ TASK_PHASES: dict[str, str] = _core.phases_of_lift_states
 # What a job did not achieve that ends in one of these phases, in their order.
 _GOALS = {
     "did not get under the object": (
-        "stand_by", "dock", "touch", "meet", "poised", "under", "begin", "prop", "scoop", "seat",
-        "ease", "stand_back", "back_off", "sink", "failed",
+        "stand_by", "dock", "touch", "meet", "under", "begin", "prop", "scoop", "seat", "ease",
+        "stand_back", "back_off", "sink", "failed",
     ),
     "did not centre the contacts on the floor": ("centre", "ready", "recentre"),
-    "did not raise the object": ("raise", "raise_hold", "up", "lift"),
+    "did not raise the object": ("raise", "raise_hold", "poised", "up", "lift"),
     "did not arrive": ("carry", "arrived", "clear", "ahead", "there", "hold_up", "haul"),
     "did not lower the object": ("lower", "lower_hold", "down", "set_down"),
     "did not get away from the object": (

@@ -27,6 +27,7 @@ void random_jobs(unsigned number) {
     for (int& gap : job.gaps) gap = 20 + static_cast<int>(chance() % 200);
     job.one_first = chance() % 3 == 0;
     job.stands = chance() % 3 == 0;
+    job.level = chance() % 3 == 0;
     LiftWorld world(job);
     const bool done = world.run();
     delivered += done;

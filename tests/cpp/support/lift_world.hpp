@@ -71,6 +71,7 @@ inline bool may_be_up(std::string_view name) {
 }
 
 inline bool may_follow(std::string_view from, std::string_view to) {
+  if (from == "under" && to == "poised") return true;  // contacts are centred in the air
   const Names on_stand{"touch", "meet", "poised"};
   if (is_one_of(from, on_stand) || is_one_of(to, on_stand)) {
     const std::string_view order[] = {"dock", "touch", "meet", "poised", "raise"};
@@ -82,7 +83,8 @@ inline bool may_follow(std::string_view from, std::string_view to) {
   if (from == "stand_back") return to == "dock" || to == "failed";
   if (from == "failed") return false;
   // What a partner does after a restart is what it said.
-  if (from == "held") return is_one_of(to, {"raise_hold", "carry", "lower_hold", "back_off"});
+  if (from == "held") return is_one_of(to, {"raise_hold", "lower_hold", "back_off"});
+  if (from == "raise_hold" && to == "arrived") return true;  // the partner has carried meanwhile
   if (from == "carry" && to == "up") return true;  // it no longer hears that its partner carries
   return stage(to) == stage(from) || stage(to) == stage(from) + 1;
 }
@@ -107,6 +109,7 @@ struct LiftJob {
   bool is_glued = false;   // the object stays on the palms
   bool one_first = false;  // the robot that follows stands by until its partner is under
   bool stands = false;     // the object is on a stand before and after
+  bool level = false;      // contacts are corrected at level pivots only
   unsigned seed = 0;
 
   bool is_faultless() const { return loss == 0 && !restarts && !is_silent && !blackouts; }
@@ -220,8 +223,8 @@ class LiftWorld {
     own.robot = own.robot.booted(own.assisted);
     own.inbox.clear();
     own.since = now_;
-    // It holds if its partner may have the object in the air, and else begins.
-    CHECK(own.name() == (may_be_up(before) ? "held" : "dock"));
+    // It holds if its partner may have the object in the air, and else tries again.
+    CHECK(own.name() == (may_be_up(before) ? "held" : "back_off"));
   }
 
   void knock(int i) {
@@ -253,8 +256,12 @@ class LiftWorld {
       own.inbox.pop_front();
     }
     own.beneath = job_.stands && before != "back_off" && (own.beneath || own.p >= 0);
-    own.robot.clock().own.senses = {own.touches(), own.arm_there, own.travelled >= distance,
-                                    static_cast<std::uint8_t>(own.height / step), own.beneath};
+    own.robot.clock().own.senses = {own.touches(),
+                                    own.arm_there,
+                                    own.travelled >= distance,
+                                    static_cast<std::uint8_t>(own.height / step),
+                                    own.beneath,
+                                    job_.level};
     const RobotOutput out = own.robot.step(in);
     own.assisted = out.assists;
     // What it is about to do fits what it feels.
@@ -291,13 +298,15 @@ class LiftWorld {
     // An arm never begins to move, nor wheels to leave, while the contact is not on the palm.
     if (own.name() == "ready") CHECK(std::abs(own.p) <= zone + 1 && own.turning == 0);
     if (own.name() == "centre")
-      CHECK(heard_of(i, {"under", "centre", "ready", "recentre", "raise", "raise_hold", "up"}));
+      CHECK(heard_of(i, {"under", "meet", "poised", "centre", "ready", "recentre", "raise",
+                         "raise_hold", "up"}));
     if (own.name() == "under") CHECK(own.p >= -zone - 1);
     if (own.name() == "touch") CHECK(job_.stands && own.p >= 0);
     if (own.name() == "meet") CHECK(own.touches());
     if (own.name() == "poised")
-      CHECK(heard_of(i, {"meet", "poised", "raise", "raise_hold", "up", "held"}));
-    if (own.name() == "up") CHECK(own.height == top || job_.restarts);
+      CHECK(heard_of(i, {"meet", "under", "poised", "raise", "raise_hold", "up", "held"}));
+    if (own.name() == "centre") CHECK(!job_.level);
+    if (own.name() == "up") CHECK(own.height == top);
     if (own.name() == "down") CHECK(own.height == 0);
     if (own.name() == "empty") CHECK(!own.touches());
     if (own.name() == "carry") CHECK(heard_of(i, {"up", "carry", "arrived"}));
@@ -306,7 +315,8 @@ class LiftWorld {
     // Nothing takes too long if nothing goes wrong.
     if (own.name() == "retreat" && job_.is_faultless() && !job_.is_glued)
       CHECK(before == "empty" && heard_of(i, {"empty", "retreat", "done"}));
-    if (own.name() == "stand_back") CHECK(!own.touches());
+    // A partner that hears nothing may push the object after it.
+    if (own.name() == "stand_back") CHECK(!own.touches() || job_.blackouts || job_.loss > 0);
     if (is_one_of(own.name(), {"back_off", "dock"})) {
       CHECK(own.height == 0 && sides_[1 - i].height == 0);
     }
@@ -336,7 +346,9 @@ class LiftWorld {
     // Contacts are corrected as long as both palms are under the object.
     const int place = stage(own.name());
     CHECK((role.driver == Driver::table) == ((place < 2 || place > 8) && own.name() != "held"));
-    if (role.driver == Driver::table) {
+    const bool waits = job_.level && is_one_of(own.name(), {"raise", "raise_hold", "up", "arrived",
+                                                            "lower", "lower_hold", "held"});
+    if (role.driver == Driver::table || waits) {
       CHECK((command.move != Move::hold) == says_drives);
       CHECK((command.move == Move::closer) == (own.name() == "dock"));
       CHECK((command.palm == Palm::shallow) ==
@@ -346,8 +358,11 @@ class LiftWorld {
     } else {
       CHECK(!says_drives);
       turn(own, true);
+      CHECK(!job_.level || (own.height == top && (other.height == top || job_.restarts)));
       correct(i);
     }
+    CHECK((Lifting::driver(own.robot.state(), {.touches = true, .level_only = job_.level}) ==
+           Driver::table) == (role.driver == Driver::table || waits));
     // Arms.
     const double before = own.height;
     switch (role.arm) {
@@ -370,7 +385,7 @@ class LiftWorld {
                          "empty", "retreat", "done"}));
     }
     if (own.name() == "carry") {
-      CHECK(own.height == top || job_.restarts);
+      CHECK(own.height == top);
       own.travelled += i == job_.leader ? 1 : 0.5;
     }
   }

@@ -11,7 +11,7 @@ import pytest
 
 import palmbots as pb
 import palmbots._core as _core
-from palmbots.mechanics.unlevel_pivots import PROPERTIES, PivotRises
+from palmbots.mechanics.lift_margins import PROPERTIES
 from palmbots.scene.scene import Scene
 from palmbots.scene.spec import to_spec
 from palmbots.scene.unequal_pivots import raise_right_pivot
@@ -61,7 +61,7 @@ def steps(share: float, rise: float) -> Iterator[bool]:
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_the_permitted_rise_is_that_of_the_exact_world(share: float) -> None:
     spec = to_spec(pb.load_scene("paper"))
-    most = PivotRises(spec, share).permitted_m()
+    most = _core.PivotRises(spec, share).permitted_m(PROPERTIES)
     assert 0.001 < most < 0.1
     for sign in (1, -1):
         assert all(steps(share, 0.97 * sign * most))
@@ -79,7 +79,7 @@ def test_level_pivots_have_the_properties_that_analyze_proves() -> None:
             "object.com_m": [float(rng.uniform(0.1, 0.15)), 0.04],
         }
         analysis = pb.analyze("paper", overrides=keys)
-        found = PivotRises(to_spec(analysis.scene)).in_air(clear=False)
+        found = _core.PivotRises(to_spec(analysis.scene)).holding(clear=False)
         for number in PROPERTIES:
             proved = all(analysis.properties[number, side].holds for side in ("left", "right"))
             seen.add((number, proved))
@@ -96,16 +96,16 @@ def test_level_pivots_have_the_properties_that_analyze_proves() -> None:
 def test_a_mirrored_scene_has_the_same_properties() -> None:
     keys = {"object.com_m": [0.118, 0.04], "palm.left.friction": 0.35}
     scene = pb.load_scene("lift", keys)
-    ours, theirs = (PivotRises(to_spec(one)) for one in (scene, scene.mirrored()))
+    ours, theirs = (_core.PivotRises(to_spec(one)) for one in (scene, scene.mirrored()))
     for rise in (0.0, 0.01, 0.03, -0.02):
-        assert ours.in_air(rise) == theirs.in_air(-rise)
-        assert ours.on_floor(rise) == theirs.on_floor(-rise)
+        for on_floor in (False, True):
+            assert ours.holding(rise, on_floor) == theirs.holding(-rise, on_floor)
 
 
 def test_noses_on_the_floor_take_room_from_the_properties_and_give_clearance() -> None:
     """The pivot of a shallow palm is the lower one, so the object tilts away from that palm."""
-    rises = PivotRises(to_spec(pb.load_scene("lift")))
-    assert rises.on_floor() == rises.in_air() == frozenset(PROPERTIES)
-    lower = rises.permitted_m(on_floor=True, clear=False)
-    assert 0 < lower < rises.permitted_m(clear=False) - 0.01
-    assert rises.permitted_m(on_floor=True) > rises.permitted_m()
+    rises = _core.PivotRises(to_spec(pb.load_scene("lift")))
+    assert rises.holding() == rises.holding(on_floor=True) == PROPERTIES
+    lower = rises.permitted_m(PROPERTIES, on_floor=True, clear=False)
+    assert 0 < lower < rises.permitted_m(PROPERTIES, clear=False) - 0.01
+    assert rises.permitted_m(PROPERTIES, on_floor=True) > rises.permitted_m(PROPERTIES)
