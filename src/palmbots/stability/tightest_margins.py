@@ -169,10 +169,11 @@ def _lifting(scene: Scene, found: Lifting) -> Iterator[RankedMargin]:
         use = f"a steep palm that leaves last drags the object below {needed:.2g}"
         keys = ("floor.friction", "palm.steep_deg")
         yield RankedMargin("floor friction", found.floor_friction, needed, "1", limit, use, keys)
-    limit = f"the arms may differ by {millimetres(found.permitted_rise_m)} in height"
+    permitted = found.kept_rise_m if found.level_only else found.permitted_rise_m
+    limit = f"the arms may differ by {millimetres(permitted)} in height"
     use = f"while they move, they differ by up to {millimetres(found.arms_differ_m)}"
     keys = ("arm.rate_m_per_s", "arm.height_error_m", "radio.lease_s")
-    yield RankedMargin("rise", found.permitted_rise_m, found.arms_differ_m, "m", limit, use, keys)
+    yield RankedMargin("rise", permitted, found.arms_differ_m, "m", limit, use, keys)
 
 
 def _holding(scene: Scene, found: Lifting) -> Iterator[RankedMargin]:
