@@ -68,6 +68,48 @@ def test_the_permitted_rise_is_that_of_the_exact_world(share: float) -> None:
     assert not all(all(steps(share, 1.1 * sign * most)) for sign in (1, -1))
 
 
+FORCES = ("property 0", "property 1", "property 2")
+
+
+@pytest.mark.parametrize(("share", "proved"), [(0.96, True), (1.04, False)])
+def test_a_certificate_proves_the_permitted_rise(share: float, proved: bool) -> None:
+    """A pivot that is higher by d is a surface that is farther from its pivot by d / cos θ."""
+    scene = pb.load_scene("paper")
+    spec = to_spec(scene)
+    rise = share * _core.PivotRises(spec, 0.5).permitted_m(PROPERTIES, clear=False)
+    end, offset = 0.25 * spec.palms[0].usable, 0.5 * rise / math.cos(STEEP)
+    found = pb.certify(
+        scene, region_m=(-end, end), offset_m=(-offset, offset), claims=FORCES, max_boxes=2000
+    )
+    assert found.holds == proved
+
+
+@pytest.mark.parametrize("name", ["box", "bottle"])
+def test_a_certificate_proves_the_properties_on_the_floor(name: str) -> None:
+    """Contacts count from the nose, which is level on the floor, and corrections end at the middle
+    of the palm."""
+    keys = {"palm.heel_m": 0.0} | ({} if name == "box" else {"object": name})
+    scene = pb.load_scene("lift", keys)
+    spec = to_spec(scene)
+    palm = spec.palms[0]
+    reach, half = 0.5 * palm.usable, 0.5 * palm.length
+    lifts = [
+        (palm.lowest_pivot(angle) - half * math.sin(angle)) / math.cos(angle)
+        for angle in (palm.shallow, palm.steep)
+    ]
+    found = pb.certify(
+        scene,
+        region_m=(min(half - reach, -1e-6), half + reach),
+        beyond_m=half,
+        length_m=(2 * (half + reach), 2 * (half + reach)),
+        offset_m=(min(lifts), max(lifts)),
+        claims=FORCES,
+        max_boxes=2000,
+    )
+    on_floor = _core.PivotRises(spec).holding(on_floor=True, clear=False)
+    assert found.holds == (on_floor == PROPERTIES) == (name == "box")
+
+
 def test_level_pivots_have_the_properties_that_analyze_proves() -> None:
     rng = np.random.default_rng(5)
     seen = set()
