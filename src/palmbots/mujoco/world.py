@@ -129,7 +129,8 @@ class MujocoWorld(PairPlaces):
         if first:
             self._loads = force
         self.touched, self.is_pressed = touched, pressed
-        self.end = "" if first else self._end(p, (force[0] > 0, force[1] > 0))
+        heel = loads.heel
+        self.end = "" if first else self._end(p, (force[0] + heel[0] > 0, force[1] + heel[1] > 0))
         threshold = _STICKS * self._period
         left, right = (
             0 if abs(now - then) < threshold else (1 if now > then else -1)
@@ -310,8 +311,8 @@ class MujocoWorld(PairPlaces):
         return _ENDS
 
     def _end(self, p: tuple[float, float], loaded: tuple[bool, bool]) -> str:
-        """Why the carry ends; empty if it goes on. `loaded`: each palm carries some of the weight
-        of the object."""
+        """Why the carry ends; empty if it goes on. `loaded`: each palm, or its heel, carries
+        some of the weight of the object."""
         ends = self._ends
         for k in (0, 1):
             is_held = loaded[k] or "lifting" not in ends
