@@ -216,7 +216,7 @@ struct Lifting : LiftRules<Lifting> {
       {S::meet,        P::any,          any_message,                           If::timed_out,   S::back_off},
       {S::poised,      P::any,          rises,                                 {},              S::raise},
       {S::poised,      P::any,          M::lowering,                           {},              S::back_off},
-      {S::under,       P::not_negative, is_under,            {If::level_only, If::touches},     S::poised},
+      {S::under,       P::any,          is_under,            {If::level_only, If::touches},     S::poised},
       {S::under,       P::any,          any_message,         {If::level_only, If::timed_out},   S::back_off},
       {S::under,       P::any,          any_message,                           If::level_only,  S::under},
       {S::under,       P::any,          is_under,                              {},              S::centre},
