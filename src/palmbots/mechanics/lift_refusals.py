@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from palmbots._types import SIDES, Side
 from palmbots._util.text import millimetres, rounded_down, rounded_up
-from palmbots.mechanics.lift_margins import Lifting, newtons, numbers_of
+from palmbots.mechanics.lift_margins import Lifting, newtons
 from palmbots.scene.core_keys import ROWS
 from palmbots.scene.scene import Scene
 
@@ -29,13 +29,19 @@ def refusals(scene: Scene, found: Lifting) -> Iterator[str]:
             yield from _refusals_of_dock(scene, found, side)
         yield from _refusals_of_noses(found)
     if found.picks_up or found.from_stand_m is not None:
-        missing = [n for n in (0, 2) if n not in found.where_centred]
-        if missing:
+        keys = "palm.shallow_deg, palm.steep_deg"
+        if found.picks_up and 0 not in found.on_floor:
             yield (
-                f"palm.shallow_deg, palm.steep_deg: property {numbers_of(missing)} does not hold "
-                f"{_where(found)}, so corrections lose the object; allowed: pairs of angles with "
-                "which it holds"
+                f"{keys}: property 0 does not hold while the noses are on the floor, where the "
+                "pivots are at different heights, so the palms lose the object; allowed: pairs of "
+                "angles with which it holds"
             )
+        for number in (0, 2):
+            if number not in found.where_centred:
+                yield (
+                    f"{keys}: property {number} does not hold {_IN_AIR}, so corrections lose "
+                    "the object; allowed: pairs of angles with which it holds"
+                )
     taken = [found.palms[side].floor_friction.right for side in _keeping(scene)]
     if found.puts_down and len(taken) == len(SIDES) and found.floor_friction < min(taken):
         yield (
@@ -45,10 +51,8 @@ def refusals(scene: Scene, found: Lifting) -> Iterator[str]:
         )
 
 
-def _where(found: Lifting) -> str:
-    if found.picks_up:
-        return "while the noses are on the floor, where the pivots are at different heights"
-    return "in the air, where the contacts are centred"
+# Where the properties do not hold on the floor, contacts are centred in the air.
+_IN_AIR = "in the air, where the contacts are centred"
 
 
 def _refusals_of_noses(found: Lifting) -> Iterator[str]:
@@ -185,7 +189,7 @@ def warnings(scene: Scene, found: Lifting) -> Iterator[str]:
     """What may end it."""
     if (found.picks_up or found.from_stand_m is not None) and 1 not in found.where_centred:
         yield (
-            f"property 1 does not hold {_where(found)}: corrections may take longer, or never "
+            f"property 1 does not hold {_IN_AIR}: corrections may take longer, or never "
             "centre both contacts"
         )
     for side in SIDES if found.picks_up else ():
