@@ -3,8 +3,9 @@
 // the object up, carry it and put it down. One table for both robots; each runs it beside its
 // controller.
 //
-// A robot's controller corrects the contact as in any carry, from `centre` to `lower`, and drives
-// along the path in `carry` only. Before and after, the table drives the wheels itself.
+// A robot's controller corrects the contact as in any carry, from `centre` to `lower` (only in `carry`
+// if the pair corrects its contacts at level pivots only), and drives along the path in `carry` only.
+// Before and after, the table drives the wheels itself.
 //
 //   dock      palms steep, noses on the floor, closer, until the own sign is not −. The first robot
 //             waits there with its brakes on; the object slides along its palm, to the heel if need
