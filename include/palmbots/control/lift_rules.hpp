@@ -25,8 +25,8 @@ enum class ArmMove : std::uint8_t {
 enum class Driver : std::uint8_t {
   table,
   controller_in_place,  // which does not travel
-  while_level,    // the same; in a pair that corrects contacts at level pivots only, the table
-  while_pressed,  // the same while something presses the palm; otherwise the wheels stand
+  while_level,          // the same, but the table if the pair corrects at level pivots only
+  while_pressed,        // as `while_level` while something presses the palm; otherwise the table
   controller,
 };
 
@@ -149,7 +149,7 @@ struct LiftRules {
     const ArmMove arm = role(state).arm;
     return runs || arm == ArmMove::follow ? arm : ArmMove::hold;
   }
-  // Who commands a robot that knows this: never `while_level` or `while_pressed`.
+  // Who commands the robot, given its senses: never `while_level` or `while_pressed`.
   static constexpr Driver driver(auto state, const LiftSenses& senses) {
     const Driver driver = role(state).driver;
     if (driver != Driver::while_level && driver != Driver::while_pressed) return driver;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Do properties 0, 1 and 2 hold while the pivots are at different heights?
+// Which of properties 0, 1 and 2 hold while the pivots are at different heights.
 //
 // Near the floor they are, because each palm keeps its inner end on the floor: a palm at the angle θ
 // has its pivot ℓ sin θ above the nose's lower edge. In the air two arms differ by their errors, and
@@ -24,7 +24,7 @@ namespace palmbots {
 inline constexpr unsigned all_properties = 0b111;
 constexpr unsigned property_bit(int number) { return 1U << static_cast<unsigned>(number); }
 
-// The largest rise that is permitted, as are all smaller ones; 0: none is [m].
+// The largest rise up to which every rise is permitted; 0: none is [m].
 template <class Permits>
 double largest_rise(const Spec& spec, Permits&& permits) {
   if (!permits(0.0)) return 0.0;
@@ -50,9 +50,9 @@ class PivotRises {
     find_poses();
   }
 
-  // The properties that hold for all rises from `rise.low` to `rise.high`; with `on_floor` these are
-  // further ones, and both inner ends are on the floor. With `clear` a property also demands that the
-  // object touches the palms, as if they were infinitely long, nowhere else.
+  // The properties that hold for all rises from `rise.low` to `rise.high`. With `on_floor` both noses
+  // are on the floor, and these are added to the rise that the pivots have there. With `clear` the
+  // object may touch the palms, as if they were infinitely long, at its contacts only.
   unsigned holding(Interval<double> rise, bool on_floor, bool clear) const {
     unsigned hold = all_properties;
     for (const Pose& pose : poses_) {

@@ -29,14 +29,14 @@ class StoredArm(NamedTuple):
     """What a robot remembers of its arm over a boot: heights of the pivot over the floor [m]."""
 
     pivot_m: float = 0.0
-    """Where the arm goes on: at the end of its present step from which it has come. The partner's
-    arm is at most a step from there."""
+    """Height at which the arm goes on: the end of its present step from which it came. The
+    partner's arm is at most a step from there."""
     touched_m: float = 0.0
-    """At which the palm touched an object on a stand; otherwise where the job begins below it."""
+    """Height at which the palm touched an object on a stand; before that, where the job begins."""
 
 
 NEW_ARM = StoredArm()
-"""Of an arm that was never commanded: it is where the job begins."""
+"""An arm that was never commanded is where the job begins."""
 
 
 @dataclass(frozen=True)

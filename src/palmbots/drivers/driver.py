@@ -43,8 +43,8 @@ class Reading:
     stored_arm: StoredArm = NEW_ARM
     """What the robot remembers of its arm over a boot."""
     beneath: bool | None = None
-    """The robot has reached its place below an object on a stand. None: the driver does not say so,
-    and the distance decides."""
+    """The robot has reached its place below an object on a stand. None: the driver does not report
+    it, and the distance decides."""
     far_enough: bool = False
     """The distance is covered, whatever the odometry counts; of a simulated world in lockstep."""
 

@@ -136,8 +136,8 @@ def warnings_of(
     key: str = "palm.steep_deg",
     may_be: Callable[[float], bool] = lambda _: False,
 ) -> Iterator[str]:
-    """What may end it; `may_be`: the job works with this value of the key. One robot alone may not
-    get away from the object at an angle from which it does not slide down."""
+    """What may end the job. `may_be`: whether the job can begin with this value of the key. The
+    default names no angle: one robot alone may not get away from the object at that angle."""
     if found.floor_friction >= found.least_floor_friction:
         return
     remedies = []

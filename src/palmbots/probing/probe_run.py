@@ -35,8 +35,8 @@ _LEAST_DRIFT = 0.001
 _STRIDE = 5
 """Control periods after which robots in real time stand, if no switch may show how far they are."""
 _OLDER = 6
-"""Of so many readings in real time, the last one of a robot is newer than the first one of the
-other robot (docs/theory/probing.md)."""
+"""In this many consecutive readings in real time, the last one of a robot is newer than the first
+one of its partner (docs/theory/probing.md)."""
 _PATIENCE, _WASTED = 20, 60
 """Probes in a row that do not cut the set, after which smaller cuts count, too, and after which
 nothing more is to be learned."""
