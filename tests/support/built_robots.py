@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two robots of motors, servos and switches at an object on the floor or on a stand.
 
-Between the robots' programs and the world is what a robot with hardware has: a driver of somebody
-else, which derives from `HardwareDriver`, and ``[hardware]``. The world knows pivots and palms only
-(`FloorWorld`): neither what a phase is nor when an arm is to stop.
+As with real hardware, a driver that a user would write stands between a robot's program and the
+world: it derives from `HardwareDriver` and reads ``[hardware]``. The world knows pivots and palms
+only (`FloorWorld`): neither what a phase is nor when an arm is to stop.
 """
 
 import json
@@ -161,7 +161,7 @@ class BuiltWorld:
 
 
 class BuiltRobot(HardwareDriver):
-    """The driver of somebody else, whose hardware is in the `BuiltWorld`."""
+    """A driver as a user would write it, whose hardware is in the `BuiltWorld`."""
 
     has_watchdog = has_arm = True
     world: ClassVar[BuiltWorld]
